@@ -1,0 +1,123 @@
+//! Putting a scene together.
+
+use glam::{Mat4, Vec3};
+
+use super::shapes::{Faces, cuboid};
+use crate::{
+    Filter, Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Shading, Texture,
+    TextureRef, Wrap,
+};
+
+/// Albedo of white paint, as in the Cornell box.
+pub(super) const WHITE: Vec3 = Vec3::splat(0.73);
+/// The Cornell box's left wall.
+pub(super) const RED: Vec3 = Vec3::new(0.65, 0.05, 0.05);
+/// The Cornell box's right wall.
+pub(super) const GREEN: Vec3 = Vec3::new(0.12, 0.45, 0.15);
+
+/// Distance from a lamp's face down to its light, in metres.
+const LAMP_LIGHT_DROP_M: f32 = 0.04;
+
+pub(super) fn material(scene: &mut Scene, material: Material) -> usize {
+    scene.materials.push(material);
+    scene.materials.len() - 1
+}
+
+pub(super) fn diffuse(scene: &mut Scene, name: &str, albedo: Vec3) -> usize {
+    material(scene, Material::diffuse(name, albedo))
+}
+
+/// Places a mesh that is already in world space.
+pub(super) fn place(scene: &mut Scene, name: &str, mesh: Mesh, material: usize) {
+    place_at(scene, name, mesh, material, Mat4::IDENTITY);
+}
+
+pub(super) fn place_at(
+    scene: &mut Scene,
+    name: &str,
+    mut mesh: Mesh,
+    material: usize,
+    world_from_local: Mat4,
+) {
+    name.clone_into(&mut mesh.name);
+    scene.meshes.push(mesh);
+    let mesh = scene.meshes.len() - 1;
+    scene.instances.push(Instance { name: name.to_owned(), mesh, material, world_from_local });
+}
+
+/// A lamp flush under a ceiling: a flat box whose face glows a little, and under it the point light
+/// that does the lighting.
+pub(super) struct Lamp {
+    /// The middle of the box's top, on the ceiling.
+    pub(super) top: Vec3,
+    /// Half its edges along x and z, and how far it hangs down, in metres.
+    pub(super) half_x_m: f32,
+    pub(super) half_z_m: f32,
+    pub(super) drop_m: f32,
+    /// Radiance of the face in cd/m².
+    pub(super) face_radiance: f32,
+    /// The light's luminous intensity in candela.
+    pub(super) intensity_cd: f32,
+}
+
+impl Lamp {
+    pub(super) fn install(self, scene: &mut Scene) {
+        let half = Vec3::new(self.half_x_m, 0.0, self.half_z_m);
+        let min = self.top - half - Vec3::Y * self.drop_m;
+        let max = self.top + half;
+
+        let sides = diffuse(scene, "lamp sides", WHITE);
+        let body = cuboid(min, max, Faces::SIDES);
+        place(scene, "lamp sides", body, sides);
+
+        // The face is black apart from its glow: the light hangs so near that it would burn a spot
+        // into a white one, which no voxel resolves.
+        let mut face = Material::diffuse("lamp face", Vec3::ZERO);
+        face.emissive = Vec3::splat(self.face_radiance);
+        let face = material(scene, face);
+        let only_bottom = Faces { x: [false; 2], y: [true, false], z: [false; 2] };
+        place(scene, "lamp face", cuboid(min, max, only_bottom), face);
+
+        scene.lights.push(Light {
+            name: "lamp".to_owned(),
+            kind: LightKind::Point { intensity_cd: self.intensity_cd, range_m: None },
+            position: self.top - Vec3::Y * (self.drop_m + LAMP_LIGHT_DROP_M),
+            // Smaller than the distance to the face, so that no part of the sphere is inside.
+            radius_m: 0.03,
+            ..Light::default()
+        });
+    }
+}
+
+/// A diffuse checkerboard: a repeating image of two by two texels of sRGB-encoded colours, so one
+/// unit of u is two fields.
+pub(super) fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> usize {
+    let [a, b] = colors.map(|[r, g, b]| [r, g, b, 255]);
+    scene.textures.push(Texture {
+        name: name.to_owned(),
+        width: 2,
+        height: 2,
+        rgba8: [a, b, b, a].concat(),
+        sampler: Sampler {
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+            magnify: Filter::Nearest,
+            minify: Filter::Linear,
+        },
+    });
+    let texture = TextureRef { texture: scene.textures.len() - 1 };
+    let mut checkered = Material::diffuse(name, Vec3::ONE);
+    if let Shading::MetallicRoughness(shading) = &mut checkered.shading {
+        shading.base_color_texture = Some(texture);
+    }
+    material(scene, checkered)
+}
+
+/// Repeats the image of a mesh.
+pub(super) fn tile(mut mesh: Mesh, times_u: f32, times_v: f32) -> Mesh {
+    for uv in &mut mesh.uvs {
+        uv.x *= times_u;
+        uv.y *= times_v;
+    }
+    mesh
+}

@@ -1,0 +1,54 @@
+//! The Cornell box (Goral, Torrance, Greenberg & Battaile 1984, "Modeling the interaction of light
+//! between diffuse surfaces"), with the proportions of Cornell's measured data (552.8 units a side)
+//! scaled to two metres. It is open towards +z, where the camera stands.
+
+use glam::{Mat4, Vec3};
+
+use super::build::{GREEN, Lamp, RED, WHITE, diffuse, place, place_at};
+use super::shapes::{Faces, cuboid, merge, quad};
+use crate::{Camera, Scene};
+
+/// Both blocks are turned by this about y, one either way (the data's edges (160, 49) and (158, 49)).
+const BLOCK_TURN_RAD: f32 = 0.297;
+
+pub(super) fn scene() -> Scene {
+    let mut scene = Scene::default();
+    let white = diffuse(&mut scene, "white", WHITE);
+    let red = diffuse(&mut scene, "red", RED);
+    let green = diffuse(&mut scene, "green", GREEN);
+
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    let white_walls = [quad(Vec3::ZERO, x, -z), quad(2.0 * y, x, z), quad(y - z, x, y)];
+    place(&mut scene, "floor, ceiling, back wall", merge(white_walls), white);
+    place(&mut scene, "left wall", quad(y - x, -z, y), red);
+    place(&mut scene, "right wall", quad(y + x, z, y), green);
+
+    let block = |height_m: f32| {
+        cuboid(Vec3::new(-0.3, 0.0, -0.3), Vec3::new(0.3, height_m, 0.3), Faces::NO_BOTTOM)
+    };
+    let short =
+        Mat4::from_translation(Vec3::new(0.33, 0.0, 0.40)) * Mat4::from_rotation_y(-BLOCK_TURN_RAD);
+    let tall = Mat4::from_translation(Vec3::new(-0.33, 0.0, -0.25))
+        * Mat4::from_rotation_y(BLOCK_TURN_RAD);
+    place_at(&mut scene, "short block", block(0.6), white, short);
+    place_at(&mut scene, "tall block", block(1.2), white, tall);
+
+    // The data's lamp is 130 x 105 units. Its glow is a fiftieth of the light's flux.
+    Lamp {
+        top: 2.0 * y,
+        half_x_m: 0.235,
+        half_z_m: 0.19,
+        drop_m: 0.02,
+        face_radiance: 10.0,
+        intensity_cd: 20.0,
+    }
+    .install(&mut scene);
+
+    // The front opening, 2.8 m away, fills the height but for two per cent on each side.
+    let fov = 2.0 * (1.02_f32 / 2.8).atan();
+    scene.cameras.push(Camera {
+        name: "front".to_owned(),
+        ..Camera::look_at(Vec3::new(0.0, 1.0, 3.8), Vec3::Y, fov)
+    });
+    scene
+}

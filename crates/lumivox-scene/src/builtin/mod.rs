@@ -1,0 +1,92 @@
+//! Scenes made in code: always at hand, exact, and small enough to reason about.
+//!
+//! | Name | What it is for |
+//! | --- | --- |
+//! | `cornell` | the Cornell box: colour bleeding, soft indirect shadows |
+//! | `two-rooms` | a wall thinner than a voxel with a doorway: leaking against bleeding |
+//! | `two-rooms-closed` | the same without the doorway: the dark room must stay black |
+//! | `atrium` | a two-storey hall under sun and sky: large contrasts, columns, cloths |
+//! | `furnace` | a closed cube of uniform emission e and albedo a: radiance e / (1 - a) everywhere |
+//! | `panel` | a large emitter over a floor: form factors in closed form |
+//! | `spheres` | roughness from 0.05 to 1, metal and dielectric, over a textured floor |
+//!
+//! Each exists as `NAME-rotated`, too: turned by [`ROTATION_RAD`] about the centre of its bounds, so
+//! that no wall is aligned with a voxel grid. Nothing else may change in the picture.
+
+mod atrium;
+mod build;
+mod cornell;
+mod furnace;
+mod panel;
+mod shapes;
+mod spheres;
+mod two_rooms;
+
+use glam::{EulerRot, Mat4, Quat, Vec3};
+
+use crate::{Scene, SceneError};
+
+/// The turn of the `-rotated` scenes: Euler angles in radians about x, y and z (intrinsic, in that
+/// order).
+pub const ROTATION_RAD: Vec3 = Vec3::new(0.5, 0.35, 0.4);
+
+const ROTATED: &str = "-rotated";
+
+const NAMES: [&str; 14] = [
+    "cornell",
+    "cornell-rotated",
+    "two-rooms",
+    "two-rooms-rotated",
+    "two-rooms-closed",
+    "two-rooms-closed-rotated",
+    "atrium",
+    "atrium-rotated",
+    "furnace",
+    "furnace-rotated",
+    "panel",
+    "panel-rotated",
+    "spheres",
+    "spheres-rotated",
+];
+
+/// The names that [`scene`] knows.
+pub fn names() -> &'static [&'static str] {
+    &NAMES
+}
+
+/// Makes the built-in scene of that name.
+///
+/// # Errors
+/// [`SceneError::UnknownBuiltin`], which lists the names, when there is none.
+pub fn scene(name: &str) -> Result<Scene, SceneError> {
+    let plain = name.strip_suffix(ROTATED).unwrap_or(name);
+    let mut scene = match plain {
+        "cornell" => cornell::scene(),
+        "two-rooms" => two_rooms::scene(true),
+        "two-rooms-closed" => two_rooms::scene(false),
+        "atrium" => atrium::scene(),
+        "furnace" => furnace::scene(),
+        "panel" => panel::scene(),
+        "spheres" => spheres::scene(),
+        _ => {
+            return Err(SceneError::UnknownBuiltin {
+                name: name.to_owned(),
+                known: NAMES.to_vec(),
+            });
+        }
+    };
+    name.clone_into(&mut scene.name);
+    scene.validate()?;
+    if plain != name {
+        scene.transform(rotation_about(scene.bounds().center()));
+    }
+    Ok(scene)
+}
+
+fn rotation_about(center: Vec3) -> Mat4 {
+    let turn = Quat::from_euler(EulerRot::XYZ, ROTATION_RAD.x, ROTATION_RAD.y, ROTATION_RAD.z);
+    Mat4::from_translation(center) * Mat4::from_quat(turn) * Mat4::from_translation(-center)
+}
+
+#[cfg(test)]
+mod tests;

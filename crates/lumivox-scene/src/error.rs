@@ -1,0 +1,177 @@
+//! What can be wrong with a scene: what, where, and what to do.
+
+use std::path::PathBuf;
+
+/// Why a scene could not be had. Each message names the file (or the scene), the part of it, and a
+/// remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The file's extension is none that is read here.
+    #[error(
+        "{}: cannot tell the format from the extension \"{extension}\"; \
+         give a .gltf or .glb file",
+        file.display()
+    )]
+    UnknownFormat {
+        /// The file asked for.
+        file: PathBuf,
+        /// Its extension in lower case, maybe empty.
+        extension: String,
+    },
+
+    /// There is no built-in scene of that name.
+    #[error("no built-in scene is called \"{name}\"; there are: {}", known.join(", "))]
+    UnknownBuiltin {
+        /// The name asked for.
+        name: String,
+        /// The names that exist.
+        known: Vec<&'static str>,
+    },
+
+    /// The file itself cannot be read.
+    #[error("{}: cannot read the file: {source}; check the path and its permissions", file.display())]
+    Read {
+        /// The file asked for.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+
+    /// A file that the scene names cannot be read.
+    #[error(
+        "{}: {part} names the file {}, which cannot be read: {source}; \
+         put it beside the scene or re-export with everything embedded",
+        file.display(), missing.display()
+    )]
+    ReadExternal {
+        /// The scene's file.
+        file: PathBuf,
+        /// The part that names the other file, such as `buffer 0`.
+        part: String,
+        /// The path that was tried.
+        missing: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+
+    /// A file that the scene names lies where scenes may not reach.
+    #[error(
+        "{}: {part} names \"{uri}\": {reason}; scenes may only name files in their own folder \
+         and below, copy it there",
+        file.display()
+    )]
+    RefusedUri {
+        /// The scene's file.
+        file: PathBuf,
+        /// The part that names the other file.
+        part: String,
+        /// What it names, shortened.
+        uri: String,
+        /// Why that is refused.
+        reason: String,
+    },
+
+    /// The content breaks the format.
+    #[error("{}: {part} is malformed: {reason}; re-export the scene", file.display())]
+    Malformed {
+        /// The scene's file.
+        file: PathBuf,
+        /// The broken part, such as `accessor 3`.
+        part: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+
+    /// The file says that it cannot be shown without an extension that is not supported.
+    #[error(
+        "{}: requires the glTF extension {}, which is not supported; re-export without it \
+         (supported: {})",
+        file.display(), extensions.join(", "), supported.join(", ")
+    )]
+    RequiredExtension {
+        /// The scene's file.
+        file: PathBuf,
+        /// The extensions that are required and missing.
+        extensions: Vec<String>,
+        /// The extensions that are understood.
+        supported: Vec<&'static str>,
+    },
+
+    /// An image cannot be decoded.
+    #[error("{}: {image} cannot be used: {reason}; convert it to PNG or JPEG", file.display())]
+    Image {
+        /// The scene's file.
+        file: PathBuf,
+        /// The image.
+        image: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+
+    /// A number is NaN or infinite.
+    #[error("{}: {part} has a number that is not finite; repair it in the modelling program", file.display())]
+    NotFinite {
+        /// The scene's file or name.
+        file: PathBuf,
+        /// The part, such as `mesh "wall", position 7`.
+        part: String,
+    },
+
+    /// A number lies outside of what has a meaning.
+    #[error("{}: {part} is {value}, but must be {expected}; correct it", file.display())]
+    OutOfRange {
+        /// The scene's file or name.
+        file: PathBuf,
+        /// The part.
+        part: String,
+        /// What it says.
+        value: String,
+        /// What would do.
+        expected: String,
+    },
+
+    /// An index points at nothing.
+    #[error(
+        "{}: {part} is {index}, but there are only {count} {target}; re-export the scene",
+        file.display()
+    )]
+    IndexOutOfRange {
+        /// The scene's file or name.
+        file: PathBuf,
+        /// The part that holds the index.
+        part: String,
+        /// The index.
+        index: usize,
+        /// How many things it could point at.
+        count: usize,
+        /// What these things are, such as `vertices`.
+        target: &'static str,
+    },
+
+    /// Nothing to show.
+    #[error(
+        "{}: no triangles to show ({reason}); export at least one mesh with triangles in the \
+         default scene",
+        file.display()
+    )]
+    NoTriangles {
+        /// The scene's file or name.
+        file: PathBuf,
+        /// How that came about.
+        reason: String,
+    },
+
+    /// Everything lies in one point.
+    #[error(
+        "{}: the scene has size zero, all of it lies at {point}; check the units and scales of \
+         the export",
+        file.display()
+    )]
+    ZeroSize {
+        /// The scene's file or name.
+        file: PathBuf,
+        /// That point.
+        point: String,
+    },
+}

@@ -1,0 +1,223 @@
+//! The two outer forms of glTF 2.0, JSON and GLB (section 4.4), down to a document whose indices
+//! all point at something, and its buffers.
+
+use std::path::Path;
+
+use gltf::Document;
+use gltf::json::validation::{Error as Fault, Validate};
+use gltf::json::{Path as JsonPath, Root};
+
+use super::{Notes, uri};
+use crate::SceneError;
+
+/// What of glTF's extensions is understood.
+pub(super) const SUPPORTED: [&str; 4] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+];
+
+const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
+const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
+
+/// A document whose indices are valid, and the bytes of its buffers.
+pub(super) struct Parsed {
+    pub(super) document: Document,
+    pub(super) buffers: Vec<Vec<u8>>,
+}
+
+pub(super) fn parse(file: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Parsed, SceneError> {
+    let malformed = |part: &str, reason: String| SceneError::Malformed {
+        file: file.to_owned(),
+        part: part.to_owned(),
+        reason,
+    };
+    if bytes.is_empty() {
+        return Err(malformed("the file", "it is empty".to_owned()));
+    }
+    let (json, binary) = if bytes.starts_with(b"glTF") {
+        split_glb(bytes).map_err(|reason| malformed("the GLB container", reason))?
+    } else {
+        (bytes, None)
+    };
+    // Some exporters write a byte order mark, which JSON forbids.
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let mut root =
+        Root::from_slice(json).map_err(|error| malformed("the JSON", error.to_string()))?;
+
+    check_extensions(file, &mut root, notes)?;
+    drop_primitives_without_positions(&mut root, notes);
+    check_position_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
+    check_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
+    let buffers = read_buffers(file, &root, binary)?;
+    Ok(Parsed { document: Document::from_json_without_validation(root), buffers })
+}
+
+/// The JSON and the binary chunk. Lengths are checked against what is there.
+fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
+    let word = |at: usize| -> Result<u32, String> {
+        let bytes = bytes.get(at..at + 4).ok_or("it ends in the middle of a header")?;
+        Ok(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+    };
+    let version = word(4)?;
+    if version != 2 {
+        return Err(format!("it has version {version}, but only version 2 is read"));
+    }
+    let length = word(8)? as usize;
+    if length > bytes.len() {
+        return Err(format!("it is cut off: {length} bytes are declared, {} exist", bytes.len()));
+    }
+    let mut at = 12;
+    let mut chunk = || -> Result<Option<(&[u8], u32)>, String> {
+        if at >= length {
+            return Ok(None);
+        }
+        let size = word(at)? as usize;
+        let kind = word(at + 4)?;
+        let begin = at + 8;
+        // Compared this way round, nothing overflows where usize has 32 bits.
+        if begin > length || size > length - begin {
+            return Err(format!("a chunk of {size} bytes at byte {at} does not fit in it"));
+        }
+        at = begin + size.next_multiple_of(4).min(length - begin);
+        Ok(Some((&bytes[begin..begin + size], kind)))
+    };
+
+    let Some((json, JSON_CHUNK)) = chunk()? else {
+        return Err("its first chunk is not JSON".to_owned());
+    };
+    // Unknown chunks after the first are to be ignored.
+    while let Some((data, kind)) = chunk()? {
+        if kind == BINARY_CHUNK {
+            return Ok((json, Some(data)));
+        }
+    }
+    Ok((json, None))
+}
+
+fn check_extensions(file: &Path, root: &mut Root, notes: &mut Notes) -> Result<(), SceneError> {
+    let unknown = |names: &[String]| -> Vec<String> {
+        let known = |name: &String| SUPPORTED.contains(&name.as_str());
+        names.iter().filter(|name| !known(name)).map(|name| uri::shorten(name)).collect()
+    };
+    let missing = unknown(&root.extensions_required);
+    if !missing.is_empty() {
+        return Err(SceneError::RequiredExtension {
+            file: file.to_owned(),
+            extensions: missing,
+            supported: SUPPORTED.to_vec(),
+        });
+    }
+    // The JSON library would refuse some that are read here.
+    root.extensions_required.clear();
+    for name in unknown(&root.extensions_used) {
+        notes.warn(format!("the glTF extension {name} is not supported and was ignored"));
+    }
+    Ok(())
+}
+
+fn drop_primitives_without_positions(root: &mut Root, notes: &mut Notes) {
+    use gltf::json::validation::Checked::Valid;
+    for (i, mesh) in root.meshes.iter_mut().enumerate() {
+        let before = mesh.primitives.len();
+        mesh.primitives.retain(|primitive| {
+            primitive.attributes.contains_key(&Valid(gltf::Semantic::Positions))
+        });
+        let dropped = before - mesh.primitives.len();
+        if dropped > 0 {
+            let name = mesh.name.clone().unwrap_or_else(|| i.to_string());
+            notes.warn(format!(
+                "mesh \"{name}\": {dropped} primitives without positions were skipped"
+            ));
+        }
+    }
+}
+
+/// The JSON library's validation looks these up without a check of its own.
+fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
+    for (i, mesh) in root.meshes.iter().enumerate() {
+        for index in mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values()) {
+            if index.value() >= root.accessors.len() {
+                let reason = format!(
+                    "an attribute names accessor {}, but there are only {}",
+                    index.value(),
+                    root.accessors.len()
+                );
+                return Err((format!("mesh {i}"), reason));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks everything that points at something else; the rest of the loader relies on it.
+fn check_indices(root: &Root) -> Result<(), (String, String)> {
+    let mut first = None;
+    root.validate(root, JsonPath::new, &mut |path, fault| {
+        let path = path();
+        let text = path.as_str();
+        // Bounds of positions are required by the letter, but nothing here needs them.
+        let only_bounds =
+            text.contains("POSITION") && (text.ends_with("min") || text.ends_with("max"));
+        // Accessors without a buffer view are all zeros, which the library does not know.
+        let only_zeros = fault == Fault::Missing
+            && text.starts_with("accessors[")
+            && text.ends_with(".bufferView");
+        if !only_bounds && !only_zeros && first.is_none() {
+            let reason = match fault {
+                Fault::IndexOutOfBounds => "it points at something that does not exist",
+                Fault::Missing => "it is missing",
+                Fault::Oversize => "it is larger than memory",
+                Fault::Unsupported => "it is not supported",
+                Fault::Invalid => "its value is not allowed",
+            };
+            first = Some((text.to_owned(), reason.to_owned()));
+        }
+    });
+    // What the library's validation leaves out.
+    for (i, camera) in root.cameras.iter().enumerate() {
+        use gltf::json::camera::Type;
+        let missing = match camera.type_ {
+            gltf::json::validation::Checked::Valid(Type::Perspective) => {
+                camera.perspective.is_none()
+            }
+            _ => camera.orthographic.is_none(),
+        };
+        if missing && first.is_none() {
+            first = Some((format!("camera {i}"), "its projection is missing".to_owned()));
+        }
+    }
+    first.map_or(Ok(()), Err)
+}
+
+fn read_buffers(
+    file: &Path,
+    root: &Root,
+    binary: Option<&[u8]>,
+) -> Result<Vec<Vec<u8>>, SceneError> {
+    let mut buffers = Vec::new();
+    for (i, buffer) in root.buffers.iter().enumerate() {
+        let part = format!("buffer {i}");
+        let malformed = |reason: String| SceneError::Malformed {
+            file: file.to_owned(),
+            part: part.clone(),
+            reason,
+        };
+        let data = match (&buffer.uri, binary) {
+            (Some(uri), _) => uri::read(file, &part, uri)?,
+            // Only the first buffer may be the GLB's own.
+            (None, Some(binary)) if i == 0 => binary.to_vec(),
+            (None, _) => return Err(malformed("it has neither a URI nor a GLB chunk".to_owned())),
+        };
+        if (data.len() as u64) < buffer.byte_length.0 {
+            return Err(malformed(format!(
+                "{} bytes are declared, but only {} exist",
+                buffer.byte_length.0,
+                data.len()
+            )));
+        }
+        buffers.push(data);
+    }
+    Ok(buffers)
+}

@@ -1,0 +1,136 @@
+//! Reads glTF 2.0 (Khronos, "glTF 2.0 specification", 2021), as `.gltf` with its files or as `.glb`.
+//!
+//! Files come from anywhere, so nothing in them is believed: sizes are checked against the bytes
+//! that exist before memory is taken, indices before they are used, paths before they are followed.
+//! Only what the default scene (or else the first) reaches is loaded. One primitive becomes one
+//! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding.
+
+mod accessor;
+mod container;
+mod image;
+mod material;
+mod node;
+mod primitive;
+mod tangents;
+mod uri;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use gltf::json::Root;
+
+use crate::{Scene, SceneError};
+
+/// Warnings, each once.
+#[derive(Default)]
+struct Notes {
+    warnings: Vec<String>,
+}
+
+impl Notes {
+    /// The most that is kept: a hostile file could ask for millions.
+    const MOST: usize = 100;
+
+    fn warn(&mut self, warning: String) {
+        if self.warnings.len() < Self::MOST && !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+}
+
+/// How much memory a scene may take, whatever its file claims. Generous for real scenes: a small
+/// file can refer to the same data many times over.
+struct Budget {
+    vertices: usize,
+    texels: u64,
+    instances: usize,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self { vertices: 100_000_000, texels: 1_000_000_000, instances: 1_000_000 }
+    }
+}
+
+/// The state of loading one file.
+struct Loader<'a> {
+    file: &'a Path,
+    document: &'a gltf::Document,
+    buffers: &'a [Vec<u8>],
+    scene: Scene,
+    notes: Notes,
+    budget: Budget,
+    /// From (glTF mesh, primitive, mirrored) to a scene's mesh; `None` where it was skipped.
+    meshes: HashMap<(usize, usize, bool), Option<usize>>,
+    /// From glTF material to a scene's; the default material has none.
+    materials: HashMap<Option<usize>, usize>,
+    /// From (glTF image, sampler) to a scene's texture.
+    textures: HashMap<(usize, Option<usize>), usize>,
+}
+
+pub(crate) fn load(file: &Path) -> Result<Scene, SceneError> {
+    let bytes = uri::read_regular(file)
+        .map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
+    let scene = load_bytes(file, &bytes)?;
+    for warning in &scene.notes.warnings {
+        tracing::warn!("{}: {warning}", file.display());
+    }
+    tracing::info!(
+        "{}: {} triangles in {} meshes, {} materials, {} textures, {} lights, {} cameras",
+        file.display(),
+        scene.triangle_count(),
+        scene.meshes.len(),
+        scene.materials.len(),
+        scene.textures.len(),
+        scene.lights.len(),
+        scene.cameras.len()
+    );
+    Ok(scene)
+}
+
+/// Loads from memory; other files are looked for beside `file`.
+fn load_bytes(file: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+    let mut notes = Notes::default();
+    let parsed = container::parse(file, bytes, &mut notes)?;
+    let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let mut loader = Loader {
+        file,
+        document: &parsed.document,
+        buffers: &parsed.buffers,
+        scene: Scene { name: name.unwrap_or_default(), ..Scene::default() },
+        notes,
+        budget: Budget::default(),
+        meshes: HashMap::new(),
+        materials: HashMap::new(),
+        textures: HashMap::new(),
+    };
+    loader.load_nodes()?;
+    let mut scene = loader.scene;
+    scene.notes.warnings = loader.notes.warnings;
+    crate::validate::validate(&mut scene, file)?;
+    Ok(scene)
+}
+
+impl<'a> Loader<'a> {
+    fn root(&self) -> &'a Root {
+        self.document.as_json()
+    }
+
+    fn malformed(&self, part: &str, reason: &str) -> SceneError {
+        SceneError::Malformed {
+            file: self.file.to_owned(),
+            part: part.to_owned(),
+            reason: reason.to_owned(),
+        }
+    }
+
+    fn too_many(&self, part: &str, what: &str) -> SceneError {
+        self.malformed(part, &format!("with it the scene has too many {what}, split it up"))
+    }
+}
+
+/// The name of a part of a glTF file: its own, or its number. Cut short, since many things can share
+/// one.
+fn name_or_index(name: Option<&str>, kind: &str, index: usize) -> String {
+    name.map_or_else(|| format!("{kind} {index}"), uri::shorten)
+}

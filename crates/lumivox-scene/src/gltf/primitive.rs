@@ -1,0 +1,270 @@
+//! One glTF primitive becomes one mesh: a list of triangles with all attributes filled.
+
+use glam::{Vec2, Vec3, Vec4};
+use gltf::Semantic;
+use gltf::mesh::Mode;
+
+use super::{Loader, name_or_index, tangents};
+use crate::model::any_tangent;
+use crate::{Mesh, SceneError};
+
+impl Loader<'_> {
+    /// Loads a primitive once per winding. `None` where it holds no triangles.
+    pub(super) fn primitive(
+        &mut self,
+        mesh: &gltf::Mesh<'_>,
+        primitive: &gltf::Primitive<'_>,
+        mirrored: bool,
+        material: usize,
+    ) -> Result<Option<usize>, SceneError> {
+        let key = (mesh.index(), primitive.index(), mirrored);
+        if let Some(&known) = self.meshes.get(&key) {
+            return Ok(known);
+        }
+        let mut name = name_or_index(mesh.name(), "mesh", mesh.index());
+        if mesh.primitives().len() > 1 {
+            name = format!("{name}, primitive {}", primitive.index());
+        }
+        let needs_tangents = self.scene.materials[material].normal_texture.is_some();
+        let loaded = self.read(primitive, name, needs_tangents)?.map(|mut mesh| {
+            if mirrored {
+                mesh.flip_winding();
+            }
+            self.scene.meshes.push(mesh);
+            self.scene.meshes.len() - 1
+        });
+        self.meshes.insert(key, loaded);
+        Ok(loaded)
+    }
+
+    fn read(
+        &mut self,
+        primitive: &gltf::Primitive<'_>,
+        name: String,
+        needs_tangents: bool,
+    ) -> Result<Option<Mesh>, SceneError> {
+        let part = format!("mesh \"{name}\"");
+        let mode = primitive.mode();
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.notes.warn(format!("{part}: points and lines are not shown and were skipped"));
+            return Ok(None);
+        }
+        let accessor = |semantic: Semantic| primitive.get(&semantic).map(|a| a.index());
+        let Some(positions) = accessor(Semantic::Positions) else {
+            self.notes.warn(format!("{part}: it has no positions and was skipped"));
+            return Ok(None);
+        };
+        self.warn_of_ignored(primitive, &part);
+        self.spend_vertices(&part, positions)?;
+
+        let positions = self.read_floats::<3>(positions, "positions")?;
+        let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from_array).collect();
+        if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
+            let part = format!("{part}, position {i},");
+            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
+        }
+        let count = positions.len();
+        let indices = match primitive.indices() {
+            Some(indices) => {
+                self.spend_vertices(&part, indices.index())?;
+                let indices = self.read_indices(indices.index())?;
+                self.check_indices(&part, &indices, count)?;
+                indices
+            }
+            None => (0..count as u32).collect(),
+        };
+        let indices = to_triangles(mode, &indices);
+
+        let uvs = match accessor(Semantic::TexCoords(0)) {
+            Some(uvs) => self.read_floats::<2>(uvs, "texture coordinates")?,
+            None => vec![[0.0; 2]; count],
+        };
+        let normals = match accessor(Semantic::Normals) {
+            Some(normals) => Some(self.read_floats::<3>(normals, "normals")?),
+            None => None,
+        };
+        // Tangents without normals are to be ignored (glTF 2.0, section 3.7.2.1).
+        let tangents = match accessor(Semantic::Tangents) {
+            Some(tangents) if normals.is_some() => {
+                Some(self.read_floats::<4>(tangents, "tangents")?)
+            }
+            _ => None,
+        };
+        let lengths =
+            [Some(uvs.len()), normals.as_ref().map(Vec::len), tangents.as_ref().map(Vec::len)];
+        if lengths.into_iter().flatten().any(|length| length != count) {
+            return Err(self.malformed(&part, "its attributes differ in length"));
+        }
+
+        let mut mesh = Mesh {
+            name,
+            positions,
+            normals: Vec::new(),
+            uvs: uvs.into_iter().map(Vec2::from_array).collect(),
+            tangents: Vec::new(),
+            indices,
+        };
+        match normals {
+            Some(normals) => {
+                mesh.normals = normals.into_iter().map(Vec3::from_array).collect();
+                self.repair_normals(&mut mesh)?;
+            }
+            None => make_flat(&mut mesh),
+        }
+        mesh.tangents = mesh.normals.iter().map(|&normal| any_tangent(normal)).collect();
+        match tangents {
+            Some(given) => use_tangents(&mut mesh, &given),
+            None if needs_tangents && mesh.uvs.iter().all(|uv| uv.is_finite()) => {
+                tangents::generate(&mut mesh);
+            }
+            None => {}
+        }
+        Ok(Some(mesh))
+    }
+
+    /// Takes the elements of an accessor from the budget, before they are read.
+    fn spend_vertices(&mut self, part: &str, accessor: usize) -> Result<(), SceneError> {
+        let count = self.root().accessors.get(accessor).map_or(0, |accessor| accessor.count.0);
+        let left = usize::try_from(count).ok().and_then(|n| self.budget.vertices.checked_sub(n));
+        self.budget.vertices = left.ok_or_else(|| self.too_many(part, "vertices"))?;
+        Ok(())
+    }
+
+    fn warn_of_ignored(&mut self, primitive: &gltf::Primitive<'_>, part: &str) {
+        if primitive.get(&Semantic::Colors(0)).is_some() {
+            self.notes.warn(format!("{part}: vertex colours are not supported and were ignored"));
+        }
+        if primitive.morph_targets().len() > 0 {
+            self.notes.warn(format!("{part}: morph targets are not supported and were ignored"));
+        }
+        if primitive.get(&Semantic::Joints(0)).is_some() {
+            self.notes.warn(format!("{part}: skinning is not supported, the bind pose is shown"));
+        }
+    }
+
+    fn check_indices(
+        &self,
+        part: &str,
+        indices: &[u32],
+        vertices: usize,
+    ) -> Result<(), SceneError> {
+        match indices.iter().position(|&index| index as usize >= vertices) {
+            None => Ok(()),
+            Some(i) => Err(SceneError::IndexOutOfRange {
+                file: self.file.to_owned(),
+                part: format!("{part}, index {i}"),
+                index: indices[i] as usize,
+                count: vertices,
+                target: "vertices",
+            }),
+        }
+    }
+
+    /// Brings normals to unit length, and gives those without a direction that of their triangles.
+    fn repair_normals(&mut self, mesh: &mut Mesh) -> Result<(), SceneError> {
+        if let Some(i) = mesh.normals.iter().position(|n| !n.is_finite()) {
+            let part = format!("mesh \"{}\", normal {i},", mesh.name);
+            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
+        }
+        let mut broken = 0;
+        for normal in &mut mesh.normals {
+            *normal = unit_or_zero(*normal);
+            broken += usize::from(*normal == Vec3::ZERO);
+        }
+        if broken == 0 {
+            return Ok(());
+        }
+        self.notes
+            .warn(format!("mesh \"{}\": {broken} normals of length zero were replaced", mesh.name));
+        let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+        for triangle in mesh.triangles() {
+            let face = face_normal(triangle.map(|i| mesh.positions[i]));
+            for i in triangle {
+                sums[i] += face;
+            }
+        }
+        for (normal, sum) in mesh.normals.iter_mut().zip(sums) {
+            if *normal == Vec3::ZERO {
+                *normal = sum.normalize_or(Vec3::Y);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A list of triangles out of a list, strip or fan (glTF 2.0, section 3.7.2.1). Left-over vertices
+/// are dropped.
+fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
+    match mode {
+        Mode::TriangleStrip => indices
+            .windows(3)
+            .enumerate()
+            // Every second triangle of a strip runs the other way.
+            .flat_map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] })
+            .collect(),
+        Mode::TriangleFan => match indices {
+            [hub, rim @ ..] => rim.windows(2).flat_map(|edge| [edge[0], edge[1], *hub]).collect(),
+            [] => Vec::new(),
+        },
+        _ => indices[..indices.len() / 3 * 3].to_vec(),
+    }
+}
+
+/// Gives every triangle its own vertices and the normal of its plane, as glTF prescribes where a
+/// file brings no normals.
+fn make_flat(mesh: &mut Mesh) {
+    let corners = mesh.indices.iter().map(|&i| i as usize);
+    mesh.uvs = corners.clone().map(|i| mesh.uvs[i]).collect();
+    mesh.positions = corners.map(|i| mesh.positions[i]).collect();
+    mesh.indices = (0..mesh.positions.len() as u32).collect();
+    mesh.normals = mesh
+        .positions
+        .chunks_exact(3)
+        .flat_map(|corners| {
+            // Triangles without a direction have no area and go later.
+            let normal = face_normal([corners[0], corners[1], corners[2]]);
+            [if normal == Vec3::ZERO { Vec3::Y } else { normal }; 3]
+        })
+        .collect();
+}
+
+/// The unit normal of a triangle; zero where it has no area.
+fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
+
+/// In f64, where no finite f32 vector's length overflows or vanishes.
+fn unit_or_zero(v: Vec3) -> Vec3 {
+    v.as_dvec3().normalize_or_zero().as_vec3()
+}
+
+/// Takes the file's tangents where they have a direction.
+fn use_tangents(mesh: &mut Mesh, given: &[[f32; 4]]) {
+    for (tangent, given) in mesh.tangents.iter_mut().zip(given) {
+        let given = Vec4::from_array(*given);
+        let direction = unit_or_zero(given.truncate());
+        if given.is_finite() && direction != Vec3::ZERO {
+            *tangent = direction.extend(if given.w < 0.0 { -1.0 } else { 1.0 });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_alternate_and_fans_turn() {
+        let strip = to_triangles(Mode::TriangleStrip, &[0, 1, 2, 3, 4]);
+        assert_eq!(strip, [0, 1, 2, 1, 3, 2, 2, 3, 4]);
+        let fan = to_triangles(Mode::TriangleFan, &[0, 1, 2, 3]);
+        assert_eq!(fan, [1, 2, 0, 2, 3, 0]);
+        assert_eq!(to_triangles(Mode::Triangles, &[0, 1, 2, 3]), [0, 1, 2]);
+        for mode in [Mode::Triangles, Mode::TriangleStrip, Mode::TriangleFan] {
+            for indices in [&[][..], &[0], &[0, 1]] {
+                assert!(to_triangles(mode, indices).is_empty());
+            }
+        }
+    }
+}

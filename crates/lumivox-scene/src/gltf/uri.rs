@@ -1,0 +1,179 @@
+//! What a glTF file names: data URIs, and files in its own folder.
+//!
+//! A scene comes from anywhere, so it may not make this program read anything else of the disk:
+//! only relative paths that go down are followed. The check is on the words of the path; links in
+//! the folder are its owner's affair.
+
+use std::path::{Path, PathBuf};
+
+use crate::SceneError;
+
+/// Reads what `uri`, named by `part` of the scene in `file`, stands for.
+pub(super) fn read(file: &Path, part: &str, uri: &str) -> Result<Vec<u8>, SceneError> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return decode_data(data).map_err(|reason| SceneError::Malformed {
+            file: file.to_owned(),
+            part: format!("{part}, its data URI,"),
+            reason,
+        });
+    }
+    let relative = relative_path(uri).map_err(|reason| SceneError::RefusedUri {
+        file: file.to_owned(),
+        part: part.to_owned(),
+        uri: shorten(uri),
+        reason,
+    })?;
+    let path = file.parent().unwrap_or(Path::new("")).join(relative);
+    read_regular(&path).map_err(|source| SceneError::ReadExternal {
+        file: file.to_owned(),
+        part: part.to_owned(),
+        missing: path,
+        source,
+    })
+}
+
+/// Reads a file that is a file: a pipe or a device might never end.
+pub(super) fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("not a regular file"));
+    }
+    std::fs::read(path)
+}
+
+/// The start of a text that may be long.
+pub(super) fn shorten(text: &str) -> String {
+    const LONGEST: usize = 80;
+    if text.chars().count() <= LONGEST {
+        return text.to_owned();
+    }
+    text.chars().take(LONGEST).chain("...".chars()).collect()
+}
+
+fn relative_path(uri: &str) -> Result<PathBuf, String> {
+    let decoded = decode_percent(uri)?;
+    if decoded.is_empty() {
+        return Err("the path is empty".to_owned());
+    }
+    if decoded.contains('\0') {
+        return Err("the path contains a zero byte".to_owned());
+    }
+    // Schemes and Windows' drives alike.
+    if let Some((scheme, _)) = decoded.split_once(':') {
+        return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
+    }
+    // Both separators everywhere: what a scene may do must not depend on the system.
+    if decoded.starts_with(['/', '\\']) {
+        return Err("the path is absolute".to_owned());
+    }
+    if decoded.split(['/', '\\']).any(|word| word == "..") {
+        return Err("the path leaves the scene's folder".to_owned());
+    }
+    Ok(PathBuf::from(decoded))
+}
+
+/// Replaces `%41` by `A` and so on (RFC 3986, section 2.1).
+fn decode_percent(text: &str) -> Result<String, String> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        if byte != b'%' {
+            bytes.push(byte);
+            continue;
+        }
+        let digit = |b: Option<u8>| b.and_then(|b| char::from(b).to_digit(16));
+        let (Some(high), Some(low)) = (digit(rest.next()), digit(rest.next())) else {
+            return Err("a percent sign is not followed by two hexadecimal digits".to_owned());
+        };
+        bytes.push((high * 16 + low) as u8);
+    }
+    String::from_utf8(bytes).map_err(|_| "the path is not UTF-8".to_owned())
+}
+
+/// The bytes of `[<media type>][;base64],<data>` (RFC 2397).
+fn decode_data(data: &str) -> Result<Vec<u8>, String> {
+    let Some((head, body)) = data.split_once(',') else {
+        return Err("there is no comma before the data".to_owned());
+    };
+    if !head.ends_with(";base64") {
+        return Err("the data is not in base64".to_owned());
+    }
+    decode_base64(body)
+}
+
+/// Base64 of RFC 4648, section 4; padding may be missing.
+fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
+    let digits = text.trim_end_matches('=').as_bytes();
+    if digits.len() % 4 == 1 {
+        return Err("the base64 text ends in the middle of a byte".to_owned());
+    }
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    for group in digits.chunks(4) {
+        let mut bits = 0_u32;
+        for (i, &digit) in group.iter().enumerate() {
+            let value = match digit {
+                b'A'..=b'Z' => digit - b'A',
+                b'a'..=b'z' => digit - b'a' + 26,
+                b'0'..=b'9' => digit - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return Err(format!("{:?} is no base64 digit", char::from(digit))),
+            };
+            bits |= u32::from(value) << (18 - 6 * i);
+        }
+        // Four digits are three bytes, three are two, two are one.
+        let [_, a, b, c] = bits.to_be_bytes();
+        bytes.extend(&[a, b, c][..group.len() - 1]);
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_of_the_rfc() {
+        // RFC 4648, section 10.
+        for (text, plain) in
+            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE=", "fooba")]
+        {
+            assert_eq!(decode_base64(text).unwrap(), plain.as_bytes());
+        }
+        assert_eq!(decode_base64("Zg").unwrap(), b"f");
+        assert!(decode_base64("Z").is_err());
+        assert!(decode_base64("Zm9*").is_err());
+    }
+
+    #[test]
+    fn paths_stay_in_the_folder() {
+        assert_eq!(relative_path("a/b%20c.png").unwrap(), PathBuf::from("a/b c.png"));
+        assert_eq!(relative_path("./a..b.bin").unwrap(), PathBuf::from("./a..b.bin"));
+        for bad in [
+            "",
+            "../a.bin",
+            "a/../../b",
+            "a\\..\\b",
+            "/etc/passwd",
+            "\\\\server\\share",
+            "%2e%2e/a.bin",
+            "%2Fetc/passwd",
+            "http://example.org/a.bin",
+            "file:///etc/passwd",
+            "C:\\a.bin",
+            "a%00b",
+            "a%4",
+            "a%zz",
+            "%ff",
+        ] {
+            assert!(relative_path(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn data_needs_base64() {
+        assert_eq!(decode_data("application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);
+        assert_eq!(decode_data(";base64,AAEC").unwrap(), [0, 1, 2]);
+        assert!(decode_data("text/plain,hello").is_err());
+        assert!(decode_data("application/octet-stream;base64").is_err());
+    }
+}

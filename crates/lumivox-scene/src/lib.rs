@@ -1,0 +1,37 @@
+//! What a scene is: meshes, materials, textures, lights and cameras, in plain CPU memory.
+//!
+//! The world is right-handed with y up and lengths in metres (the convention of glTF 2.0, section
+//! 3.4). Light is in photometric units: luminance in cd/m², illuminance in lux, intensity in
+//! candela. This crate knows no GPU; renderers upload what they find here.
+//!
+//! A [`Scene`] comes from [`Scene::load`] (a `.gltf` or `.glb` file), from [`builtin::scene`] (made
+//! in code, see [`builtin::names`]), or from hand-filled fields followed by [`Scene::validate`].
+//! In each case the same promises hold afterwards:
+//!
+//! - every index points at something, every number is finite, no triangle has zero area;
+//! - triangles wind counter-clockwise seen from their front *after* the instance's transform, also
+//!   where that transform mirrors;
+//! - the scene has at least one triangle and a size above zero.
+//!
+//! ```
+//! let scene = lumivox_scene::builtin::scene("cornell")?;
+//! assert!(scene.triangle_count() > 0);
+//! # Ok::<(), lumivox_scene::SceneError>(())
+//! ```
+
+#![cfg_attr(
+    test,
+    allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")
+)]
+
+pub mod builtin;
+mod error;
+mod gltf;
+mod model;
+mod validate;
+
+pub use error::SceneError;
+pub use model::{
+    AlphaMode, Bounds, Camera, Environment, Filter, Instance, Light, LightKind, LoadNotes,
+    Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Texture, TextureRef, Wrap,
+};

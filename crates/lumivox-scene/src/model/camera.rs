@@ -1,0 +1,133 @@
+//! Where the picture is taken from.
+
+use glam::{Mat4, Vec3};
+
+use super::Bounds;
+
+/// A perspective camera in world space, without a far plane (renderers use reversed, infinite
+/// depth or derive one from the scene's bounds).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// A name for lists and messages.
+    pub name: String,
+    /// The eye, in metres.
+    pub position: Vec3,
+    /// Unit vector along the line of sight. Default: -z.
+    pub forward: Vec3,
+    /// Unit vector towards the top of the picture; need not be orthogonal to `forward`, but must
+    /// not be parallel to it. Default: +y.
+    pub up: Vec3,
+    /// The angle between the bottom and the top of the picture in radians, above 0 and below pi.
+    /// Default: 45 degrees. Higher sees more and distorts more.
+    pub vertical_fov_rad: f32,
+    /// Distance of the near plane in metres, above 0. Default: 0.01. Lower shows closer things and
+    /// costs depth precision.
+    pub near_m: f32,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            name: "camera".to_owned(),
+            position: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            vertical_fov_rad: std::f32::consts::FRAC_PI_4,
+            near_m: 0.01,
+        }
+    }
+}
+
+impl Camera {
+    /// A camera at `position` that looks at `target`, upright (+y at the top, or -z where the
+    /// line of sight is vertical), with a vertical field of view in radians. Where the two points
+    /// coincide it looks along -z.
+    #[must_use]
+    pub fn look_at(position: Vec3, target: Vec3, vertical_fov_rad: f32) -> Self {
+        let forward = (target - position).normalize_or(Vec3::NEG_Z);
+        // Beyond about 0.08 degrees from the vertical, +y no longer fixes the roll in f32.
+        let up = if forward.y.abs() > 0.999_999 { Vec3::NEG_Z } else { Vec3::Y };
+        Self { position, forward, up, vertical_fov_rad, ..Self::default() }
+    }
+
+    /// A three-quarter view from outside of all of `bounds`, with a vertical field of view of 45
+    /// degrees, for scenes that bring no camera. The sphere around the box fits the picture's
+    /// height, and its width too wherever the picture is at least as wide as high.
+    #[must_use]
+    pub fn framing(bounds: Bounds) -> Self {
+        let fov = std::f32::consts::FRAC_PI_4;
+        let radius_m = bounds.radius_m().max(1e-3);
+        // A sphere fills a cone of half-angle fov / 2 when its centre is r / sin(fov / 2) away.
+        let distance_m = radius_m / (fov * 0.5).sin();
+        let towards_eye = Vec3::new(0.55, 0.40, 0.73).normalize();
+        let center = bounds.center();
+        let mut camera = Self::look_at(center + towards_eye * distance_m, center, fov);
+        "framing".clone_into(&mut camera.name);
+        camera.near_m = radius_m * 0.01;
+        camera
+    }
+
+    /// The camera's own axes in the world: right in x, top in y, backwards in z (glTF 2.0, section
+    /// 3.10.2), the eye in the translation. Orthonormal.
+    pub fn world_from_camera(&self) -> Mat4 {
+        let backward = -self.forward.normalize_or(Vec3::NEG_Z);
+        let right = self.up.cross(backward).try_normalize();
+        // An up along the line of sight fixes no roll: any right angle does.
+        let right = right.unwrap_or_else(|| backward.any_orthonormal_vector());
+        let up = backward.cross(right);
+        Mat4::from_cols(
+            right.extend(0.0),
+            up.extend(0.0),
+            backward.extend(0.0),
+            self.position.extend(1.0),
+        )
+    }
+
+    /// The view matrix: the inverse of [`Camera::world_from_camera`].
+    pub fn camera_from_world(&self) -> Mat4 {
+        self.world_from_camera().inverse()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_view_puts_the_target_on_the_negative_z_axis() {
+        let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 0.5, -2.0), 0.8);
+        let seen = camera.camera_from_world().transform_point3(Vec3::new(-1.0, 0.5, -2.0));
+        assert!(seen.truncate().length() < 1e-5, "{seen}");
+        assert!(seen.z < 0.0);
+        let above = camera.camera_from_world().transform_vector3(Vec3::Y);
+        assert!(above.y > 0.5, "{above}");
+    }
+
+    #[test]
+    fn looking_straight_down_still_has_axes() {
+        for target in [Vec3::NEG_Y, Vec3::Y] {
+            let camera = Camera::look_at(Vec3::ZERO, target, 0.8);
+            let m = camera.world_from_camera();
+            assert!((m.determinant() - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn framing_sees_every_corner() {
+        let bounds = Bounds { min: Vec3::new(-3.0, 0.0, 1.0), max: Vec3::new(9.0, 2.0, 5.0) };
+        let camera = Camera::framing(bounds);
+        assert!(!bounds.contains(camera.position));
+        let half = (camera.vertical_fov_rad * 0.5).tan();
+        for corner in 0..8 {
+            let pick = Vec3::new(
+                (corner & 1) as f32,
+                f32::from(u8::from(corner & 2 != 0)),
+                f32::from(u8::from(corner & 4 != 0)),
+            );
+            let point = bounds.min + bounds.size() * pick;
+            let seen = camera.camera_from_world().transform_point3(point);
+            assert!(-seen.z > camera.near_m);
+            assert!((seen.y / -seen.z).abs() <= half && (seen.x / -seen.z).abs() <= half);
+        }
+    }
+}

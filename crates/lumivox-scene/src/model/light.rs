@@ -1,0 +1,78 @@
+//! Lights and the surroundings.
+
+use glam::Vec3;
+
+/// A light that direct lighting evaluates analytically. It is not visible itself: a lamp that
+/// should be seen needs an emissive surface, too.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// A name for lists and messages.
+    pub name: String,
+    /// What shines, and how strongly.
+    pub kind: LightKind,
+    /// Linear RGB that multiplies the intensity or illuminance. Default: white (1, 1, 1).
+    pub color: Vec3,
+    /// World position in metres; without meaning for a directional light.
+    pub position: Vec3,
+    /// Unit vector along which the light travels; without meaning for a point light. Default: -y.
+    pub direction: Vec3,
+    /// Radius of the shining sphere in metres, for soft shadows only; the intensity stays the
+    /// same. Default: 0, a point with hard shadows. A directional light has an angular radius in
+    /// its kind instead.
+    pub radius_m: f32,
+}
+
+impl Default for Light {
+    /// A white point light of 1 cd at the origin.
+    fn default() -> Self {
+        Self {
+            name: "light".to_owned(),
+            kind: LightKind::Point { intensity_cd: 1.0, range_m: None },
+            color: Vec3::ONE,
+            position: Vec3::ZERO,
+            direction: Vec3::NEG_Y,
+            radius_m: 0.0,
+        }
+    }
+}
+
+/// The kinds of light of the glTF extension `KHR_lights_punctual`, in its units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Parallel light from far away, such as the sun.
+    Directional {
+        /// Illuminance of a surface that faces the light, in lux; the sun at noon has about
+        /// 100 000.
+        illuminance_lux: f32,
+        /// Half the angle under which the light is seen, in radians; the sun has 0.00465. 0 gives
+        /// hard shadows.
+        angular_radius_rad: f32,
+    },
+    /// Light in all directions from one place.
+    Point {
+        /// Luminous intensity in candela, the same in every direction.
+        intensity_cd: f32,
+        /// Distance in metres beyond which the light may be cut off; `None` is unlimited, the
+        /// physical choice.
+        range_m: Option<f32>,
+    },
+    /// Light in a cone from one place.
+    Spot {
+        /// Luminous intensity in candela inside the inner cone.
+        intensity_cd: f32,
+        /// Distance in metres beyond which the light may be cut off; `None` is unlimited.
+        range_m: Option<f32>,
+        /// Angle from the axis at which the intensity begins to fall, in radians, at least 0.
+        inner_angle_rad: f32,
+        /// Angle from the axis at which it reaches zero, in radians, at least the inner angle and at
+        /// most pi/2.
+        outer_angle_rad: f32,
+    },
+}
+
+/// What rays see that leave the scene: the same radiance in every direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Environment {
+    /// Radiance in cd/m². Default: zero, a black surrounding; a clear blue sky has about 3000.
+    pub radiance: Vec3,
+}

@@ -1,0 +1,169 @@
+//! How surfaces reflect and emit.
+
+use glam::{Vec3, Vec4};
+
+use super::TextureRef;
+
+/// A surface's look. The default is glTF's, except that it is rough and no metal: a white diffuse
+/// surface with a dielectric gloss of full roughness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// A name for lists and messages.
+    pub name: String,
+    /// How the surface reflects.
+    pub shading: Shading,
+    /// Emitted radiance in cd/m² (glTF's emissive factor times `KHR_materials_emissive_strength`),
+    /// multiplied by the emissive texture where there is one. Default: zero.
+    pub emissive: Vec3,
+    /// Colour texture (sRGB-encoded) that multiplies `emissive`.
+    pub emissive_texture: Option<TextureRef>,
+    /// Tangent-space normals: data texture (linear), x to the right, y up, z out of the surface.
+    pub normal_texture: Option<TextureRef>,
+    /// Multiplies x and y of the normal texture. Default: 1; 0 switches the texture off.
+    pub normal_scale: f32,
+    /// What the alpha of the base colour means. Default: nothing (opaque).
+    pub alpha: AlphaMode,
+    /// Whether the back side is a surface, too, with the normal turned round. Default: no; then
+    /// what lies behind is seen through the back.
+    pub double_sided: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: "default".to_owned(),
+            shading: Shading::default(),
+            emissive: Vec3::ZERO,
+            emissive_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            alpha: AlphaMode::Opaque,
+            double_sided: false,
+        }
+    }
+}
+
+impl Material {
+    /// A purely diffuse (Lambertian) surface: roughness 1, no metal, no specular reflection.
+    /// `albedo` is linear RGB from 0 to 1.
+    #[must_use]
+    pub fn diffuse(name: &str, albedo: Vec3) -> Self {
+        Self {
+            name: name.to_owned(),
+            shading: Shading::MetallicRoughness(MetallicRoughness {
+                base_color: albedo.extend(1.0),
+                specular: 0.0,
+                ..MetallicRoughness::default()
+            }),
+            ..Self::default()
+        }
+    }
+
+    /// The textures that this material names, in no particular order.
+    pub fn textures(&self) -> impl Iterator<Item = TextureRef> {
+        let [first, second] = match &self.shading {
+            Shading::MetallicRoughness(m) => [m.base_color_texture, m.metallic_roughness_texture],
+            Shading::Phong(p) => [p.diffuse_texture, None],
+        };
+        [first, second, self.emissive_texture, self.normal_texture].into_iter().flatten()
+    }
+}
+
+/// The reflection model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shading {
+    /// glTF's physically based model.
+    MetallicRoughness(MetallicRoughness),
+    /// Phong's (1975) model, for scenes made for it.
+    Phong(Phong),
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self::MetallicRoughness(MetallicRoughness::default())
+    }
+}
+
+/// The metallic-roughness model (glTF 2.0, section 3.9.2 and appendix B).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetallicRoughness {
+    /// Linear RGB and alpha, each 0 to 1: the diffuse albedo of a dielectric, the reflectance at
+    /// normal incidence of a metal. Default: white, opaque.
+    pub base_color: Vec4,
+    /// Colour texture (sRGB-encoded, linear alpha) that multiplies `base_color`.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0 is a dielectric, 1 a metal. Default: 0 (glTF files default to 1).
+    pub metallic: f32,
+    /// Perceptual roughness from 0 (a mirror) to 1; its square is the width of the microfacet
+    /// distribution. Default: 1.
+    pub roughness: f32,
+    /// Data texture (linear) that multiplies roughness by its green and metallic by its blue.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Scales the dielectric's reflectance at normal incidence, 0 to 1 (the factor of
+    /// `KHR_materials_specular`). Default: 1; 0 leaves pure Lambert.
+    pub specular: f32,
+    /// Index of refraction of the dielectric, at least 1 (`KHR_materials_ior`). Default: 1.5, a
+    /// reflectance of 4 % at normal incidence.
+    pub ior: f32,
+}
+
+impl Default for MetallicRoughness {
+    fn default() -> Self {
+        Self {
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            specular: 1.0,
+            ior: 1.5,
+        }
+    }
+}
+
+/// Phong's model: a diffuse part and a lobe `cos^shininess` around the mirror direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phong {
+    /// Diffuse albedo, linear RGB from 0 to 1. Default: white.
+    pub diffuse: Vec3,
+    /// Colour texture (sRGB-encoded) that multiplies `diffuse`.
+    pub diffuse_texture: Option<TextureRef>,
+    /// Colour of the lobe, linear RGB from 0 to 1. Default: zero.
+    pub specular: Vec3,
+    /// Exponent of the lobe, at least 1; higher is sharper. Default: 16.
+    pub shininess: f32,
+}
+
+impl Default for Phong {
+    fn default() -> Self {
+        Self { diffuse: Vec3::ONE, diffuse_texture: None, specular: Vec3::ZERO, shininess: 16.0 }
+    }
+}
+
+/// What the alpha of the base colour means (glTF 2.0, section 3.9.4).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing; the surface is solid.
+    #[default]
+    Opaque,
+    /// The surface exists where alpha is at least the cutoff.
+    Mask {
+        /// The threshold, 0 to 1. glTF's default: 0.5.
+        cutoff: f32,
+    },
+    /// Alpha is the covered fraction.
+    Blend,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_the_textures_in_use() {
+        let mut material = Material::diffuse("wall", Vec3::splat(0.5));
+        assert_eq!(material.textures().count(), 0);
+        material.normal_texture = Some(TextureRef { texture: 3 });
+        assert_eq!(material.textures().collect::<Vec<_>>(), [TextureRef { texture: 3 }]);
+    }
+}

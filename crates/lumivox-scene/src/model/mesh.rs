@@ -1,0 +1,71 @@
+//! Triangles, and where they stand.
+
+use glam::{Mat4, Vec2, Vec3, Vec4};
+
+/// Indexed triangles in local space.
+///
+/// `normals`, `uvs` and `tangents` have one entry per position. Three indices make a triangle,
+/// counter-clockwise seen from its front.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// A name for lists and messages.
+    pub name: String,
+    /// Vertex positions in metres (before the instance's transform).
+    pub positions: Vec<Vec3>,
+    /// Unit normals. They transform by the inverse transpose of the instance's matrix.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates; (0, 0) is the upper left corner of the image, v grows downwards.
+    pub uvs: Vec<Vec2>,
+    /// Unit tangents along growing u, orthogonal to the normal; w is the sign of the bitangent
+    /// `w * cross(normal, tangent)` (glTF 2.0, section 3.7.2.1). `MikkTSpace` where the material
+    /// has a normal texture, otherwise any orthogonal direction.
+    pub tangents: Vec<Vec4>,
+    /// Vertex numbers, three a triangle.
+    pub indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// How many triangles there are.
+    pub fn triangle_count(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// The vertex numbers of each triangle.
+    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
+        self.indices.chunks_exact(3).map(|t| [t[0] as usize, t[1] as usize, t[2] as usize])
+    }
+
+    /// Turns every triangle's winding and every bitangent round: what a copy needs that a
+    /// mirroring transform will place, for its front to stay its front.
+    pub(crate) fn flip_winding(&mut self) {
+        for triangle in self.indices.chunks_exact_mut(3) {
+            triangle.swap(1, 2);
+        }
+        for tangent in &mut self.tangents {
+            tangent.w = -tangent.w;
+        }
+    }
+}
+
+/// Any tangent orthogonal to a unit `normal`, with a right-handed bitangent.
+pub(crate) fn any_tangent(normal: Vec3) -> Vec4 {
+    normal.any_orthonormal_vector().extend(1.0)
+}
+
+/// A mesh placed in the world with a material.
+///
+/// The loader turns the winding of meshes that a transform mirrors (negative determinant), so the
+/// front of a triangle is counter-clockwise in *world* space whatever the determinant's sign.
+/// Normals need the inverse transpose of the matrix, sign included: the adjugate alone would turn
+/// them inwards under a mirror.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instance {
+    /// A name for lists and messages.
+    pub name: String,
+    /// Index into [`Scene::meshes`](super::Scene::meshes).
+    pub mesh: usize,
+    /// Index into [`Scene::materials`](super::Scene::materials).
+    pub material: usize,
+    /// Affine transform from the mesh's local space to the world. Invertible.
+    pub world_from_local: Mat4,
+}

@@ -1,0 +1,19 @@
+//! The types of a scene, one file per idea.
+
+mod bounds;
+mod camera;
+mod light;
+mod material;
+mod mesh;
+mod scene;
+mod texture;
+
+pub use bounds::Bounds;
+pub use camera::Camera;
+pub use light::{Environment, Light, LightKind};
+pub use material::{AlphaMode, Material, MetallicRoughness, Phong, Shading};
+pub use mesh::{Instance, Mesh};
+pub use scene::{LoadNotes, Scene};
+pub use texture::{Filter, Sampler, Texture, TextureRef, Wrap};
+
+pub(crate) use mesh::any_tangent;

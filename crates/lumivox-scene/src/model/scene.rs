@@ -1,0 +1,101 @@
+//! The whole.
+
+use std::path::Path;
+
+use glam::Mat4;
+
+use super::{Bounds, Camera, Environment, Instance, Light, Material, Mesh, Texture};
+use crate::SceneError;
+
+/// Everything that a renderer needs to know of a world.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// The built-in scene's name, or the file's name without its extension.
+    pub name: String,
+    /// Triangles in local space.
+    pub meshes: Vec<Mesh>,
+    /// Which meshes stand where, with which material.
+    pub instances: Vec<Instance>,
+    /// Surfaces.
+    pub materials: Vec<Material>,
+    /// Images.
+    pub textures: Vec<Texture>,
+    /// Lights.
+    pub lights: Vec<Light>,
+    /// Cameras; a file may bring none, see [`Camera::framing`].
+    pub cameras: Vec<Camera>,
+    /// The surroundings.
+    pub environment: Environment,
+    /// What was noticed while loading.
+    pub notes: LoadNotes,
+}
+
+/// What was noticed while loading that is no error.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadNotes {
+    /// How many triangles of no area were removed from the meshes.
+    pub degenerate_triangles: usize,
+    /// Sentences for the user, each naming what was ignored or replaced.
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Reads a scene from a `.gltf` or `.glb` file (glTF 2.0), and validates it.
+    ///
+    /// What the file uses beyond this crate's reach becomes a warning in [`Scene::notes`] and in
+    /// the log.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the file's extension is unknown, the file or one that it names cannot
+    /// be read, its content breaks the format, it requires an unsupported extension, or
+    /// [`Scene::validate`] finds fault. Never panics, whatever the bytes.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let extension =
+            path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        match extension.as_str() {
+            "gltf" | "glb" => crate::gltf::load(path),
+            _ => Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
+        }
+    }
+
+    /// The smallest box around all instances in world space; [`Bounds::EMPTY`] without triangles.
+    pub fn bounds(&self) -> Bounds {
+        let mut bounds = Bounds::EMPTY;
+        for instance in &self.instances {
+            let Some(mesh) = self.meshes.get(instance.mesh) else { continue };
+            for &index in &mesh.indices {
+                if let Some(&position) = mesh.positions.get(index as usize) {
+                    bounds.include(instance.world_from_local.transform_point3(position));
+                }
+            }
+        }
+        bounds
+    }
+
+    /// How many triangles a renderer sees: each instance counts its mesh's.
+    pub fn triangle_count(&self) -> usize {
+        self.instances
+            .iter()
+            .filter_map(|instance| self.meshes.get(instance.mesh))
+            .map(Mesh::triangle_count)
+            .sum()
+    }
+
+    /// Moves everything, lights and cameras included, by a rigid motion (rotation and translation;
+    /// scale would change distances to lights and so their meaning).
+    pub fn transform(&mut self, rigid: Mat4) {
+        for instance in &mut self.instances {
+            instance.world_from_local = rigid * instance.world_from_local;
+        }
+        for light in &mut self.lights {
+            light.position = rigid.transform_point3(light.position);
+            light.direction = rigid.transform_vector3(light.direction).normalize_or_zero();
+        }
+        for camera in &mut self.cameras {
+            camera.position = rigid.transform_point3(camera.position);
+            camera.forward = rigid.transform_vector3(camera.forward).normalize_or_zero();
+            camera.up = rigid.transform_vector3(camera.up).normalize_or_zero();
+        }
+    }
+}

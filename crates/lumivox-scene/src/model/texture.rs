@@ -1,0 +1,59 @@
+//! Images and how they are sampled.
+
+/// Names one of [`Scene::textures`](super::Scene::textures).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextureRef {
+    /// Index into [`Scene::textures`](super::Scene::textures).
+    pub texture: usize,
+}
+
+/// An image of 8 bits a channel. Whether the values are sRGB-encoded (colours) or linear (data,
+/// such as normals) is decided by the material's use, as in glTF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// A name for lists and messages.
+    pub name: String,
+    /// Width in texels, at least 1.
+    pub width: u32,
+    /// Height in texels, at least 1.
+    pub height: u32,
+    /// Red, green, blue, alpha of each texel, row by row from the top; `4 * width * height` bytes.
+    pub rgba8: Vec<u8>,
+    /// How the image is sampled.
+    pub sampler: Sampler,
+}
+
+/// How an image is sampled. Default: repeating, linear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Sampler {
+    /// What lies left and right of the image.
+    pub wrap_u: Wrap,
+    /// What lies above and below it.
+    pub wrap_v: Wrap,
+    /// The filter where a texel covers several pixels.
+    pub magnify: Filter,
+    /// The filter where a pixel covers several texels; renderers add mip levels as they see fit.
+    pub minify: Filter,
+}
+
+/// What lies outside of an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image again, every second time mirrored.
+    MirroredRepeat,
+    /// The texel at the edge.
+    ClampToEdge,
+}
+
+/// How values between texel centres come about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// The nearest texel.
+    Nearest,
+    /// A blend of the four around.
+    #[default]
+    Linear,
+}

@@ -1,0 +1,361 @@
+//! The promises of a scene, checked.
+
+use std::path::{Path, PathBuf};
+
+use glam::{Mat4, Vec3};
+
+use crate::{
+    Camera, Instance, Light, LightKind, Material, Mesh, Scene, SceneError, Shading, Texture,
+};
+
+impl Scene {
+    /// Checks a hand-made scene, and removes what has no extent: triangles of zero area (counted in
+    /// [`Scene::notes`]), meshes that have none left, and instances whose transform flattens them
+    /// (a warning). Normals are brought to unit length. Calling it again changes nothing.
+    ///
+    /// Areas are taken in local space, in f64, and only exact zeros count: thin triangles stay.
+    /// After the transform, f32 may still round a tiny triangle to nothing.
+    ///
+    /// # Errors
+    /// [`SceneError`] for numbers that are not finite or out of range, indices that point at
+    /// nothing, arrays whose lengths disagree, no triangles at all, and a scene of size zero. The
+    /// message names the scene and the part.
+    pub fn validate(&mut self) -> Result<(), SceneError> {
+        let name = PathBuf::from(&self.name);
+        validate(self, &name)
+    }
+}
+
+/// [`Scene::validate`], with `file` in the messages instead of the scene's name.
+pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError> {
+    let check = Check { file };
+    for mesh in &mut scene.meshes {
+        check.mesh(mesh)?;
+    }
+    for texture in &scene.textures {
+        check.texture(texture)?;
+    }
+    for material in &scene.materials {
+        check.material(material, scene.textures.len())?;
+    }
+    for instance in &scene.instances {
+        check.instance(instance, scene.meshes.len(), scene.materials.len())?;
+    }
+    for light in &scene.lights {
+        check.light(light)?;
+    }
+    for camera in &scene.cameras {
+        check.camera(camera)?;
+    }
+    check.not_negative("the environment's radiance", &scene.environment.radiance.to_array())?;
+
+    check.extent(scene)?;
+    drop_flattened_instances(scene);
+    drop_degenerate_triangles(scene);
+    if scene.triangle_count() == 0 {
+        let removed = scene.notes.degenerate_triangles;
+        return Err(SceneError::NoTriangles {
+            file: file.to_owned(),
+            reason: format!("none has an area; {removed} degenerate ones were removed"),
+        });
+    }
+    Ok(())
+}
+
+/// Instances that a zero scale hides, as some exporters do.
+fn drop_flattened_instances(scene: &mut Scene) {
+    let warnings = &mut scene.notes.warnings;
+    scene.instances.retain(|instance| {
+        let keep = is_invertible(instance.world_from_local);
+        if !keep {
+            warnings.push(format!(
+                "instance \"{}\" was skipped: its transform has a scale of zero",
+                instance.name
+            ));
+        }
+        keep
+    });
+}
+
+/// Whether normals can be transformed: the inverse exists, in f32, too.
+pub(crate) fn is_invertible(world_from_local: Mat4) -> bool {
+    world_from_local.as_dmat4().determinant() != 0.0 && world_from_local.inverse().is_finite()
+}
+
+/// Removes triangles of zero area, then meshes without triangles, then instances without a mesh.
+fn drop_degenerate_triangles(scene: &mut Scene) {
+    for mesh in &mut scene.meshes {
+        scene.notes.degenerate_triangles += drop_degenerate(mesh);
+    }
+    let mut kept = Vec::with_capacity(scene.meshes.len());
+    let mut count = 0;
+    for mesh in &scene.meshes {
+        kept.push((!mesh.indices.is_empty()).then_some(count));
+        count += usize::from(!mesh.indices.is_empty());
+    }
+    scene.meshes.retain(|mesh| !mesh.indices.is_empty());
+    scene.instances.retain_mut(|instance| {
+        let Some(mesh) = kept[instance.mesh] else { return false };
+        instance.mesh = mesh;
+        true
+    });
+}
+
+fn drop_degenerate(mesh: &mut Mesh) -> usize {
+    let before = mesh.indices.len();
+    let mut write = 0;
+    for read in (0..before).step_by(3) {
+        let triangle = [mesh.indices[read], mesh.indices[read + 1], mesh.indices[read + 2]];
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+        if (b - a).cross(c - a).length_squared() > 0.0 {
+            mesh.indices[write..write + 3].copy_from_slice(&triangle);
+            write += 3;
+        }
+    }
+    mesh.indices.truncate(write);
+    (before - write) / 3
+}
+
+struct Check<'a> {
+    file: &'a Path,
+}
+
+impl Check<'_> {
+    fn finite(&self, part: impl FnOnce() -> String, values: &[f32]) -> Result<(), SceneError> {
+        if values.iter().all(|v| v.is_finite()) {
+            return Ok(());
+        }
+        Err(SceneError::NotFinite { file: self.file.to_owned(), part: part() })
+    }
+
+    fn range(&self, part: &str, value: f32, fits: bool, expected: &str) -> Result<(), SceneError> {
+        self.finite(|| part.to_owned(), &[value])?;
+        if fits {
+            return Ok(());
+        }
+        Err(self.out_of_range(part, value.to_string(), expected))
+    }
+
+    fn out_of_range(&self, part: &str, value: String, expected: &str) -> SceneError {
+        SceneError::OutOfRange {
+            file: self.file.to_owned(),
+            part: part.to_owned(),
+            value,
+            expected: expected.to_owned(),
+        }
+    }
+
+    fn not_negative(&self, part: &str, values: &[f32]) -> Result<(), SceneError> {
+        values.iter().try_for_each(|&v| self.range(part, v, v >= 0.0, "at least 0"))
+    }
+
+    fn unit(&self, part: &str, values: &[f32]) -> Result<(), SceneError> {
+        values
+            .iter()
+            .try_for_each(|&v| self.range(part, v, (0.0..=1.0).contains(&v), "from 0 to 1"))
+    }
+
+    fn index(
+        &self,
+        part: impl FnOnce() -> String,
+        index: usize,
+        count: usize,
+        target: &'static str,
+    ) -> Result<(), SceneError> {
+        if index < count {
+            return Ok(());
+        }
+        Err(SceneError::IndexOutOfRange {
+            file: self.file.to_owned(),
+            part: part(),
+            index,
+            count,
+            target,
+        })
+    }
+
+    fn mesh(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
+        let name = &mesh.name;
+        let count = mesh.positions.len();
+        for (what, length) in [
+            ("normals", mesh.normals.len()),
+            ("texture coordinates", mesh.uvs.len()),
+            ("tangents", mesh.tangents.len()),
+        ] {
+            if length != count {
+                let part = format!("mesh \"{name}\", the number of {what}");
+                let expected = format!("{count}, one a position");
+                return Err(self.out_of_range(&part, length.to_string(), &expected));
+            }
+        }
+        if !mesh.indices.len().is_multiple_of(3) {
+            let part = format!("mesh \"{name}\", the number of indices");
+            return Err(self.out_of_range(
+                &part,
+                mesh.indices.len().to_string(),
+                "a multiple of three",
+            ));
+        }
+        for i in 0..count {
+            let part = |what: &str| format!("mesh \"{name}\", {what} {i}");
+            self.finite(|| part("position"), &mesh.positions[i].to_array())?;
+            self.finite(|| part("normal"), &mesh.normals[i].to_array())?;
+            self.finite(|| part("texture coordinate"), &mesh.uvs[i].to_array())?;
+            self.finite(|| part("tangent"), &mesh.tangents[i].to_array())?;
+            let normal = mesh.normals[i].as_dvec3();
+            let length = normal.length();
+            if length == 0.0 {
+                return Err(self.out_of_range(&part("normal"), "zero".to_owned(), "a direction"));
+            }
+            // 1e-5 is some 80 units in the last place: beyond what normalising itself leaves.
+            if (length - 1.0).abs() > 1e-5 {
+                mesh.normals[i] = (normal / length).as_vec3();
+            }
+        }
+        for (i, &index) in mesh.indices.iter().enumerate() {
+            self.index(
+                || format!("mesh \"{name}\", index {i}"),
+                index as usize,
+                count,
+                "vertices",
+            )?;
+        }
+        Ok(())
+    }
+
+    fn texture(&self, texture: &Texture) -> Result<(), SceneError> {
+        let part = format!("texture \"{}\", its size", texture.name);
+        let (width, height) = (texture.width, texture.height);
+        if width == 0 || height == 0 {
+            let value = format!("{width} x {height}");
+            return Err(self.out_of_range(&part, value, "at least 1 x 1"));
+        }
+        let expected = u64::from(width) * u64::from(height) * 4;
+        if texture.rgba8.len() as u64 != expected {
+            let value = format!("{} bytes", texture.rgba8.len());
+            let expected = format!("{expected} bytes for {width} x {height} texels");
+            return Err(self.out_of_range(&part, value, &expected));
+        }
+        Ok(())
+    }
+
+    fn material(&self, material: &Material, textures: usize) -> Result<(), SceneError> {
+        let part = |what: &str| format!("material \"{}\", its {what}", material.name);
+        for reference in material.textures() {
+            self.index(|| part("texture"), reference.texture, textures, "textures")?;
+        }
+        self.not_negative(&part("emission"), &material.emissive.to_array())?;
+        self.finite(|| part("normal scale"), &[material.normal_scale])?;
+        if let crate::AlphaMode::Mask { cutoff } = material.alpha {
+            // A cutoff above 1 is legal and hides everything.
+            self.not_negative(&part("alpha cutoff"), &[cutoff])?;
+        }
+        match &material.shading {
+            Shading::MetallicRoughness(m) => {
+                self.unit(&part("base colour"), &m.base_color.to_array())?;
+                self.unit(&part("metallic"), &[m.metallic])?;
+                self.unit(&part("roughness"), &[m.roughness])?;
+                self.unit(&part("specular"), &[m.specular])?;
+                let fits = m.ior >= 1.0 || m.ior == 0.0;
+                self.range(&part("index of refraction"), m.ior, fits, "at least 1, or 0")
+            }
+            Shading::Phong(p) => {
+                self.unit(&part("diffuse colour"), &p.diffuse.to_array())?;
+                self.unit(&part("specular colour"), &p.specular.to_array())?;
+                self.range(&part("shininess"), p.shininess, p.shininess >= 0.0, "at least 0")
+            }
+        }
+    }
+
+    fn instance(
+        &self,
+        instance: &Instance,
+        meshes: usize,
+        materials: usize,
+    ) -> Result<(), SceneError> {
+        let part = |what: &str| format!("instance \"{}\", its {what}", instance.name);
+        self.index(|| part("mesh"), instance.mesh, meshes, "meshes")?;
+        self.index(|| part("material"), instance.material, materials, "materials")?;
+        let m = instance.world_from_local;
+        self.finite(|| part("transform"), &m.to_cols_array())?;
+        if m.row(3) != glam::Vec4::W {
+            let value = format!("a projection with the last row {}", m.row(3));
+            return Err(self.out_of_range(&part("transform"), value, "affine"));
+        }
+        Ok(())
+    }
+
+    fn light(&self, light: &Light) -> Result<(), SceneError> {
+        let part = |what: &str| format!("light \"{}\", its {what}", light.name);
+        self.not_negative(&part("colour"), &light.color.to_array())?;
+        self.finite(|| part("position"), &light.position.to_array())?;
+        self.not_negative(&part("radius"), &[light.radius_m])?;
+        let range = |range_m: Option<f32>| match range_m {
+            Some(r) => self.range(&part("range"), r, r > 0.0, "above 0"),
+            None => Ok(()),
+        };
+        match light.kind {
+            LightKind::Directional { illuminance_lux, angular_radius_rad } => {
+                self.not_negative(&part("illuminance"), &[illuminance_lux])?;
+                self.not_negative(&part("angular radius"), &[angular_radius_rad])?;
+                self.direction(&part("direction"), light.direction)
+            }
+            LightKind::Point { intensity_cd, range_m } => {
+                self.not_negative(&part("intensity"), &[intensity_cd])?;
+                range(range_m)
+            }
+            LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
+                self.not_negative(&part("intensity"), &[intensity_cd])?;
+                range(range_m)?;
+                // f32's pi/2 itself is allowed, and what a file rounds up from it.
+                let widest = std::f32::consts::FRAC_PI_2 + 1e-5;
+                let fits = outer_angle_rad > 0.0 && outer_angle_rad <= widest;
+                self.range(&part("outer angle"), outer_angle_rad, fits, "above 0, at most pi/2")?;
+                let fits = (0.0..=outer_angle_rad).contains(&inner_angle_rad);
+                let expected = "from 0 to the outer angle";
+                self.range(&part("inner angle"), inner_angle_rad, fits, expected)?;
+                self.direction(&part("direction"), light.direction)
+            }
+        }
+    }
+
+    fn direction(&self, part: &str, direction: Vec3) -> Result<(), SceneError> {
+        self.finite(|| part.to_owned(), &direction.to_array())?;
+        if (direction.length() - 1.0).abs() <= 1e-3 {
+            return Ok(());
+        }
+        Err(self.out_of_range(part, direction.to_string(), "of unit length"))
+    }
+
+    fn camera(&self, camera: &Camera) -> Result<(), SceneError> {
+        let part = |what: &str| format!("camera \"{}\", its {what}", camera.name);
+        self.finite(|| part("position"), &camera.position.to_array())?;
+        self.direction(&part("forward"), camera.forward)?;
+        self.direction(&part("up"), camera.up)?;
+        let fov = camera.vertical_fov_rad;
+        let fits = fov > 0.0 && fov < std::f32::consts::PI;
+        self.range(&part("vertical field of view"), fov, fits, "above 0 and below pi radians")?;
+        self.range(&part("near plane"), camera.near_m, camera.near_m > 0.0, "above 0")
+    }
+
+    /// There are triangles, and they span a finite box that is no point.
+    fn extent(&self, scene: &Scene) -> Result<(), SceneError> {
+        let file = self.file.to_owned();
+        if scene.triangle_count() == 0 {
+            let reason = "it has no instance of a mesh with triangles".to_owned();
+            return Err(SceneError::NoTriangles { file, reason });
+        }
+        let bounds = scene.bounds();
+        if !bounds.size().is_finite() {
+            let part = "the scene's bounds, after the transforms,".to_owned();
+            return Err(SceneError::NotFinite { file, part });
+        }
+        if bounds.size().max_element() <= 0.0 {
+            return Err(SceneError::ZeroSize { file, point: bounds.min.to_string() });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,352 @@
+//! Files that are broken or mean harm: always an error that names the file, never a panic.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::needless_pass_by_value,
+    reason = "in a test a panic is the message, and exact numbers are meant"
+)]
+
+mod common;
+
+use common::{File, data_uri, load, png, write};
+use lumivox_scene::{Scene, SceneError};
+use proptest::prelude::*;
+use serde_json::json;
+
+/// The message of the error, which must name the file.
+fn fault(file: &File) -> String {
+    let error = file.load().unwrap_err().to_string();
+    assert!(error.contains("scene.glb: "), "{error}");
+    error
+}
+
+/// The triangle after a change to its JSON.
+fn changed(change: impl FnOnce(&mut serde_json::Value)) -> String {
+    let mut file = File::triangle();
+    change(&mut file.json);
+    fault(&file)
+}
+
+/// Everything that the loader reads, in a small file.
+fn rich() -> File {
+    let mut file = File::triangle();
+    let image = file.view(&png(2, 2, &[7; 16]));
+    file.push("images", json!({ "bufferView": image, "mimeType": "image/png" }));
+    file.push("samplers", json!({ "wrapS": 33071, "magFilter": 9728 }));
+    file.push("textures", json!({ "source": 0, "sampler": 0 }));
+    file.push(
+        "materials",
+        json!({
+            "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+            "normalTexture": { "index": 0 },
+            "emissiveFactor": [1, 1, 1],
+            "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 2 } },
+        }),
+    );
+    let normals = file.vectors(&[[0.0, 0.0, 1.0]; 3]);
+    let uvs = file.vectors(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    let primitive = &mut file.json["meshes"][0]["primitives"][0];
+    primitive["material"] = json!(0);
+    primitive["attributes"]["NORMAL"] = json!(normals);
+    primitive["attributes"]["TEXCOORD_0"] = json!(uvs);
+    file.push(
+        "cameras",
+        json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }),
+    );
+    file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    file.json["extensions"] =
+        json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "spot": {} }] } });
+    let camera = file.node(json!({ "camera": 0, "rotation": [0, 0, 0, 1] }), false);
+    file.node(
+        json!({
+            "children": [camera],
+            "scale": [-1, 1, 1],
+            "mesh": 0,
+            "extensions": { "KHR_lights_punctual": { "light": 0 } },
+        }),
+        true,
+    );
+    file
+}
+
+#[test]
+fn files_that_are_not_there_or_no_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = Scene::load(folder.path().join("none.glb")).unwrap_err();
+    assert!(matches!(&missing, SceneError::Read { .. }));
+    assert!(missing.to_string().contains("none.glb"));
+    let directory = folder.path().join("folder.gltf");
+    std::fs::create_dir(&directory).unwrap();
+    assert!(matches!(Scene::load(directory), Err(SceneError::Read { .. })));
+    for name in ["scene.obj", "scene"] {
+        let error = load(name, b"").unwrap_err();
+        assert!(matches!(&error, SceneError::UnknownFormat { .. }));
+        assert!(error.to_string().contains(".gltf or .glb"));
+    }
+}
+
+#[test]
+fn bytes_that_are_no_scene() {
+    let garbage: [&[u8]; 9] = [
+        b"",
+        b"{",
+        b"hello",
+        b"[]",
+        b"{}",
+        b"\xff\xfe\x00",
+        b"glTF",
+        b"glTF\x02\0\0\0\0\0\0\0",
+        b"glTF\x02\0\0\0\xff\xff\xff\xff",
+    ];
+    for bytes in garbage {
+        for name in ["scene.gltf", "scene.glb"] {
+            let error = load(name, bytes).unwrap_err();
+            assert!(matches!(&error, SceneError::Malformed { .. }), "{error}");
+        }
+    }
+    let mut old = File::triangle().glb();
+    old[4] = 1;
+    assert!(load("scene.glb", &old).unwrap_err().to_string().contains("version 1"));
+}
+
+#[test]
+fn every_truncation_of_a_glb_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = rich().glb();
+    Scene::load(write(folder.path(), "whole.glb", &whole)).unwrap();
+    for length in 0..whole.len() {
+        let path = write(folder.path(), "cut.glb", &whole[..length]);
+        let error = Scene::load(path).expect_err("a cut file");
+        assert!(matches!(&error, SceneError::Malformed { .. }), "{length}: {error}");
+    }
+}
+
+#[test]
+fn every_truncation_of_a_gltf_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = rich().embedded();
+    Scene::load(write(folder.path(), "whole.gltf", &whole)).unwrap();
+    for length in 0..whole.len() {
+        let path = write(folder.path(), "cut.gltf", &whole[..length]);
+        Scene::load(path).expect_err("a cut file");
+    }
+}
+
+#[test]
+fn geometry_without_sense() {
+    for bad in [f32::NAN, f32::INFINITY] {
+        let mut file = File::triangle();
+        file.binary[4..8].copy_from_slice(&bad.to_le_bytes());
+        let error = fault(&file);
+        assert!(error.contains("mesh \"thing\", position 0"), "{error}");
+    }
+    let mut beyond = File::triangle();
+    let at = beyond.json["bufferViews"][1]["byteOffset"].as_u64().unwrap() as usize;
+    beyond.binary[at] = 3;
+    let error = fault(&beyond);
+    assert!(error.contains("index 0") && error.contains("only 3 vertices"), "{error}");
+
+    let mut point = File::triangle();
+    point.binary[..36].fill(0);
+    assert!(fault(&point).contains("size zero"));
+
+    let mut line = File::triangle();
+    line.binary[24..36].fill(0);
+    assert!(fault(&line).contains("1 degenerate"));
+
+    assert!(fault(&File::new()).contains("no triangles"));
+    assert!(changed(|json| json["scenes"][0]["nodes"] = json!([])).contains("no triangles"));
+}
+
+#[test]
+fn claims_beyond_the_data() {
+    let count = 4_000_000_000_u64;
+    let error = changed(|json| json["accessors"][0]["count"] = json!(count));
+    assert!(error.contains("vertices") || error.contains("do not fit"), "{error}");
+    let error = changed(|json| json["accessors"][0]["count"] = json!(4));
+    assert!(error.contains("do not fit in its view"), "{error}");
+    let error = changed(|json| json["accessors"][0]["byteOffset"] = json!(u64::MAX));
+    assert!(error.contains("do not fit"), "{error}");
+    let error = changed(|json| json["bufferViews"][0]["byteLength"] = json!(1_000_000));
+    assert!(error.contains("do not fit in its buffer"), "{error}");
+    let error = changed(|json| json["bufferViews"][0]["byteOffset"] = json!(u64::MAX));
+    assert!(error.contains("do not fit in its buffer"), "{error}");
+    let error = changed(|json| json["bufferViews"][0]["byteStride"] = json!(4));
+    assert!(error.contains("stride"), "{error}");
+    let error = changed(|json| json["buffers"] = json!([{ "byteLength": 1_u64 << 40 }]));
+    assert!(error.contains("only"), "{error}");
+    let zeros = |json: &mut serde_json::Value| {
+        json["accessors"][0] =
+            json!({ "componentType": 5126, "count": 100_000_000, "type": "VEC3" });
+    };
+    let error = changed(zeros);
+    assert!(error.contains("without data"), "{error}");
+}
+
+#[test]
+fn references_to_nothing() {
+    for (list, key) in [("meshes", "primitives"), ("nodes", "mesh"), ("scenes", "nodes")] {
+        let error = changed(|json| match list {
+            "meshes" => json[list][0][key][0]["attributes"]["POSITION"] = json!(99),
+            "nodes" => json[list][0][key] = json!(99),
+            _ => json[list][0][key] = json!([99]),
+        });
+        assert!(error.contains("malformed"), "{error}");
+    }
+    changed(|json| json["meshes"][0]["primitives"][0]["indices"] = json!(99));
+    changed(|json| json["meshes"][0]["primitives"][0]["material"] = json!(99));
+    changed(|json| json["accessors"][0]["bufferView"] = json!(99));
+    changed(|json| json["bufferViews"][0]["buffer"] = json!(99));
+    changed(|json| json["scene"] = json!(99));
+    changed(|json| json["nodes"][0]["camera"] = json!(99));
+    changed(|json| {
+        json["nodes"][0]["extensions"] = json!({ "KHR_lights_punctual": { "light": 9 } });
+    });
+    changed(|json| json["accessors"][0]["componentType"] = json!(1));
+    changed(|json| json["accessors"][0]["type"] = json!("MAT4"));
+    changed(|json| json["meshes"][0]["primitives"][0]["mode"] = json!(77));
+    changed(|json| json["cameras"] = json!([{ "type": "perspective" }]));
+    let mixed = json!([{ "type": "perspective",
+        "orthographic": { "xmag": 1, "ymag": 1, "zfar": 1, "znear": 0 } }]);
+    changed(|json| json["cameras"] = mixed);
+}
+
+#[test]
+fn hierarchies_that_are_no_trees() {
+    let error = changed(|json| json["nodes"][0]["children"] = json!([0]));
+    assert!(error.contains("own ancestor"), "{error}");
+    let error = changed(|json| json["scenes"][0]["nodes"] = json!([0, 0]));
+    assert!(error.contains("two parents"), "{error}");
+}
+
+#[test]
+fn a_deep_hierarchy_is_no_danger() {
+    let mut file = File::triangle();
+    for _ in 0..20_000 {
+        let child = file.json["nodes"].as_array().unwrap().len() - 1;
+        file.node(json!({ "children": [child] }), false);
+    }
+    let top = file.json["nodes"].as_array().unwrap().len() - 1;
+    file.json["scenes"][0]["nodes"] = json!([top]);
+    assert_eq!(file.load().unwrap().triangle_count(), 1);
+}
+
+#[test]
+fn transforms_without_sense() {
+    let error = changed(|json| json["nodes"][0]["translation"] = json!([1e300, 0, 0]));
+    assert!(error.contains("not finite") || error.contains("JSON"), "{error}");
+    let error = changed(|json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]));
+    assert!(error.contains("length zero"), "{error}");
+    let mut projection = [0.0; 16];
+    for i in 0..4 {
+        projection[i * 5] = 1.0;
+    }
+    projection[3] = 0.5;
+    let error = changed(|json| json["nodes"][0]["matrix"] = json!(projection));
+    assert!(error.contains("affine"), "{error}");
+    // The scene's only mesh is scaled away.
+    assert!(changed(|json| json["nodes"][0]["scale"] = json!([0, 0, 0])).contains("no triangles"));
+}
+
+#[test]
+fn required_extensions_are_named() {
+    let error = changed(|json| {
+        json["extensionsRequired"] = json!(["KHR_draco_mesh_compression", "KHR_texture_transform"]);
+    });
+    assert!(error.contains("KHR_draco_mesh_compression, KHR_texture_transform"), "{error}");
+    assert!(error.contains("KHR_lights_punctual"), "{error}");
+}
+
+#[test]
+fn paths_that_leave_the_folder_are_refused() {
+    let outer = tempfile::tempdir().unwrap();
+    let inner = outer.path().join("inner");
+    std::fs::create_dir(&inner).unwrap();
+    let file = File::triangle();
+    let outside = write(outer.path(), "outside.bin", &file.binary);
+    let absolute = outside.to_string_lossy().into_owned();
+    let uris = [
+        "../outside.bin",
+        "./../outside.bin",
+        "%2e%2e/outside.bin",
+        "..\\outside.bin",
+        absolute.as_str(),
+        "file://outside.bin",
+        "http://example.org/a.bin",
+        "C:/outside.bin",
+    ];
+    for uri in uris {
+        let path = write(&inner, "scene.gltf", &file.naming(uri));
+        let error = Scene::load(path).unwrap_err();
+        assert!(matches!(&error, SceneError::RefusedUri { .. }), "{uri}: {error}");
+        assert!(error.to_string().contains("buffer 0"), "{error}");
+    }
+}
+
+#[test]
+fn missing_files_are_named() {
+    let error = load("scene.gltf", &File::triangle().naming("gone.bin")).unwrap_err();
+    assert!(matches!(&error, SceneError::ReadExternal { .. }));
+    let text = error.to_string();
+    assert!(text.contains("buffer 0") && text.contains("gone.bin"), "{text}");
+
+    let mut file = rich();
+    file.json["images"] = json!([{ "uri": "gone.png" }]);
+    let text = fault(&file);
+    assert!(text.contains("image \"gone.png\"") && text.contains("cannot be read"), "{text}");
+}
+
+#[test]
+fn images_without_sense() {
+    let mut file = rich();
+    let cut = png(2, 2, &[7; 16]);
+    file.json["images"] = json!([{ "uri": data_uri("image/png", &cut[..cut.len() / 2]) }]);
+    assert!(fault(&file).contains("image 0"));
+    file.json["images"] = json!([{ "uri": data_uri("image/png", b"GIF89a no picture") }]);
+    assert!(fault(&file).contains("PNG or JPEG"));
+    file.json["images"] = json!([{ "uri": "data:image/png;base64,****" }]);
+    assert!(fault(&file).contains("base64"));
+    file.json["images"] = json!([{ "name": "nothing" }]);
+    assert!(fault(&file).contains("neither"));
+    file.json["images"] = json!([{ "bufferView": 99, "mimeType": "image/png" }]);
+    fault(&file);
+
+    // Too wide, said by a header whose checksum is right.
+    let wide = image::GrayImage::new(16_385, 1);
+    let wide = common::encode(&wide.into(), image::ImageFormat::Png);
+    file.json["images"] = json!([{ "uri": data_uri("image/png", &wide) }]);
+    let error = fault(&file);
+    assert!(error.contains("16385 x 1") && error.contains("16384"), "{error}");
+}
+
+proptest! {
+    // A case takes about a millisecond, most of it for the file.
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn flipped_bytes_never_panic(
+        flips in prop::collection::vec((any::<prop::sample::Index>(), 1_u8..), 1..6)
+    ) {
+        let mut bytes = rich().glb();
+        for (at, mask) in flips {
+            let at = at.index(bytes.len());
+            bytes[at] ^= mask;
+        }
+        // Either way is right; only a panic is not.
+        let _ = load("scene.glb", &bytes);
+    }
+
+    #[test]
+    fn changed_digits_never_panic(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), b'0'..=b'9'), 1..6)
+    ) {
+        // Digits in the JSON are sizes, offsets and indices: this reaches deeper than noise does.
+        let mut bytes = rich().glb();
+        let digits: Vec<usize> = (20..bytes.len()).filter(|&i| bytes[i].is_ascii_digit()).collect();
+        for (at, digit) in changes {
+            bytes[digits[at.index(digits.len())]] = digit;
+        }
+        let _ = load("scene.glb", &bytes);
+    }
+}
