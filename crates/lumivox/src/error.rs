@@ -1,0 +1,66 @@
+//! What can go wrong, typed, with the remedy in the message.
+
+use crate::gpu::ShaderError;
+
+/// An error of the library. Every message says what was asked, what stands in the way and what would help.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GiError {
+    /// The device cannot hold or bind something of the size that was asked for.
+    #[error(
+        "{what} needs {needed} {unit}, but this device's limit `{limit}` is {available}; {remedy}"
+    )]
+    Limit {
+        /// The thing that does not fit.
+        what: String,
+        /// How much it needs.
+        needed: u64,
+        /// The unit of `needed` and `available`.
+        unit: &'static str,
+        /// The name of the limit in `wgpu::Limits`.
+        limit: &'static str,
+        /// What the device offers.
+        available: u64,
+        /// What would fit, or help.
+        remedy: String,
+    },
+    /// A setting lies outside its range.
+    #[error("{name} is {value}, but must be {expected}")]
+    Setting {
+        /// The name of the setting.
+        name: &'static str,
+        /// What it was set to.
+        value: String,
+        /// What is allowed.
+        expected: String,
+    },
+    /// The geometry contradicts its buffers or materials.
+    #[error("{place}: {problem}")]
+    Geometry {
+        /// Which batch, draw or material.
+        place: String,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
+    /// There is nothing to voxelize: no triangle, or none with an area.
+    #[error(
+        "the geometry has no triangle with an area inside the grid ({triangles} given, {skipped} degenerate or not finite); give at least one"
+    )]
+    NothingToVoxelize {
+        /// Triangles that were given.
+        triangles: u64,
+        /// Of those, the ones without an area or with coordinates that are not finite.
+        skipped: u64,
+    },
+    /// A shader failed to link or to validate: a defect of this crate or of a shader added by the caller.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    /// The device was lost, or a buffer could not be mapped.
+    #[error("the device failed while {doing}: {reason}")]
+    Device {
+        /// What was under way.
+        doing: &'static str,
+        /// What the driver said.
+        reason: String,
+    },
+}

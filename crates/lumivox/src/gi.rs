@@ -1,0 +1,220 @@
+//! The library's face: global illumination in four calls.
+
+use glam::UVec2;
+
+use crate::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
+use crate::light::{Light, Lighting, Lights, ShadowMaps, lights_layout};
+use crate::trace::{
+    Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
+    gbuffer_layout,
+};
+use crate::volume::{Directionality, Volume};
+use crate::voxelize::{VoxelizeStats, Voxelizer};
+use crate::voxels::VoxelList;
+use crate::{Geometry, GiError, Grid};
+
+/// What a [`Gi`] is made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GiConfig {
+    /// Where the voxels are.
+    pub grid: Grid,
+    /// Six lobes (the default) or one value a voxel.
+    pub directionality: Directionality,
+}
+
+/// What a voxelization found.
+#[derive(Clone, Debug)]
+pub struct Voxelized {
+    /// Counts, and bytes by buffer.
+    pub stats: VoxelizeStats,
+    /// Time of each pass, if asked for.
+    pub times: Vec<StageTime>,
+}
+
+/// Voxel cone tracing on the caller's device.
+///
+/// The order of calls: [`Self::voxelize`] when triangles change, [`Self::light`] when lights or triangles
+/// change, [`Self::trace`] every frame.
+#[derive(Debug)]
+pub struct Gi {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    config: GiConfig,
+    shaders: ShaderLibrary,
+    voxelizer: Voxelizer,
+    voxels: Option<VoxelList>,
+    volume: Volume,
+    lighting: Lighting,
+    tracer: Tracer,
+    lights_layout: wgpu::BindGroupLayout,
+    gbuffer_layout: wgpu::BindGroupLayout,
+    /// Gathers of the last call of `light`, the one on screen included.
+    bounces: u32,
+}
+
+impl Gi {
+    /// Makes the volume and compiles all kernels.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] when the device cannot hold the volume: it names the limit and what would fit.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        config: GiConfig,
+    ) -> Result<Self, GiError> {
+        let mut shaders = crate::shaders::library();
+        let volume = Volume::new(device, &mut shaders, &config.grid, config.directionality)?;
+        let voxelizer = Voxelizer::new(device, &shaders)?;
+        let lights_layout = lights_layout(device);
+        let gbuffer_layout = gbuffer_layout(device);
+        let globals = volume.globals_layout();
+        let lighting = Lighting::new(device, &shaders, globals, &lights_layout)?;
+        let tracer = Tracer::new(device, &shaders, globals, &lights_layout, &gbuffer_layout)?;
+        Ok(Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            config,
+            shaders,
+            voxelizer,
+            voxels: None,
+            volume,
+            lighting,
+            tracer,
+            lights_layout,
+            gbuffer_layout,
+            bounces: 0,
+        })
+    }
+
+    /// Turns triangles into the list of voxels that all light is computed on.
+    ///
+    /// Every buffer is sized from counts that are read back, so nothing is lost to a full buffer; the future
+    /// waits for the GPU, without blocking in browsers. The light is not there before [`Self::light`].
+    ///
+    /// # Errors
+    /// [`GiError::NothingToVoxelize`] without a usable triangle, [`GiError::Limit`] when the voxels do not
+    /// fit the device. After an error the earlier voxels are still there.
+    pub async fn voxelize(
+        &mut self,
+        geometry: &Geometry,
+        timing: Timing,
+    ) -> Result<Voxelized, GiError> {
+        let (voxels, stats, mut times) = self
+            .voxelizer
+            .voxelize(&self.device, &self.queue, &self.config.grid, geometry, timing)
+            .await?;
+        let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
+        let radiance = self.lighting.rebuild(&self.device, &voxels);
+        self.volume.rebuild(&mut recorder, &voxels, radiance);
+        times.extend(recorder.finish().await?);
+        self.voxels = Some(voxels);
+        Ok(Voxelized { stats, times })
+    }
+
+    /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is the radiance of what lies
+    /// outside the grid.
+    pub fn bind_lights(
+        &self,
+        lights: &[Light],
+        environment: glam::Vec3,
+        shadow_maps: Option<&ShadowMaps>,
+    ) -> Lights {
+        Lights::new(&self.device, &self.lights_layout, lights, environment, shadow_maps)
+    }
+
+    /// Lights the voxels: direct light and emission, then bounces.
+    ///
+    /// `bounces` counts gathers of light, the one that [`Self::trace`] does on screen included: 0 leaves
+    /// indirect light out, 1 is one bounce of the lights (and the direct light of emissive surfaces and of
+    /// the environment, which arrives by gathers), each more adds one. Work grows in proportion.
+    pub fn light(&mut self, recorder: &mut Recorder, lights: &Lights, bounces: u32) {
+        self.bounces = bounces;
+        self.lighting.run(recorder, &mut self.volume, lights, bounces.saturating_sub(1));
+    }
+
+    /// Textures for [`Self::trace`] to write to.
+    pub fn targets(&self, size: UVec2, resolution: TraceResolution) -> TraceTargets {
+        self.tracer.targets(&self.device, size, resolution)
+    }
+
+    /// Binds the caller's G-buffer for [`Self::trace`].
+    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: View) -> GBuffer {
+        GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
+    }
+
+    /// Traces the cones of one frame from the G-buffer into the targets. The settings' resolution is that of
+    /// the targets.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when a setting is out of range.
+    pub fn trace(
+        &self,
+        recorder: &mut Recorder,
+        gbuffer: &GBuffer,
+        lights: &Lights,
+        settings: &TraceSettings,
+        targets: &TraceTargets,
+    ) -> Result<(), GiError> {
+        settings.validate()?;
+        targets.set(&self.queue, settings, self.config.grid.voxel_size_m, self.bounces);
+        let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
+        self.tracer.run(recorder, &bound, targets);
+        Ok(())
+    }
+
+    /// The shader modules, with `package::volume` standing for this object's volume: link your own shaders
+    /// against them to sample the volume yourself.
+    pub fn shaders(&self) -> &ShaderLibrary {
+        &self.shaders
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.config.grid
+    }
+
+    /// The list of voxels, once there is one.
+    pub fn voxels(&self) -> Option<&VoxelList> {
+        self.voxels.as_ref()
+    }
+
+    #[cfg(test)]
+    pub(crate) fn volume(&self) -> &Volume {
+        &self.volume
+    }
+
+    /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
+    pub fn face_radiance(&self) -> Option<&wgpu::Buffer> {
+        self.lighting.radiance()
+    }
+
+    /// Group 0: the grid and the volume.
+    pub fn globals(&self) -> &wgpu::BindGroup {
+        self.volume.globals()
+    }
+
+    /// The layout of group 0.
+    pub fn globals_layout(&self) -> &wgpu::BindGroupLayout {
+        self.volume.globals_layout()
+    }
+
+    /// The layout of group 2: lights and shadow maps.
+    pub fn lights_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.lights_layout
+    }
+
+    /// The layout of group 3: the camera and the G-buffer.
+    pub fn gbuffer_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.gbuffer_layout
+    }
+
+    /// Bytes on the GPU, by what they hold; temporary buffers of the voxelization are in its statistics.
+    pub fn memory(&self) -> Vec<(&'static str, u64)> {
+        let mut memory = self.volume.memory();
+        memory.extend(self.lighting.memory());
+        if let Some(voxels) = &self.voxels {
+            memory.extend(voxels.memory());
+        }
+        memory
+    }
+}

@@ -1,0 +1,191 @@
+//! Bind group layouts and bind groups, with the bindings numbered in the order in which they are listed.
+
+/// Lists the bindings of a layout; binding `i` is the `i`-th one added.
+#[derive(Clone, Debug)]
+pub struct LayoutBuilder {
+    visibility: wgpu::ShaderStages,
+    entries: Vec<wgpu::BindGroupLayoutEntry>,
+}
+
+impl LayoutBuilder {
+    /// A layout whose bindings all have the given visibility.
+    pub fn new(visibility: wgpu::ShaderStages) -> Self {
+        Self { visibility, entries: Vec::new() }
+    }
+
+    /// A layout for compute shaders.
+    pub fn compute() -> Self {
+        Self::new(wgpu::ShaderStages::COMPUTE)
+    }
+
+    /// Any binding type.
+    #[must_use]
+    pub fn binding(mut self, ty: wgpu::BindingType) -> Self {
+        let binding = self.entries.len() as u32;
+        self.entries.push(wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: self.visibility,
+            ty,
+            count: None,
+        });
+        self
+    }
+
+    fn buffer(self, ty: wgpu::BufferBindingType) -> Self {
+        self.binding(wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        })
+    }
+
+    /// `var<uniform>`.
+    #[must_use]
+    pub fn uniform(self) -> Self {
+        self.buffer(wgpu::BufferBindingType::Uniform)
+    }
+
+    /// `var<storage, read>`.
+    #[must_use]
+    pub fn storage(self) -> Self {
+        self.buffer(wgpu::BufferBindingType::Storage { read_only: true })
+    }
+
+    /// `var<storage, read_write>`.
+    #[must_use]
+    pub fn storage_mut(self) -> Self {
+        self.buffer(wgpu::BufferBindingType::Storage { read_only: false })
+    }
+
+    /// A sampled texture.
+    #[must_use]
+    pub fn texture(
+        self,
+        view_dimension: wgpu::TextureViewDimension,
+        sample_type: wgpu::TextureSampleType,
+    ) -> Self {
+        self.binding(wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false })
+    }
+
+    /// `texture_2d<f32>` that can be filtered.
+    #[must_use]
+    pub fn texture_2d(self) -> Self {
+        self.texture(
+            wgpu::TextureViewDimension::D2,
+            wgpu::TextureSampleType::Float { filterable: true },
+        )
+    }
+
+    /// `texture_2d<f32>` for `textureLoad` alone (any float format).
+    #[must_use]
+    pub fn texture_2d_unfilterable(self) -> Self {
+        self.texture(
+            wgpu::TextureViewDimension::D2,
+            wgpu::TextureSampleType::Float { filterable: false },
+        )
+    }
+
+    /// `texture_depth_2d`.
+    #[must_use]
+    pub fn depth_2d(self) -> Self {
+        self.texture(wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Depth)
+    }
+
+    /// `texture_depth_2d_array`.
+    #[must_use]
+    pub fn depth_2d_array(self) -> Self {
+        self.texture(wgpu::TextureViewDimension::D2Array, wgpu::TextureSampleType::Depth)
+    }
+
+    /// `texture_3d<f32>` that can be filtered.
+    #[must_use]
+    pub fn texture_3d(self) -> Self {
+        self.texture(
+            wgpu::TextureViewDimension::D3,
+            wgpu::TextureSampleType::Float { filterable: true },
+        )
+    }
+
+    /// A write-only storage texture.
+    #[must_use]
+    pub fn storage_texture(
+        self,
+        view_dimension: wgpu::TextureViewDimension,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        self.binding(wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format,
+            view_dimension,
+        })
+    }
+
+    /// A filtering sampler.
+    #[must_use]
+    pub fn sampler(self) -> Self {
+        self.binding(wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering))
+    }
+
+    /// A comparison sampler.
+    #[must_use]
+    pub fn sampler_comparison(self) -> Self {
+        self.binding(wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison))
+    }
+
+    /// The layout.
+    pub fn build(self, device: &wgpu::Device, label: &str) -> wgpu::BindGroupLayout {
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &self.entries,
+        })
+    }
+}
+
+/// Lists the resources of a bind group in the order of its layout.
+#[derive(Debug)]
+pub struct BindGroupBuilder<'a> {
+    layout: &'a wgpu::BindGroupLayout,
+    entries: Vec<wgpu::BindGroupEntry<'a>>,
+}
+
+impl<'a> BindGroupBuilder<'a> {
+    /// A bind group of the given layout.
+    pub fn new(layout: &'a wgpu::BindGroupLayout) -> Self {
+        Self { layout, entries: Vec::new() }
+    }
+
+    /// Any resource.
+    #[must_use]
+    pub fn resource(mut self, resource: wgpu::BindingResource<'a>) -> Self {
+        let binding = self.entries.len() as u32;
+        self.entries.push(wgpu::BindGroupEntry { binding, resource });
+        self
+    }
+
+    /// A whole buffer.
+    #[must_use]
+    pub fn buffer(self, buffer: &'a wgpu::Buffer) -> Self {
+        self.resource(buffer.as_entire_binding())
+    }
+
+    /// A texture view.
+    #[must_use]
+    pub fn view(self, view: &'a wgpu::TextureView) -> Self {
+        self.resource(wgpu::BindingResource::TextureView(view))
+    }
+
+    /// A sampler.
+    #[must_use]
+    pub fn sampler(self, sampler: &'a wgpu::Sampler) -> Self {
+        self.resource(wgpu::BindingResource::Sampler(sampler))
+    }
+
+    /// The bind group.
+    pub fn build(self, device: &wgpu::Device, label: &str) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout: self.layout,
+            entries: &self.entries,
+        })
+    }
+}

@@ -1,0 +1,132 @@
+//! Buffers: made, filled, read back without blocking where blocking is not possible.
+
+use bytemuck::Pod;
+use wgpu::util::DeviceExt as _;
+
+use crate::GiError;
+
+/// A storage buffer of at least one element's size (WebGPU has no empty bindings); its content starts as zero.
+/// It can be copied from and to, and hold the arguments of an indirect dispatch.
+pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes.max(16).next_multiple_of(4),
+        usage: wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST
+            | wgpu::BufferUsages::INDIRECT,
+        mapped_at_creation: false,
+    })
+}
+
+/// A uniform buffer with the given content, which `Queue::write_buffer` can change.
+pub fn uniform_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &T) -> wgpu::Buffer {
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::bytes_of(content),
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
+/// A storage buffer with the given content; an empty slice makes a buffer of 16 zero bytes.
+pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> wgpu::Buffer {
+    if content.is_empty() {
+        return storage_buffer(device, label, 16);
+    }
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::cast_slice(content),
+        usage: wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
+/// The content of `buffer` (which needs `COPY_SRC`) as values of `T`, once all work submitted so far is done.
+///
+/// On the web the future completes from the browser's event loop; elsewhere it polls the device itself.
+///
+/// # Errors
+/// [`GiError::Device`] when the device is lost.
+pub async fn read_buffer<T: Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    bytes: std::ops::Range<u64>,
+) -> Result<Vec<T>, GiError> {
+    let size = bytes.end - bytes.start;
+    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(buffer, bytes.start, &staging, 0, size);
+    queue.submit([encoder.finish()]);
+    map_and_copy(device, &staging).await
+}
+
+/// Maps a whole staging buffer and copies its content out.
+pub(crate) async fn map_and_copy<T: Pod>(
+    device: &wgpu::Device,
+    staging: &wgpu::Buffer,
+) -> Result<Vec<T>, GiError> {
+    let fail = |reason: String| GiError::Device { doing: "reading a buffer back", reason };
+    let (sender, receiver) = oneshot();
+    staging.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
+    #[cfg(not(target_arch = "wasm32"))]
+    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| fail(e.to_string()))?;
+    #[cfg(target_arch = "wasm32")]
+    let _ = device;
+    receiver.await.map_err(|e| fail(e.to_string()))?;
+    let mapped = staging.get_mapped_range(..).map_err(|e| fail(e.to_string()))?;
+    let mut values = vec![T::zeroed(); mapped.len() / size_of::<T>()];
+    bytemuck::cast_slice_mut(&mut values).copy_from_slice(&mapped);
+    drop(mapped);
+    staging.unmap();
+    Ok(values)
+}
+
+/// The two ends of a value that a callback delivers to a future.
+fn oneshot<T: Send + 'static>() -> (Sender<T>, Receiver<T>) {
+    let shared = std::sync::Arc::new(std::sync::Mutex::new(Slot { value: None, waker: None }));
+    (Sender(shared.clone()), Receiver(shared))
+}
+
+struct Slot<T> {
+    value: Option<T>,
+    waker: Option<std::task::Waker>,
+}
+
+struct Sender<T>(std::sync::Arc<std::sync::Mutex<Slot<T>>>);
+
+impl<T> Sender<T> {
+    fn send(self, value: T) {
+        let mut slot = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        slot.value = Some(value);
+        if let Some(waker) = slot.waker.take() {
+            waker.wake();
+        }
+    }
+}
+
+struct Receiver<T>(std::sync::Arc<std::sync::Mutex<Slot<T>>>);
+
+impl<T> Future for Receiver<T> {
+    type Output = T;
+
+    fn poll(
+        self: std::pin::Pin<&mut Self>,
+        context: &mut std::task::Context<'_>,
+    ) -> std::task::Poll<T> {
+        let mut slot = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        match slot.value.take() {
+            Some(value) => std::task::Poll::Ready(value),
+            None => {
+                slot.waker = Some(context.waker().clone());
+                std::task::Poll::Pending
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+// Where an invocation stands in a list, when its workgroups spread over x and y (Kernel::dispatch_linear).
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+
+fn linear_index(invocation: vec3u, workgroups: vec3u) -> u32 {
+    return invocation.y * (workgroups.x * LINEAR_WORKGROUP_SIZE) + invocation.x;
+}

@@ -1,0 +1,65 @@
+//! Arguments of indirect dispatches, computed on the GPU from the lengths of runs of work items.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use crate::gpu::{storage_buffer, upload};
+
+/// `Run` of `indirect.wgsl`: the bounds of a run, as places in the prefix sum of the items.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Run {
+    /// Where its items start.
+    pub first: u32,
+    /// Where the items after it start.
+    pub end: u32,
+}
+
+/// The kernel that computes them.
+#[derive(Debug)]
+pub(crate) struct Indirect {
+    layout: wgpu::BindGroupLayout,
+    kernel: Kernel,
+}
+
+impl Indirect {
+    /// Bytes of the arguments of one dispatch.
+    pub const STRIDE: u64 = 12;
+
+    /// Compiles the kernel.
+    pub fn new(device: &wgpu::Device, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
+        let layout = LayoutBuilder::compute()
+            .storage()
+            .storage()
+            .storage_mut()
+            .storage()
+            .build(device, "gpu::indirect");
+        let kernel = Kernel::new(device, shaders, "gpu::indirect", "main", &[&layout])?;
+        Ok(Self { layout, kernel })
+    }
+
+    /// Arguments for a dispatch of a thread per item, for each run; those of the `i`-th start at `i * STRIDE`.
+    ///
+    /// `item_starts` is the exclusive prefix sum of the items. If the first word of `overflow` is not zero
+    /// when this runs, nothing is dispatched.
+    pub fn arguments(
+        &self,
+        recorder: &mut Recorder,
+        item_starts: &wgpu::Buffer,
+        runs: &[Run],
+        overflow: &wgpu::Buffer,
+    ) -> wgpu::Buffer {
+        let device = recorder.device().clone();
+        let bytes = runs.len() as u64 * Self::STRIDE;
+        let arguments = storage_buffer(&device, "indirect arguments", bytes);
+        let runs_buffer = upload(&device, "runs of items", runs);
+        let group = BindGroupBuilder::new(&self.layout)
+            .buffer(item_starts)
+            .buffer(&runs_buffer)
+            .buffer(&arguments)
+            .buffer(overflow)
+            .build(&device, "gpu::indirect");
+        self.kernel.run_linear(recorder, &[&group], runs.len() as u64);
+        arguments
+    }
+}

@@ -1,0 +1,126 @@
+//! A compute kernel: an entry point with its pipeline and the workgroup size that naga reflects from it.
+
+use crate::gpu::{Recorder, ShaderError, ShaderLibrary};
+
+/// Invocations of a workgroup of kernels that run over a list (`@workgroup_size(LINEAR_WORKGROUP_SIZE)`).
+pub const LINEAR_WORKGROUP_SIZE: u32 = 64;
+
+/// WebGPU's default limit of workgroups along a dimension.
+pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
+
+/// A compute pipeline that knows its workgroup size.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    workgroup_size: [u32; 3],
+    label: String,
+}
+
+impl Kernel {
+    /// The entry point `entry` of the shader module `module`; bind group `i` has the layout `layouts[i]`.
+    ///
+    /// # Errors
+    /// When the module does not link or validate, or has no such entry point.
+    pub fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        module: &str,
+        entry: &str,
+        layouts: &[&wgpu::BindGroupLayout],
+    ) -> Result<Self, ShaderError> {
+        let (shader, reflected) = shaders.create(device, module)?;
+        let label = format!("{module}::{entry}");
+        let workgroup_size = reflected
+            .entry_points
+            .iter()
+            .find(|point| point.name == entry)
+            .map(|point| point.workgroup_size)
+            .ok_or_else(|| ShaderError {
+                module: module.to_owned(),
+                message: format!("there is no entry point `{entry}`"),
+            })?;
+        let layouts: Vec<_> = layouts.iter().map(|layout| Some(*layout)).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &layouts,
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&layout),
+            module: &shader,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Ok(Self { pipeline, workgroup_size, label })
+    }
+
+    /// Invocations along x, y and z of one workgroup.
+    pub fn workgroup_size(&self) -> [u32; 3] {
+        self.workgroup_size
+    }
+
+    fn set(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[&wgpu::BindGroup]) {
+        pass.set_pipeline(&self.pipeline);
+        for (index, group) in groups.iter().enumerate() {
+            pass.set_bind_group(index as u32, *group, &[]);
+        }
+    }
+
+    /// Runs over a grid of threads, within a pass.
+    pub fn dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &[&wgpu::BindGroup],
+        threads: [u32; 3],
+    ) {
+        let [x, y, z] = std::array::from_fn(|i| threads[i].div_ceil(self.workgroup_size[i]));
+        if x == 0 || y == 0 || z == 0 {
+            return;
+        }
+        self.set(pass, groups);
+        pass.dispatch_workgroups(x, y, z);
+    }
+
+    /// Runs over a list of `count` elements, within a pass. The workgroups spread over x and y, since one
+    /// dimension alone reaches 4 million threads; the shader finds its element with
+    /// `package::gpu::dispatch::linear_index` and must check it against the count.
+    pub fn dispatch_linear(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &[&wgpu::BindGroup],
+        count: u64,
+    ) {
+        if count == 0 {
+            return;
+        }
+        let workgroups = count.div_ceil(u64::from(self.workgroup_size[0]));
+        let rows = workgroups.div_ceil(u64::from(MAX_WORKGROUPS));
+        let columns = workgroups.div_ceil(rows);
+        self.set(pass, groups);
+        pass.dispatch_workgroups(columns as u32, rows as u32, 1);
+    }
+
+    /// Runs with the workgroup counts that stand in `arguments` at the byte `offset`, within a pass.
+    pub fn dispatch_indirect(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &[&wgpu::BindGroup],
+        arguments: &wgpu::Buffer,
+        offset: u64,
+    ) {
+        self.set(pass, groups);
+        pass.dispatch_workgroups_indirect(arguments, offset);
+    }
+
+    /// A pass of its own for [`Self::dispatch`].
+    pub fn run(&self, recorder: &mut Recorder, groups: &[&wgpu::BindGroup], threads: [u32; 3]) {
+        recorder.compute(&self.label, |pass| self.dispatch(pass, groups, threads));
+    }
+
+    /// A pass of its own for [`Self::dispatch_linear`].
+    pub fn run_linear(&self, recorder: &mut Recorder, groups: &[&wgpu::BindGroup], count: u64) {
+        recorder.compute(&self.label, |pass| self.dispatch_linear(pass, groups, count));
+    }
+}

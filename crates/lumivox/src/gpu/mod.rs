@@ -1,0 +1,23 @@
+//! Small helpers that every stage shares: linked shaders, kernels, prefix sums, recording with timings.
+
+mod bindings;
+mod buffers;
+mod indirect;
+mod kernel;
+#[cfg(test)]
+mod layouts;
+mod recorder;
+mod scan;
+mod shaders;
+
+pub use bindings::{BindGroupBuilder, LayoutBuilder};
+pub use buffers::{read_buffer, storage_buffer, uniform_buffer, upload};
+pub(crate) use indirect::{Indirect, Run};
+pub(crate) use kernel::MAX_WORKGROUPS;
+#[cfg(test)]
+pub(crate) use layouts::assert_layout;
+pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
+pub use recorder::{Recorder, StageTime, Timing};
+pub use scan::Scan;
+pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
+pub use shaders::{ShaderError, ShaderLibrary, StructLayout};

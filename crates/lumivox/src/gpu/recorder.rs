@@ -1,0 +1,242 @@
+//! Recording of GPU work, with the time of every pass if asked.
+//!
+//! GPU timestamps are used where they can be trusted. On software adapters they cannot (lavapipe's are taken
+//! when commands are parsed, not when they run), so there every pass is submitted alone and waited for, and
+//! the wall clock is read: slower as a whole, but true for each pass.
+
+use std::time::{Duration, Instant};
+
+use crate::GiError;
+use crate::gpu::buffers::map_and_copy;
+
+/// How a [`Recorder`] takes times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Timing {
+    /// Not at all; everything goes into one command buffer.
+    #[default]
+    Off,
+    /// By timestamps at the boundaries of passes; needs `wgpu::Features::TIMESTAMP_QUERY`.
+    Timestamps,
+    /// By submitting each pass alone and waiting for it. Not in browsers, where nothing may block.
+    SubmitAndWait,
+}
+
+impl Timing {
+    /// The way that gives true times on a device.
+    pub fn for_device(device: &wgpu::Device) -> Self {
+        let is_software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        if !is_software && device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            Self::Timestamps
+        } else if cfg!(target_arch = "wasm32") {
+            Self::Off
+        } else {
+            Self::SubmitAndWait
+        }
+    }
+}
+
+/// The time that one pass took on the GPU.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageTime {
+    /// The stage that the pass belongs to, such as `voxelize`.
+    pub stage: &'static str,
+    /// The pass, such as `voxelize::mark::main`.
+    pub pass: String,
+    /// How long it ran.
+    pub duration: Duration,
+}
+
+/// Passes that one timestamp query set holds; those beyond it go untimed.
+const MAX_TIMED_PASSES: u32 = 2048;
+
+/// Records compute and render passes into command buffers and submits them.
+#[derive(Debug)]
+pub struct Recorder {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    encoder: wgpu::CommandEncoder,
+    timing: Timing,
+    stage: &'static str,
+    queries: Option<wgpu::QuerySet>,
+    times: Vec<StageTime>,
+}
+
+impl Recorder {
+    /// A recorder that takes no times.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        Self::with_timing(device, queue, Timing::Off)
+    }
+
+    /// A recorder that takes times as asked; [`Timing::for_device`] says what suits a device.
+    pub fn with_timing(device: &wgpu::Device, queue: &wgpu::Queue, timing: Timing) -> Self {
+        let queries = (timing == Timing::Timestamps).then(|| {
+            device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("stage times"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * MAX_TIMED_PASSES,
+            })
+        });
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            encoder: new_encoder(device),
+            timing,
+            stage: "other",
+            queries,
+            times: Vec::new(),
+        }
+    }
+
+    /// The device that the work is for.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The queue that the work goes to.
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// The encoder, for commands that need no time taken: copies, clears, an engine's own passes.
+    pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        &mut self.encoder
+    }
+
+    /// Passes from here on belong to the stage `name`.
+    pub fn stage(&mut self, name: &'static str) {
+        self.stage = name;
+    }
+
+    /// A compute pass.
+    pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+        let start = self.begin_pass();
+        let slot = self.timestamp_slot();
+        {
+            let timestamp_writes = self.queries.as_ref().zip(slot).map(|(query_set, slot)| {
+                wgpu::ComputePassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: Some(slot),
+                    end_of_pass_write_index: Some(slot + 1),
+                }
+            });
+            let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(label),
+                timestamp_writes,
+            });
+            record(&mut pass);
+        }
+        self.end_pass(label, start);
+    }
+
+    /// A render pass.
+    pub fn render(
+        &mut self,
+        label: &str,
+        colors: &[Option<wgpu::RenderPassColorAttachment<'_>>],
+        depth: Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
+        record: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    ) {
+        let start = self.begin_pass();
+        let slot = self.timestamp_slot();
+        {
+            let timestamp_writes = self.queries.as_ref().zip(slot).map(|(query_set, slot)| {
+                wgpu::RenderPassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: Some(slot),
+                    end_of_pass_write_index: Some(slot + 1),
+                }
+            });
+            let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(label),
+                color_attachments: colors,
+                depth_stencil_attachment: depth,
+                timestamp_writes,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            record(&mut pass);
+        }
+        self.end_pass(label, start);
+    }
+
+    /// Submits what was recorded so far and goes on recording.
+    pub fn flush(&mut self) {
+        let encoder = std::mem::replace(&mut self.encoder, new_encoder(&self.device));
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// Submits what was recorded; times, if any were taken, are dropped.
+    pub fn submit(self) {
+        self.queue.submit([self.encoder.finish()]);
+    }
+
+    /// Submits what was recorded, waits for it where times are taken, and returns them in order.
+    ///
+    /// # Errors
+    /// [`GiError::Device`] when the device is lost.
+    pub async fn finish(mut self) -> Result<Vec<StageTime>, GiError> {
+        let Some(queries) = self.queries.take().filter(|_| !self.times.is_empty()) else {
+            self.queue.submit([self.encoder.finish()]);
+            return Ok(self.times);
+        };
+        let count = 2 * self.times.len() as u32;
+        let bytes = u64::from(count) * size_of::<u64>() as u64;
+        let buffer = |usage| {
+            self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("stage times"),
+                size: bytes,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let resolved = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
+        let staging = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        self.encoder.resolve_query_set(&queries, 0..count, &resolved, 0);
+        self.encoder.copy_buffer_to_buffer(&resolved, 0, &staging, 0, bytes);
+        self.queue.submit([self.encoder.finish()]);
+        let ticks: Vec<u64> = map_and_copy(&self.device, &staging).await?;
+        let nanos_per_tick = f64::from(self.queue.get_timestamp_period());
+        for (time, pair) in self.times.iter_mut().zip(ticks.chunks_exact(2)) {
+            let nanos = pair[1].saturating_sub(pair[0]) as f64 * nanos_per_tick;
+            time.duration = Duration::from_nanos(nanos as u64);
+        }
+        Ok(self.times)
+    }
+
+    fn begin_pass(&mut self) -> Option<Instant> {
+        (self.timing == Timing::SubmitAndWait).then(|| {
+            self.flush();
+            self.wait();
+            Instant::now()
+        })
+    }
+
+    fn end_pass(&mut self, label: &str, start: Option<Instant>) {
+        let duration = match self.timing {
+            Timing::Off => return,
+            Timing::Timestamps if self.times.len() as u32 >= MAX_TIMED_PASSES => return,
+            Timing::Timestamps => Duration::ZERO,
+            Timing::SubmitAndWait => {
+                self.flush();
+                self.wait();
+                start.map_or(Duration::ZERO, |start| start.elapsed())
+            }
+        };
+        self.times.push(StageTime { stage: self.stage, pass: label.to_owned(), duration });
+    }
+
+    fn timestamp_slot(&self) -> Option<u32> {
+        let index = self.times.len() as u32;
+        (self.queries.is_some() && index < MAX_TIMED_PASSES).then_some(2 * index)
+    }
+
+    fn wait(&self) {
+        if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
+            tracing::warn!("a stage's time is not true: waiting for the device failed: {error}");
+        }
+    }
+}
+
+fn new_encoder(device: &wgpu::Device) -> wgpu::CommandEncoder {
+    device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("lumivox") })
+}

@@ -1,0 +1,170 @@
+//! Shader modules, linked at run time.
+//!
+//! Shaders are WGSL with WESL's `import` statements, so that stages share code without copies. A library of
+//! modules is a map from paths (`package::trace::cone`) to sources; linking one of them pulls in what it
+//! imports and yields plain WGSL. Constants that Rust and WGSL share are defined once in Rust and injected as
+//! the module `package::constants`. The module `package::volume` is the interface behind which the volumes
+//! (dense, octree, clipmap) differ: a library is made for one of them.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use crate::gpu::LINEAR_WORKGROUP_SIZE;
+
+/// A shader that does not link, parse or validate.
+#[derive(Debug, thiserror::Error)]
+#[error("shader {module}: {message}")]
+pub struct ShaderError {
+    /// The path of the module that was linked.
+    pub module: String,
+    /// What the linker or naga said, with the place.
+    pub message: String,
+}
+
+/// How a WGSL struct lies in memory, as naga reflects it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StructLayout {
+    /// Bytes from one element of an array to the next.
+    pub size: u32,
+    /// Name and byte offset of each member.
+    pub members: Vec<(String, u32)>,
+}
+
+/// The modules that shaders are linked from.
+#[derive(Clone, Debug)]
+pub struct ShaderLibrary {
+    modules: BTreeMap<String, Cow<'static, str>>,
+    constants: BTreeMap<&'static str, String>,
+}
+
+impl ShaderLibrary {
+    /// An empty library with the constants that all stages share.
+    pub(crate) fn new(modules: &[(&str, &'static str)]) -> Self {
+        let mut library = Self { modules: BTreeMap::new(), constants: BTreeMap::new() };
+        library.constant_u32("LINEAR_WORKGROUP_SIZE", LINEAR_WORKGROUP_SIZE);
+        for (path, source) in modules {
+            library.add(path, *source);
+        }
+        library
+    }
+
+    /// Adds the module `path` (without the leading `package::`), or replaces it.
+    pub fn add(&mut self, path: &str, source: impl Into<Cow<'static, str>>) -> &mut Self {
+        self.modules.insert(format!("package::{path}"), source.into());
+        self
+    }
+
+    /// Defines a `u32` constant of the module `package::constants`.
+    pub fn constant_u32(&mut self, name: &'static str, value: u32) -> &mut Self {
+        self.constants.insert(name, format!("const {name}: u32 = {value}u;"));
+        self
+    }
+
+    /// Defines an `f32` constant of the module `package::constants`.
+    pub fn constant_f32(&mut self, name: &'static str, value: f32) -> &mut Self {
+        self.constants.insert(name, format!("const {name}: f32 = {value:?}f;"));
+        self
+    }
+
+    /// The paths of all modules, without the leading `package::`.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        self.modules.keys().map(|path| path.trim_start_matches("package::"))
+    }
+
+    /// Plain WGSL of the module `path` with everything that it imports; unused declarations are dropped.
+    ///
+    /// # Errors
+    /// When a module is missing or does not parse.
+    pub fn link(&self, path: &str) -> Result<String, ShaderError> {
+        self.compile(path, true)
+    }
+
+    /// As [`Self::link`], but keeps every declaration of the module, for reflection.
+    ///
+    /// # Errors
+    /// When a module is missing or does not parse.
+    pub fn link_whole(&self, path: &str) -> Result<String, ShaderError> {
+        self.compile(path, false)
+    }
+
+    fn compile(&self, path: &str, strip: bool) -> Result<String, ShaderError> {
+        let fail = |message: String| ShaderError { module: path.to_owned(), message };
+        let mut resolver = wesl::VirtualResolver::new();
+        for (path, source) in &self.modules {
+            let parsed = path.parse().map_err(|e| fail(format!("{path}: {e}")))?;
+            resolver.add_module(parsed, Cow::Borrowed(source));
+        }
+        let mut constants = String::new();
+        for declaration in self.constants.values() {
+            let _ = writeln!(constants, "{declaration}");
+        }
+        let constants_path = "package::constants".parse().map_err(|e| fail(format!("{e}")))?;
+        resolver.add_module(constants_path, Cow::Owned(constants));
+
+        let mut compiler = wesl::Wesl::new("").set_custom_resolver(resolver);
+        compiler.use_stripping(strip);
+        let root = format!("package::{path}").parse().map_err(|e| fail(format!("{e}")))?;
+        let compiled = compiler.compile(&root).map_err(|e| fail(e.to_string()))?;
+        Ok(compiled.to_string())
+    }
+
+    /// Links `path`, validates it with naga and returns the reflected module and its WGSL.
+    ///
+    /// # Errors
+    /// When it does not link, parse or validate.
+    pub fn reflect(&self, path: &str) -> Result<(naga::Module, String), ShaderError> {
+        let source = self.link(path)?;
+        let fail = |message: String| ShaderError { module: path.to_owned(), message };
+        let module = naga::front::wgsl::parse_str(&source)
+            .map_err(|e| fail(e.emit_to_string_with_path(&source, path)))?;
+        naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::default(),
+        )
+        .validate(&module)
+        .map_err(|e| fail(e.emit_to_string_with_path(&source, path)))?;
+        Ok((module, source))
+    }
+
+    /// The layout of the struct `name` of the module `path`: what the Rust side of it has to match.
+    ///
+    /// # Errors
+    /// When the module does not link or parse, or has no such struct.
+    pub fn struct_layout(&self, path: &str, name: &str) -> Result<StructLayout, ShaderError> {
+        let source = self.link_whole(path)?;
+        let fail = |message: String| ShaderError { module: path.to_owned(), message };
+        let module = naga::front::wgsl::parse_str(&source)
+            .map_err(|e| fail(e.emit_to_string_with_path(&source, path)))?;
+        let (_, ty) = module
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some(name))
+            .ok_or_else(|| fail(format!("there is no struct `{name}`")))?;
+        let naga::TypeInner::Struct { members, span } = &ty.inner else {
+            return Err(fail(format!("`{name}` is not a struct")));
+        };
+        let members = members
+            .iter()
+            .map(|member| (member.name.clone().unwrap_or_default(), member.offset))
+            .collect();
+        Ok(StructLayout { size: *span, members })
+    }
+
+    /// The shader module `path` on a device.
+    ///
+    /// # Errors
+    /// When it does not link, parse or validate.
+    pub fn create(
+        &self,
+        device: &wgpu::Device,
+        path: &str,
+    ) -> Result<(wgpu::ShaderModule, naga::Module), ShaderError> {
+        let (reflected, source) = self.reflect(path)?;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(path),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        Ok((module, reflected))
+    }
+}

@@ -1,0 +1,128 @@
+//! The voxel grid: where it lies in the world, and how its levels halve.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{UVec3, Vec3};
+
+use crate::GiError;
+
+/// The smallest resolution of the longest axis.
+pub const MIN_RESOLUTION: u32 = 16;
+/// The largest resolution of the longest axis that the grid's numbering allows.
+pub const MAX_RESOLUTION: u32 = 1024;
+
+/// Voxels kept free on either side of the fitted bounds. The half puts axis-aligned outer walls into the
+/// middle of a voxel: on a boundary, rounding alone would decide which layer they fall into.
+const MARGIN: f32 = 1.5;
+
+/// A grid of cubic voxels.
+///
+/// World space is right-handed with y up, in metres. *Grid space* has its origin at the grid's corner and a
+/// voxel as its unit, so voxel `(x, y, z)` fills `[x, x + 1) × [y, y + 1) × [z, z + 1)`.
+/// Level `l` of the pyramid has cells of `2^l` voxels; every level halves exactly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// The corner with the smallest coordinates, in the world.
+    pub origin_in_world: Vec3,
+    /// The edge of a voxel.
+    pub voxel_size_m: f32,
+    /// Voxels along each axis, a multiple of `2^(levels - 1)`.
+    pub dimensions: UVec3,
+    /// Levels of the pyramid, the finest included.
+    pub levels: u32,
+}
+
+impl Grid {
+    /// Fits a grid of `resolution` voxels along the longest axis to bounds, with a margin of 1.5 voxels.
+    ///
+    /// `offset` (in voxels, each component in [0, 1)) shifts the grid against the bounds: errors of voxel
+    /// methods depend on where walls fall, so tests and measurements try several. The other axes get as many
+    /// voxels as they need, rounded up so that every level halves exactly.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when the resolution is out of range or not a multiple of 8, or the bounds are
+    /// empty or not finite.
+    pub fn fit(min: Vec3, max: Vec3, resolution: u32, offset: Vec3) -> Result<Self, GiError> {
+        if !(MIN_RESOLUTION..=MAX_RESOLUTION).contains(&resolution) || !resolution.is_multiple_of(8)
+        {
+            return Err(GiError::Setting {
+                name: "resolution",
+                value: resolution.to_string(),
+                expected: format!("a multiple of 8 from {MIN_RESOLUTION} to {MAX_RESOLUTION}"),
+            });
+        }
+        let extent = max - min;
+        let longest = extent.max_element();
+        if !(min.is_finite() && max.is_finite() && longest > 0.0 && longest.is_finite()) {
+            return Err(GiError::Setting {
+                name: "bounds",
+                value: format!("{min} to {max}"),
+                expected: "finite and not empty".to_owned(),
+            });
+        }
+        if !(offset.cmpge(Vec3::ZERO).all() && offset.cmplt(Vec3::ONE).all()) {
+            return Err(GiError::Setting {
+                name: "grid offset",
+                value: offset.to_string(),
+                expected: "at least 0 and below 1 voxel along each axis".to_owned(),
+            });
+        }
+        // The coarsest level has at least four cells along the longest axis.
+        let levels = (resolution / 4).ilog2() + 1;
+        let coarsest = 1 << (levels - 1);
+        let shift = offset.max_element();
+        let voxel_size_m = longest / (resolution as f32 - 2.0 * MARGIN - shift);
+        let needed = (extent / voxel_size_m + (2.0 * MARGIN) + offset).ceil().as_uvec3();
+        // Rounding may put the longest axis a hair above the resolution.
+        let needed = needed.min(UVec3::splat(resolution));
+        let dimensions = needed.map(|n| n.next_multiple_of(coarsest));
+        // What rounding up adds is shared out to both sides of the shorter axes.
+        let slack = (dimensions - needed) / 2;
+        let origin_in_world = min - (MARGIN + offset + slack.as_vec3()) * voxel_size_m;
+        Ok(Self { origin_in_world, voxel_size_m, dimensions, levels })
+    }
+
+    /// Cells of a level along each axis.
+    pub fn level_dimensions(&self, level: u32) -> UVec3 {
+        self.dimensions >> level
+    }
+
+    /// The edge of the enclosing cube of a level, a power of two: the extent of Morton numbering.
+    pub fn morton_edge(&self, level: u32) -> u32 {
+        self.dimensions.max_element().next_power_of_two() >> level
+    }
+
+    /// Voxels in the whole grid.
+    pub fn voxel_count(&self) -> u64 {
+        self.dimensions.as_u64vec3().element_product()
+    }
+
+    /// World to grid space.
+    pub fn grid_from_world(&self, position: Vec3) -> Vec3 {
+        (position - self.origin_in_world) / self.voxel_size_m
+    }
+
+    /// Grid space to world.
+    pub fn world_from_grid(&self, position: Vec3) -> Vec3 {
+        self.origin_in_world + position * self.voxel_size_m
+    }
+
+    /// The grid as the shaders see it.
+    pub(crate) fn to_gpu(self) -> GridUniform {
+        GridUniform {
+            origin_in_world: self.origin_in_world.to_array(),
+            voxel_size_m: self.voxel_size_m,
+            dimensions: self.dimensions.to_array(),
+            levels: self.levels,
+        }
+    }
+}
+
+/// `Grid` of `grid.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct GridUniform {
+    pub(crate) origin_in_world: [f32; 3],
+    pub(crate) voxel_size_m: f32,
+    pub(crate) dimensions: [u32; 3],
+    pub(crate) levels: u32,
+}

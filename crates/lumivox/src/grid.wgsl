@@ -1,0 +1,18 @@
+// The voxel grid, as in grid.rs: group 0, binding 0 of every kernel that knows about voxels.
+
+struct Grid {
+    origin_in_world: vec3f,
+    voxel_size_m: f32,
+    dimensions: vec3u,
+    levels: u32,
+}
+
+@group(0) @binding(0) var<uniform> grid: Grid;
+
+fn grid_from_world(position_in_world: vec3f) -> vec3f {
+    return (position_in_world - grid.origin_in_world) / grid.voxel_size_m;
+}
+
+fn world_from_grid(position_in_grid: vec3f) -> vec3f {
+    return grid.origin_in_world + position_in_grid * grid.voxel_size_m;
+}

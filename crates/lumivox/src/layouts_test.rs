@@ -1,0 +1,113 @@
+//! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
+
+use crate::gpu::{ShaderLibrary, assert_layout};
+use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
+use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
+use crate::volume::{LevelRange, MaskLevels, mount};
+use crate::voxels::{FaceRecord, NodeRecord};
+use crate::{Directionality, shaders};
+
+fn libraries() -> [ShaderLibrary; 2] {
+    [Directionality::SixLobes, Directionality::Isotropic].map(|directionality| {
+        let mut library = shaders::library();
+        mount(&mut library, directionality);
+        library
+    })
+}
+
+#[test]
+fn structs_lie_in_memory_alike() {
+    let [library, _] = libraries();
+    assert_layout!(library, "voxels::list", "Node", NodeRecord { morton, lobes });
+    assert_layout!(
+        library,
+        "voxels::list",
+        "Face",
+        FaceRecord { position_in_world, voxel, vector_area, lobe, reflectance, emission }
+    );
+    assert_layout!(
+        library,
+        "grid",
+        "Grid",
+        crate::grid::GridUniform { origin_in_world, voxel_size_m, dimensions, levels }
+    );
+    assert_layout!(
+        library,
+        "light::lights",
+        "Light",
+        LightRecord {
+            position_in_world,
+            kind,
+            direction,
+            range_m,
+            intensity,
+            radius,
+            spot_scale,
+            spot_offset,
+            shadow,
+            shadow_layer,
+        }
+    );
+    assert_layout!(
+        library,
+        "light::lights",
+        "LightGlobals",
+        LightGlobals { environment, light_count }
+    );
+    assert_layout!(
+        library,
+        "light::shadow_map",
+        "ShadowLayer",
+        ShadowLayerRecord { clip_from_world, texel_size, is_perspective }
+    );
+    assert_layout!(
+        library,
+        "light::bounce",
+        "BounceSettings",
+        BounceSettings { cones, cone_count }
+    );
+    assert_layout!(
+        library,
+        "trace::cone",
+        "ConeSettings",
+        ConeSettings {
+            voxel_per_diameter,
+            clearance,
+            normal_offset,
+            step_per_voxel,
+            min_transmittance,
+            occlusion_distance,
+        }
+    );
+    assert_layout!(
+        library,
+        "trace::screen",
+        "ScreenSettings",
+        ScreenSettings { cones, diffuse_cones, scale, specular_share, gathers }
+    );
+    assert_layout!(
+        library,
+        "trace::gbuffer",
+        "View",
+        ViewUniform { clip_from_world, world_from_clip, position_in_world, frame, size }
+    );
+    assert_layout!(
+        library,
+        "volume::mark_masks",
+        "LevelRange",
+        LevelRange { level, axis, first_node, node_count, first_mask_entry }
+    );
+    assert_layout!(library, "volume::masks", "MaskLevels", MaskLevels { first_entry });
+}
+
+#[test]
+fn every_shader_is_valid() {
+    for library in libraries() {
+        let mut kernels = 0;
+        for path in library.paths().map(str::to_owned).collect::<Vec<_>>() {
+            let (module, _) = library.reflect(&path).unwrap_or_else(|error| panic!("{error}"));
+            kernels += module.entry_points.len();
+        }
+        assert!(kernels > 15, "the library has lost its kernels: {kernels} left");
+    }
+}

@@ -1,0 +1,38 @@
+//! Voxel cone tracing on the caller's `wgpu::Device`: dynamic global illumination in physical units.
+//!
+//! Triangles are voxelized on the GPU into a compact list of occupied voxels ([`voxels`]), each with a face
+//! for every side that has surface. Light is computed on that list: direct light, emission, bounces
+//! ([`Light`]). A volume stores it, filters it into a pyramid and is sampled by cones ([`TraceSettings`]) that
+//! gather irradiance, occlusion and glossy reflections at the pixels of the caller's G-buffer.
+//!
+//! A cone returns radiance, irradiance is the cosine-weighted sum over cones, and outgoing radiance is
+//! albedo / pi times irradiance: there is no scale to tune. Whatever many threads write at once is an integer
+//! sum or a bit set, so two runs give the same bits.
+//!
+//! The order of calls is that of [`Gi`]'s methods; `examples/own_engine.rs` shows them with triangles, lights
+//! and a G-buffer of its own.
+
+mod error;
+mod geometry;
+mod gi;
+pub mod gpu;
+mod grid;
+#[cfg(test)]
+mod layouts_test;
+mod light;
+pub mod shaders;
+#[cfg(test)]
+mod testing;
+mod trace;
+mod volume;
+mod voxelize;
+pub mod voxels;
+
+pub use error::GiError;
+pub use geometry::{Draw, Geometry, GeometryBatch, SurfaceMaterial};
+pub use gi::{Gi, GiConfig, Voxelized};
+pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
+pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
+pub use trace::{GBuffer, GBufferViews, Preset, TraceResolution, TraceSettings, TraceTargets, View};
+pub use volume::Directionality;
+pub use voxelize::{VoxelizeStats, Voxelizer};

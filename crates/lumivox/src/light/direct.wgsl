@@ -1,0 +1,41 @@
+// Direct light and emission into the voxels: the radiance that each face sends out before any bounce.
+//
+// A face is a Lambert surface: L = Le + reflectance / pi * sum of irradiances.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::light::lights::{incident_light, light_globals, lights};
+import package::light::visibility::light_visibility;
+import package::voxels::list::Face;
+
+@group(1) @binding(0) var<storage, read> faces: array<Face>;
+@group(1) @binding(1) var<storage, read_write> direct: array<vec4f>;
+@group(1) @binding(2) var<storage, read_write> radiance: array<vec4f>;
+
+const PI: f32 = 3.14159265359;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index >= arrayLength(&direct) {
+        return;
+    }
+    let face = faces[index];
+    let normal = normalize(face.vector_area);
+    var irradiance = vec3f(0.0);
+    for (var i = 0u; i < light_globals.light_count; i++) {
+        let light = lights[i];
+        let incident = incident_light(light, face.position_in_world);
+        let cosine = dot(normal, incident.direction);
+        if cosine > 0.0 && any(incident.irradiance > vec3f(0.0)) {
+            irradiance += incident.irradiance * cosine
+                * light_visibility(light, incident, face.position_in_world, normal);
+        }
+    }
+    let leaving = vec4f(face.emission + face.reflectance / PI * irradiance, 1.0);
+    direct[index] = leaving;
+    radiance[index] = leaving;
+}

@@ -1,0 +1,303 @@
+//! Lights and the environment as the caller gives them, in radiometric (or photometric) units, and on the GPU.
+//!
+//! One unit of radiance runs through the whole library: if lights come in lux and candela, radiance is in
+//! cd/m². The volumes hold half floats (6e-5 to 65504), so very bright scenes are given in a larger unit.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+
+use crate::gpu::{BindGroupBuilder, LayoutBuilder, uniform_buffer, upload};
+
+/// Values of `Light::kind` in the shaders.
+pub(crate) const LIGHT_DIRECTIONAL: u32 = 0;
+pub(crate) const LIGHT_POINT: u32 = 1;
+pub(crate) const LIGHT_SPOT: u32 = 2;
+/// Values of `Light::shadow` in the shaders.
+pub(crate) const SHADOW_NONE: u32 = 0;
+pub(crate) const SHADOW_MAP: u32 = 1;
+pub(crate) const SHADOW_CONE: u32 = 2;
+
+/// Where a light stands and how it spreads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightSource {
+    /// Parallel light, such as the sun's.
+    Directional {
+        /// The way the light travels; unit length.
+        direction: Vec3,
+        /// Irradiance on a surface that faces it, RGB.
+        irradiance: Vec3,
+        /// Half the angle under which the source is seen, rad; for soft shadows. The sun: 0.00465.
+        angular_radius_rad: f32,
+    },
+    /// Light into all directions alike.
+    Point {
+        /// Where it stands, m.
+        position: Vec3,
+        /// Radiant intensity (flux per solid angle), RGB.
+        intensity: Vec3,
+        /// Radius of the source, m; for soft shadows, and where it stops growing. 0: a point.
+        radius_m: f32,
+        /// Distance at which it ends, m; `None`: never, as in nature.
+        range_m: Option<f32>,
+    },
+    /// Light into a cone.
+    Spot {
+        /// Where it stands, m.
+        position: Vec3,
+        /// The cone's axis, the way the light travels; unit length.
+        direction: Vec3,
+        /// Radiant intensity inside the inner cone, RGB.
+        intensity: Vec3,
+        /// Half angle inside which the light has its full intensity, rad.
+        inner_angle_rad: f32,
+        /// Half angle outside which there is none, rad; above the inner one, at most pi / 2.
+        outer_angle_rad: f32,
+        /// Radius of the source, m.
+        radius_m: f32,
+        /// Distance at which it ends, m; `None`: never.
+        range_m: Option<f32>,
+    },
+}
+
+/// How a light's shadows are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shadow {
+    /// It has none: it shines through everything.
+    None,
+    /// From layers of the shadow maps: one, or six for a point light (+x, -x, +y, -y, +z, -z).
+    Map {
+        /// The light's first layer.
+        first_layer: u32,
+    },
+    /// By a cone through the voxels, as wide as the source: soft, as coarse as the voxels, and no map needed.
+    #[default]
+    Cone,
+}
+
+/// A light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Where it stands and how it spreads.
+    pub source: LightSource,
+    /// How its shadows are found.
+    pub shadow: Shadow,
+}
+
+/// One layer of the shadow maps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowLayer {
+    /// From the world to clip space, with reversed z (1 at the near plane).
+    pub clip_from_world: Mat4,
+    /// Whether the projection is a perspective one (point and spot lights) or a parallel one.
+    pub is_perspective: bool,
+    /// Edge of a texel: in metres per metre of distance for a perspective layer, in metres for a parallel one.
+    pub texel_size: f32,
+}
+
+/// Depth maps of the lights: a `Depth32Float` array, all layers of one size, reversed z, cleared to 0.
+#[derive(Clone, Debug)]
+pub struct ShadowMaps {
+    /// A `D2Array` view of the depth texture.
+    pub depth: wgpu::TextureView,
+    /// What each layer sees.
+    pub layers: Vec<ShadowLayer>,
+}
+
+/// `Light` of `lights.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct LightRecord {
+    pub(crate) position_in_world: [f32; 3],
+    pub(crate) kind: u32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) range_m: f32,
+    pub(crate) intensity: [f32; 3],
+    pub(crate) radius: f32,
+    pub(crate) spot_scale: f32,
+    pub(crate) spot_offset: f32,
+    pub(crate) shadow: u32,
+    pub(crate) shadow_layer: u32,
+}
+
+/// `LightGlobals` of `lights.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct LightGlobals {
+    pub(crate) environment: [f32; 3],
+    pub(crate) light_count: u32,
+}
+
+/// `ShadowLayer` of `shadow_map.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct ShadowLayerRecord {
+    pub(crate) clip_from_world: Mat4,
+    pub(crate) texel_size: f32,
+    pub(crate) is_perspective: u32,
+    pub(crate) padding: [u32; 2],
+}
+
+impl Light {
+    fn to_gpu(self) -> LightRecord {
+        let (shadow, shadow_layer) = match self.shadow {
+            Shadow::None => (SHADOW_NONE, 0),
+            Shadow::Map { first_layer } => (SHADOW_MAP, first_layer),
+            Shadow::Cone => (SHADOW_CONE, 0),
+        };
+        let base = LightRecord { shadow, shadow_layer, ..LightRecord::zeroed() };
+        match self.source {
+            LightSource::Directional { direction, irradiance, angular_radius_rad } => LightRecord {
+                kind: LIGHT_DIRECTIONAL,
+                direction: direction.to_array(),
+                intensity: irradiance.to_array(),
+                radius: angular_radius_rad.tan(),
+                ..base
+            },
+            LightSource::Point { position, intensity, radius_m, range_m } => LightRecord {
+                kind: LIGHT_POINT,
+                position_in_world: position.to_array(),
+                intensity: intensity.to_array(),
+                radius: radius_m,
+                range_m: range_m.unwrap_or(0.0),
+                ..base
+            },
+            LightSource::Spot {
+                position,
+                direction,
+                intensity,
+                inner_angle_rad,
+                outer_angle_rad,
+                radius_m,
+                range_m,
+            } => {
+                // KHR_lights_punctual, section "Inner and Outer Cone Angles".
+                let spot_scale = 1.0 / (inner_angle_rad.cos() - outer_angle_rad.cos()).max(1e-3);
+                LightRecord {
+                    kind: LIGHT_SPOT,
+                    position_in_world: position.to_array(),
+                    direction: direction.to_array(),
+                    intensity: intensity.to_array(),
+                    radius: radius_m,
+                    range_m: range_m.unwrap_or(0.0),
+                    spot_scale,
+                    spot_offset: -outer_angle_rad.cos() * spot_scale,
+                    ..base
+                }
+            }
+        }
+    }
+}
+
+/// The layout of group 2: lights, environment, shadow maps.
+pub fn lights_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    LayoutBuilder::compute()
+        .uniform()
+        .storage()
+        .storage()
+        .depth_2d_array()
+        .sampler_comparison()
+        .build(device, "lights")
+}
+
+/// Lights, environment and shadow maps bound for the shaders.
+#[derive(Debug)]
+pub struct Lights {
+    /// The bind group, of the layout [`lights_layout`].
+    pub group: wgpu::BindGroup,
+    /// How many lights there are.
+    pub count: u32,
+    /// Whether any of them gets its shadows by cones.
+    pub(crate) has_cone_shadows: bool,
+}
+
+impl Lights {
+    /// Uploads lights. `environment` is the radiance of what lies outside the grid, the same from everywhere.
+    ///
+    /// A light whose shadow layer does not exist in `maps` gets its shadows by cones instead.
+    pub fn new(
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        lights: &[Light],
+        environment: Vec3,
+        maps: Option<&ShadowMaps>,
+    ) -> Self {
+        let layer_count = maps.map_or(0, |maps| maps.layers.len() as u32);
+        let records: Vec<LightRecord> = lights
+            .iter()
+            .map(|light| {
+                let needed = if matches!(light.source, LightSource::Point { .. }) { 6 } else { 1 };
+                let shadow = match light.shadow {
+                    Shadow::Map { first_layer } if first_layer + needed > layer_count => {
+                        tracing::warn!(
+                            "a light asks for shadow layers {first_layer} to {} of {layer_count}: it gets its shadows by cones",
+                            first_layer + needed - 1
+                        );
+                        Shadow::Cone
+                    }
+                    shadow => shadow,
+                };
+                Light { shadow, ..*light }.to_gpu()
+            })
+            .collect();
+        let layers: Vec<ShadowLayerRecord> = maps
+            .map(|maps| maps.layers.as_slice())
+            .unwrap_or_default()
+            .iter()
+            .map(|layer| ShadowLayerRecord {
+                clip_from_world: layer.clip_from_world,
+                texel_size: layer.texel_size,
+                is_perspective: u32::from(layer.is_perspective),
+                padding: [0; 2],
+            })
+            .collect();
+        let globals = LightGlobals {
+            environment: environment.to_array(),
+            light_count: records.len() as u32,
+        };
+        let globals = uniform_buffer(device, "light globals", &globals);
+        let lights = upload(device, "lights", &padded(&records));
+        let layers = upload(device, "shadow layers", &padded(&layers));
+        let no_map = maps.is_none().then(|| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("no shadow map"),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Depth32Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            });
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("shadow comparison"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::GreaterEqual),
+            ..Default::default()
+        });
+        let builder =
+            BindGroupBuilder::new(layout).buffer(&globals).buffer(&lights).buffer(&layers);
+        let builder = match (maps, &no_map) {
+            (Some(maps), _) => builder.view(&maps.depth),
+            (None, Some(view)) => builder.view(view),
+            (None, None) => unreachable!("a stand-in is made where there are no maps"),
+        };
+        let group = builder.sampler(&sampler).build(device, "lights");
+        Self {
+            group,
+            count: records.len() as u32,
+            has_cone_shadows: records.iter().any(|light| light.shadow == SHADOW_CONE),
+        }
+    }
+}
+
+/// The records, or a single zero one where there are none: WebGPU has no empty bindings.
+fn padded<T: Pod>(records: &[T]) -> Vec<T> {
+    if records.is_empty() { vec![T::zeroed()] } else { records.to_vec() }
+}

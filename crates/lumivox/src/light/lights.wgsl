@@ -1,0 +1,66 @@
+// Lights and the environment: group 2 of every pass that evaluates direct light or looks at the sky.
+
+import package::constants::{LIGHT_DIRECTIONAL, LIGHT_SPOT};
+
+struct Light {
+    position_in_world: vec3f,
+    // LIGHT_DIRECTIONAL, LIGHT_POINT or LIGHT_SPOT.
+    kind: u32,
+    // The way the light travels; unit length.
+    direction: vec3f,
+    // Distance at which the light ends, m; 0: it never does.
+    range_m: f32,
+    // Directional: irradiance across the beam. Point and spot: radiant intensity.
+    intensity: vec3f,
+    // Point and spot: radius of the source, m. Directional: tangent of its angular radius.
+    radius: f32,
+    // Spot: the intensity is scaled by clamp(cos(angle) * spot_scale + spot_offset, 0, 1)^2.
+    spot_scale: f32,
+    spot_offset: f32,
+    // How it casts shadows: SHADOW_NONE, SHADOW_MAP or SHADOW_CONE.
+    shadow: u32,
+    // With SHADOW_MAP: its first layer; a point light has six, in the order +x -x +y -y +z -z.
+    shadow_layer: u32,
+}
+
+struct LightGlobals {
+    environment: vec3f,
+    light_count: u32,
+}
+
+@group(2) @binding(0) var<uniform> light_globals: LightGlobals;
+@group(2) @binding(1) var<storage, read> lights: array<Light>;
+
+// What a light sends to a point, visibility left aside.
+struct Incident {
+    // Towards the light; unit length.
+    direction: vec3f,
+    distance_m: f32,
+    // Irradiance on a surface that faces the light.
+    irradiance: vec3f,
+}
+
+fn incident_light(light: Light, position_in_world: vec3f) -> Incident {
+    if light.kind == LIGHT_DIRECTIONAL {
+        return Incident(-light.direction, 3e38, light.intensity);
+    }
+    let to_light = light.position_in_world - position_in_world;
+    // A point light is a sphere seen from outside: nearer than its surface nothing grows any more. The
+    // floor keeps a light without radius finite.
+    let floor_m = max(light.radius, 1e-3);
+    let squared = max(dot(to_light, to_light), floor_m * floor_m);
+    let distance_m = sqrt(squared);
+    let direction = to_light / distance_m;
+    var irradiance = light.intensity / squared;
+    if light.range_m > 0.0 {
+        // The window that glTF's KHR_lights_punctual recommends; Karis 2013, "Real shading in Unreal Engine 4".
+        let ratio = distance_m / light.range_m;
+        irradiance *= clamp(1.0 - ratio * ratio * ratio * ratio, 0.0, 1.0);
+    }
+    if light.kind == LIGHT_SPOT {
+        let cosine = dot(light.direction, -direction);
+        let falloff = clamp(cosine * light.spot_scale + light.spot_offset, 0.0, 1.0);
+        irradiance *= falloff * falloff;
+    }
+    return Incident(direction, distance_m, irradiance);
+}

@@ -1,0 +1,173 @@
+//! Light in the voxels: direct light and emission, and bounces.
+//!
+//! Everything here runs over the faces of the voxel list alone. A face sends out `Le + reflectance / pi * E`;
+//! `E` is the irradiance from the analytic lights (`direct.wgsl`) and, for each bounce, what cones gather from
+//! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
+
+mod lights;
+#[cfg(test)]
+mod tests;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
+    uniform_buffer,
+};
+use crate::trace::{ConeSettings, TraceSettings};
+use crate::volume::Volume;
+use crate::voxels::VoxelList;
+use crate::GiError;
+
+#[cfg(test)]
+pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
+pub use lights::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
+pub(crate) use lights::{
+    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP, SHADOW_NONE, lights_layout,
+};
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("light::lights", include_str!("lights.wgsl")),
+    ("light::shadow_map", include_str!("shadow_map.wgsl")),
+    ("light::visibility", include_str!("visibility.wgsl")),
+    ("light::direct", include_str!("direct.wgsl")),
+    ("light::bounce", include_str!("bounce.wgsl")),
+];
+
+/// `BounceSettings` of `bounce.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct BounceSettings {
+    pub(crate) cones: ConeSettings,
+    pub(crate) cone_count: u32,
+    pub(crate) padding: [u32; 3],
+}
+
+/// Lights the faces of a voxel list.
+#[derive(Debug)]
+pub(crate) struct Lighting {
+    direct: Kernel,
+    bounce: Kernel,
+    direct_layout: wgpu::BindGroupLayout,
+    bounce_layout: wgpu::BindGroupLayout,
+    settings: wgpu::Buffer,
+    faces: Option<Faces>,
+}
+
+/// What belongs to the current voxel list.
+#[derive(Debug)]
+struct Faces {
+    count: u64,
+    /// Radiance without bounces (`array<vec4f>`).
+    direct: wgpu::Buffer,
+    /// Radiance with the bounces so far (`array<vec4f>`).
+    radiance: wgpu::Buffer,
+    direct_group: wgpu::BindGroup,
+    bounce_group: wgpu::BindGroup,
+}
+
+impl Lighting {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        globals: &wgpu::BindGroupLayout,
+        lights: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GiError> {
+        let direct_layout = LayoutBuilder::compute()
+            .storage()
+            .storage_mut()
+            .storage_mut()
+            .build(device, "direct light");
+        let bounce_layout = LayoutBuilder::compute()
+            .uniform()
+            .storage()
+            .storage()
+            .storage()
+            .storage_mut()
+            .build(device, "bounce");
+        let kernel = |module, layout| {
+            Kernel::new(device, shaders, module, "main", &[globals, layout, lights])
+        };
+        let cones = TraceSettings::default();
+        let settings = BounceSettings {
+            cones: cones.cones(1.0),
+            cone_count: cones.diffuse_cones,
+            padding: [0; 3],
+        };
+        Ok(Self {
+            direct: kernel("light::direct", &direct_layout)?,
+            bounce: kernel("light::bounce", &bounce_layout)?,
+            direct_layout,
+            bounce_layout,
+            settings: uniform_buffer(device, "bounce settings", &settings),
+            faces: None,
+        })
+    }
+
+    /// Takes a new voxel list; the buffer that will hold the radiance of its faces is returned.
+    pub(crate) fn rebuild(&mut self, device: &wgpu::Device, voxels: &VoxelList) -> &wgpu::Buffer {
+        let count = u64::from(voxels.face_count);
+        let direct = storage_buffer(device, "direct radiance", count * 16);
+        let radiance = storage_buffer(device, "radiance", count * 16);
+        let direct_group = BindGroupBuilder::new(&self.direct_layout)
+            .buffer(&voxels.faces)
+            .buffer(&direct)
+            .buffer(&radiance)
+            .build(device, "direct light");
+        let bounce_group = BindGroupBuilder::new(&self.bounce_layout)
+            .buffer(&self.settings)
+            .buffer(&voxels.faces)
+            .buffer(&voxels.nodes)
+            .buffer(&direct)
+            .buffer(&radiance)
+            .build(device, "bounce");
+        let faces = Faces { count, direct, radiance, direct_group, bounce_group };
+        &self.faces.insert(faces).radiance
+    }
+
+    /// Direct light, then `gathers` bounces, each stored and filtered into the volume.
+    pub(crate) fn run(
+        &self,
+        recorder: &mut Recorder,
+        volume: &mut Volume,
+        lights: &Lights,
+        gathers: u32,
+    ) {
+        let Some(faces) = &self.faces else {
+            return;
+        };
+        recorder.stage("light");
+        // With cone shadows the light needs the volume's opacities, which come with any radiance.
+        if lights.has_cone_shadows {
+            volume.update(recorder);
+        }
+        let groups = [volume.globals(), &faces.direct_group, &lights.group];
+        self.direct.run_linear(recorder, &groups, faces.count);
+        recorder.stage("filter");
+        volume.update(recorder);
+        for _ in 0..gathers {
+            recorder.stage("bounce");
+            let groups = [volume.globals(), &faces.bounce_group, &lights.group];
+            self.bounce.run_linear(recorder, &groups, faces.count);
+            recorder.stage("filter");
+            volume.update(recorder);
+        }
+    }
+
+    /// Bytes on the GPU, by what they hold.
+    pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
+        let size = |buffer: fn(&Faces) -> &wgpu::Buffer| {
+            self.faces.as_ref().map_or(0, |faces| buffer(faces).size())
+        };
+        vec![
+            ("light: direct radiance of the faces", size(|faces| &faces.direct)),
+            ("light: radiance of the faces", size(|faces| &faces.radiance)),
+        ]
+    }
+
+    /// The radiance of each face (`array<vec4f>`), for tests and views.
+    pub(crate) fn radiance(&self) -> Option<&wgpu::Buffer> {
+        self.faces.as_ref().map(|faces| &faces.radiance)
+    }
+}

@@ -1,0 +1,63 @@
+// Visibility from shadow maps: layers of one depth array, reversed z (1 near, 0 far), greater is nearer.
+
+import package::constants::LIGHT_POINT;
+import package::light::lights::Light;
+
+struct ShadowLayer {
+    clip_from_world: mat4x4f,
+    // Edge of a texel in the world: per metre of distance for a perspective layer, outright for a parallel one.
+    texel_size: f32,
+    is_perspective: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+@group(2) @binding(2) var<storage, read> shadow_layers: array<ShadowLayer>;
+@group(2) @binding(3) var shadow_maps: texture_depth_2d_array;
+@group(2) @binding(4) var shadow_sampler: sampler_comparison;
+
+// The face of a cube map that a direction points at: +x -x +y -y +z -z.
+fn cube_face(direction: vec3f) -> u32 {
+    let size = abs(direction);
+    if size.x >= size.y && size.x >= size.z {
+        return select(0u, 1u, direction.x < 0.0);
+    }
+    if size.y >= size.z {
+        return select(2u, 3u, direction.y < 0.0);
+    }
+    return select(4u, 5u, direction.z < 0.0);
+}
+
+// The share of the light that reaches a surface point, 0 to 1, filtered over 2x2 bilinear comparisons.
+fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 {
+    var layer_index = light.shadow_layer;
+    if light.kind == LIGHT_POINT {
+        layer_index += cube_face(position_in_world - light.position_in_world);
+    }
+    let layer = shadow_layers[layer_index];
+    var texel_m = layer.texel_size;
+    if layer.is_perspective != 0u {
+        texel_m *= distance(position_in_world, light.position_in_world);
+    }
+    // Within the filter's reach of 2 texels a plane tilted against the light changes its depth by at most
+    // 2 texels times the tangent of the tilt; moving the receiver along its normal by 2 texels undoes that at
+    // any tilt, since the move's share towards the light is the cosine and its share across is the sine.
+    let receiver = position_in_world + normal * (2.0 * texel_m);
+    let clip = layer.clip_from_world * vec4f(receiver, 1.0);
+    if clip.w <= 0.0 {
+        return 1.0;
+    }
+    let ndc = clip.xyz / clip.w;
+    let uv = vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
+    if any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) {
+        return 1.0;
+    }
+    let texel = 1.0 / vec2f(textureDimensions(shadow_maps));
+    var visible = 0.0;
+    for (var tap = 0; tap < 4; tap++) {
+        let shift = vec2f(f32(tap & 1) - 0.5, f32(tap >> 1) - 0.5) * texel;
+        visible += textureSampleCompareLevel(
+            shadow_maps, shadow_sampler, uv + shift, layer_index, ndc.z);
+    }
+    return 0.25 * visible;
+}

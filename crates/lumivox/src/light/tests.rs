@@ -1,0 +1,219 @@
+//! Light in the voxels against closed forms, and its conservation.
+//!
+//! All numbers are face radiances of the voxel list, so these tests see injection, filter, cones and bounces
+//! at once, without a picture.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use crate::gpu::{Recorder, Timing};
+use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
+use crate::voxels::FaceRecord;
+use crate::{Directionality, Geometry, Gi, GiConfig, Grid, Light, LightSource, Shadow};
+
+/// Faces with the radiance that they send out.
+struct Lit {
+    faces: Vec<(FaceRecord, Vec3)>,
+}
+
+impl Lit {
+    /// Mean radiance (red) of the faces that the filter lets through.
+    fn mean(&self, filter: impl Fn(&FaceRecord) -> bool) -> f32 {
+        let chosen: Vec<f32> =
+            self.faces.iter().filter(|(face, _)| filter(face)).map(|(_, r)| r.x).collect();
+        assert!(!chosen.is_empty(), "no face was chosen");
+        chosen.iter().sum::<f32>() / chosen.len() as f32
+    }
+}
+
+struct Bench {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    gi: Gi,
+}
+
+impl Bench {
+    fn new(bounds: (Vec3, Vec3), resolution: u32, offset: Vec3, scene: SceneBuilder) -> Self {
+        let (device, queue) = device();
+        let grid = Grid::fit(bounds.0, bounds.1, resolution, offset).expect("the grid fits");
+        let config = GiConfig { grid, directionality: Directionality::SixLobes };
+        let mut gi = Gi::new(&device, &queue, config).expect("the device is large enough");
+        let geometry: Geometry = scene.build(&device);
+        pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+        Self { device, queue, gi }
+    }
+
+    /// The faces with their light; `bounces` counts gathers as `Gi::light` does.
+    fn light(&mut self, lights: &[Light], environment: Vec3, bounces: u32) -> Lit {
+        let lights = self.gi.bind_lights(lights, environment, None);
+        let mut recorder = Recorder::new(&self.device, &self.queue);
+        self.gi.light(&mut recorder, &lights, bounces);
+        recorder.submit();
+        let voxels = self.gi.voxels().expect("there are voxels");
+        let count = voxels.face_count as usize;
+        let faces: Vec<FaceRecord> = read(&self.device, &self.queue, &voxels.faces, count);
+        let buffer = self.gi.face_radiance().expect("there is light");
+        let radiance: Vec<[f32; 4]> = read(&self.device, &self.queue, buffer, count);
+        let radiance = radiance.iter().map(|r| Vec3::new(r[0], r[1], r[2]));
+        Lit { faces: faces.into_iter().zip(radiance).collect() }
+    }
+}
+
+/// A point light of 1 cd in each channel.
+fn candle(position: Vec3, shadow: Shadow) -> Light {
+    let source =
+        LightSource::Point { position, intensity: Vec3::ONE, radius_m: 0.0, range_m: None };
+    Light { source, shadow }
+}
+
+/// In a closed box that emits e and reflects the share r everywhere, the radiance is e / (1 - r) everywhere.
+#[test]
+fn furnace_converges_to_its_closed_form() {
+    let bounds = (Vec3::ZERO, Vec3::ONE);
+    let room = SceneBuilder::default().room(bounds.0, bounds.1, &lambert(0.5, 1.0));
+    let mut bench = Bench::new(bounds, 64, Vec3::ZERO, room);
+    let mut last = 0.0;
+    let mut increase = f32::INFINITY;
+    for bounces in 1..=10 {
+        let mean = bench.light(&[], Vec3::ZERO, bounces).mean(|_| true);
+        // Each bounce adds less than the one before it: energy decays.
+        assert!(mean - last < 0.6 * increase, "bounce {bounces} adds {} after {increase}", mean - last);
+        assert!(mean >= last, "bounce {bounces} takes light away: {mean} after {last}");
+        increase = mean - last;
+        last = mean;
+    }
+    // A gather with six cones at 64 voxels misses 6 to 7 % (a share of each cone slips through the walls where
+    // they straddle coarse cells), which the bounces add up: e / (1 - 0.93 r) = 1.87.
+    println!("furnace: {last} of 2");
+    assert!((1.84..2.02).contains(&last), "the furnace glows with {last}, not 2");
+}
+
+/// E = L / 2 pi * sum of (a / sqrt(1 + a^2) * atan(b / sqrt(1 + a^2)) + ...) for each quarter of a rectangle
+/// above a point, parallel to it: Howell, "A catalog of radiation heat transfer configuration factors", B-4.
+fn rectangle_above(point: Vec3, corner: Vec3, size_x: f32, size_z: f32, radiance: f32) -> f32 {
+    let height = corner.y - point.y;
+    let quarter = |x: f32, z: f32| {
+        let (a, b) = (x.abs() / height, z.abs() / height);
+        let (ra, rb) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+        let factor = (a / ra * (b / ra).atan() + b / rb * (a / rb).atan()) / (2.0 * PI);
+        factor * x.signum() * z.signum()
+    };
+    let (x0, x1) = (corner.x - point.x, corner.x + size_x - point.x);
+    let (z0, z1) = (corner.z - point.z, corner.z + size_z - point.z);
+    PI * radiance * (quarter(x1, z1) - quarter(x0, z1) - quarter(x1, z0) + quarter(x0, z0))
+}
+
+#[test]
+fn panel_lights_the_floor_by_its_form_factor() {
+    let (corner, size) = (Vec3::new(-1.0, 1.0, -1.0), 2.0);
+    let scene = SceneBuilder::default()
+        .quad(corner, Vec3::X * size, Vec3::Z * size, lambert(0.0, 1.0))
+        .quad(Vec3::new(-1.5, 0.0, -1.5), Vec3::Z * 3.0, Vec3::X * 3.0, lambert(0.5, 0.0));
+    let bounds = (Vec3::new(-1.5, 0.0, -1.5), Vec3::new(1.5, 1.0, 1.5));
+    let mut bench = Bench::new(bounds, 64, Vec3::ZERO, scene);
+    let lit = bench.light(&[], Vec3::ZERO, 2);
+    let (mut sum, mut expected_sum, mut squares, mut count) = (0.0, 0.0, 0.0, 0);
+    for (face, radiance) in lit.faces.iter().filter(|(face, _)| face.position_in_world[1] < 0.5) {
+        let point = Vec3::from(face.position_in_world);
+        let expected = 0.5 / PI * rectangle_above(point, corner, size, size, 1.0);
+        sum += radiance.x;
+        expected_sum += expected;
+        squares += (radiance.x - expected).powi(2);
+        count += 1;
+    }
+    let bias = sum / expected_sum - 1.0;
+    let rmse = (squares / count as f32).sqrt() / (expected_sum / count as f32);
+    println!("panel: bias {:.1} %, RMSE {:.1} %", 100.0 * bias, 100.0 * rmse);
+    assert!(bias.abs() < 0.05, "bias {bias}");
+    // One jittered direction per cell and no mean over frames: the noise of single cones.
+    assert!(rmse < 0.6, "relative RMSE {rmse}");
+}
+
+/// Direct light is exact: a face holds reflectance / pi * I * cos / d^2 of its own position.
+#[test]
+fn direct_light_follows_the_inverse_square() {
+    let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
+    let mut bench = Bench::new(bounds, 32, Vec3::ZERO, busy_room());
+    let place = Vec3::new(0.5, 0.4, 0.6);
+    let lit = bench.light(&[candle(place, Shadow::None)], Vec3::ZERO, 1);
+    for (face, radiance) in &lit.faces {
+        let to_light = place - Vec3::from(face.position_in_world);
+        let normal = Vec3::from(face.vector_area).normalize();
+        let squared = to_light.length_squared().max(1e-6);
+        let cosine = normal.dot(to_light / squared.sqrt()).max(0.0);
+        let expected = Vec3::from(face.emission)
+            + Vec3::from(face.reflectance) / PI * (cosine / squared);
+        let error = (*radiance - expected).abs().max_element();
+        assert!(error <= 1e-4 * (1.0 + expected.max_element()), "{face:?}: {radiance}, not {expected}");
+    }
+}
+
+/// A plate between the light and the floor: dark below it, full light beside it, nothing from the plate's own
+/// surroundings.
+#[test]
+fn cone_shadow_falls_below_the_plate() {
+    let plate = crate::SurfaceMaterial { double_sided: true, ..lambert(0.0, 0.0) };
+    let scene = SceneBuilder::default()
+        .quad(Vec3::ZERO, Vec3::Z, Vec3::X, lambert(0.5, 0.0))
+        .quad(Vec3::new(0.35, 0.5, 0.35), Vec3::X * 0.3, Vec3::Z * 0.3, plate);
+    let bounds = (Vec3::ZERO, Vec3::ONE);
+    let mut bench = Bench::new(bounds, 64, Vec3::ZERO, scene);
+    let place = Vec3::new(0.5, 0.95, 0.5);
+    let shadowed = bench.light(&[candle(place, Shadow::Cone)], Vec3::ZERO, 1);
+    let open = bench.light(&[candle(place, Shadow::None)], Vec3::ZERO, 1);
+    // The plate's edge, seen from the light, falls on the floor 0.32 m from the centre.
+    let at = |face: &FaceRecord, low: f32, high: f32| {
+        let [x, y, z] = face.position_in_world;
+        let off = (x - 0.5).abs().max((z - 0.5).abs());
+        y < 0.1 && (low..high).contains(&off)
+    };
+    let share = |low, high| shadowed.mean(|f| at(f, low, high)) / open.mean(|f| at(f, low, high));
+    assert!(share(0.0, 0.25) < 0.01, "light below the plate: {}", share(0.0, 0.25));
+    assert!(share(0.42, 0.5) > 0.99, "the floor shadows itself: {}", share(0.42, 0.5));
+}
+
+/// The sky lights an open floor with pi times its radiance.
+#[test]
+fn environment_lights_what_is_open() {
+    let scene = SceneBuilder::default().quad(Vec3::ZERO, Vec3::Z, Vec3::X, lambert(0.5, 0.0));
+    let mut bench = Bench::new((Vec3::ZERO, Vec3::new(1.0, 0.2, 1.0)), 32, Vec3::ZERO, scene);
+    let mean = bench.light(&[], Vec3::splat(3.0), 2).mean(|_| true);
+    assert!((mean - 1.5).abs() < 1e-3, "a floor of 50 % under a sky of 3 sends out {mean}, not 1.5");
+}
+
+/// Two rooms with a wall thinner than a voxel between them and no doorway: what arrives in the dark one is a
+/// leak. Leaks depend on where the wall falls in the coarser levels, so several grid offsets are tried.
+#[test]
+fn a_thin_wall_keeps_the_dark_room_dark() {
+    let wall = 0.005;
+    let bounds = (Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 1.0, 1.0));
+    let white = lambert(0.7, 0.0);
+    let mut worst = 0.0_f32;
+    for offset in [Vec3::ZERO, Vec3::new(0.5, 0.25, 0.75), Vec3::new(0.25, 0.6, 0.1)] {
+        let scene = SceneBuilder::default()
+            .room(bounds.0, Vec3::new(-0.5 * wall, 1.0, 1.0), &white)
+            .room(Vec3::new(0.5 * wall, 0.0, 0.0), bounds.1, &white);
+        let mut bench = Bench::new(bounds, 64, offset, scene);
+        let lamp = candle(Vec3::new(-0.5, 0.8, 0.5), Shadow::Cone);
+        let lit = bench.light(&[lamp], Vec3::ZERO, 3);
+        let lit_room = lit.mean(|face| face.position_in_world[0] < -0.1);
+        let dark_room = lit.mean(|face| face.position_in_world[0] > 0.1);
+        println!("offset {offset}: leak {:.2} %", 100.0 * dark_room / lit_room);
+        worst = worst.max(dark_room / lit_room);
+    }
+    // The prototype leaks 1.9 % with these six cones and one gather; a second one carries it on.
+    assert!(worst < 0.04, "the dark room has {worst} of the lit one's light");
+}
+
+#[test]
+fn two_runs_have_the_same_bits() {
+    let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
+    let mut run = || {
+        let mut bench = Bench::new(bounds, 32, Vec3::ZERO, busy_room());
+        let lamp = candle(Vec3::new(0.5, 0.4, 0.6), Shadow::Cone);
+        let lit = bench.light(&[lamp], Vec3::splat(0.2), 4);
+        lit.faces.iter().map(|(_, r)| r.to_array().map(f32::to_bits)).collect::<Vec<_>>()
+    };
+    assert!(run() == run(), "two runs differ");
+}

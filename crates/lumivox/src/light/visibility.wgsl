@@ -1,0 +1,48 @@
+// The share of a light that reaches a point: from a shadow map, or by a cone as wide as the source.
+
+import package::constants::{LIGHT_DIRECTIONAL, SHADOW_CONE, SHADOW_MAP};
+import package::grid::{grid, grid_from_world};
+import package::light::lights::{Incident, Light};
+import package::light::shadow_map::shadow_map_visibility;
+import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
+
+// Shadow cones are narrow, so cells of half their diameter do, and they start a voxel and a half off the
+// surface: a light at a grazing angle would meet the receiver's own neighbourhood otherwise.
+fn shadow_cone_settings() -> ConeSettings {
+    return ConeSettings(0.5, 0.0, 1.5, 1.0, 0.004, 3e38, 0.0, 0.0);
+}
+
+fn shadow_cone_visibility(
+    light: Light,
+    incident: Incident,
+    position_in_world: vec3f,
+    normal: vec3f,
+) -> f32 {
+    let settings = shadow_cone_settings();
+    var tan_half_angle = light.radius;
+    var reach = 3e38;
+    if light.kind != LIGHT_DIRECTIONAL {
+        tan_half_angle = light.radius / max(incident.distance_m, light.radius);
+        // Not into the source itself, nor into what carries it.
+        reach = (incident.distance_m - light.radius) / grid.voxel_size_m - 2.0;
+    }
+    let origin = grid_from_world(position_in_world) + normal * settings.normal_offset;
+    let growth = cone_growth(tan_half_angle, 1.0, settings);
+    let cone = Cone(origin, incident.direction, growth, reach);
+    return trace_cone(cone, settings).transmittance;
+}
+
+fn light_visibility(
+    light: Light,
+    incident: Incident,
+    position_in_world: vec3f,
+    normal: vec3f,
+) -> f32 {
+    if light.shadow == SHADOW_MAP {
+        return shadow_map_visibility(light, position_in_world, normal);
+    }
+    if light.shadow == SHADOW_CONE {
+        return shadow_cone_visibility(light, incident, position_in_world, normal);
+    }
+    return 1.0;
+}

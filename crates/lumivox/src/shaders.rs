@@ -1,0 +1,45 @@
+//! The shader modules of this crate.
+
+use crate::gpu::ShaderLibrary;
+
+/// Modules that belong to no stage.
+const MODULES: &[(&str, &str)] = &[
+    ("gpu::dispatch", include_str!("gpu/dispatch.wgsl")),
+    ("gpu::indirect", include_str!("gpu/indirect.wgsl")),
+    ("gpu::random", include_str!("gpu/random.wgsl")),
+    ("gpu::scan", include_str!("gpu/scan.wgsl")),
+    ("grid", include_str!("grid.wgsl")),
+    ("voxels::inner_lobes", include_str!("voxels/inner_lobes.wgsl")),
+    ("voxels::list", include_str!("voxels/list.wgsl")),
+    ("voxels::lookup", include_str!("voxels/lookup.wgsl")),
+    ("voxels::morton", include_str!("voxels/morton.wgsl")),
+    ("voxels::pyramid", include_str!("voxels/pyramid.wgsl")),
+    ("voxels::rank", include_str!("voxels/rank.wgsl")),
+];
+
+/// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as well.
+pub fn library() -> ShaderLibrary {
+    let mut library = ShaderLibrary::new(MODULES);
+    for modules in [
+        crate::light::MODULES,
+        crate::trace::MODULES,
+        crate::volume::MODULES,
+        crate::voxelize::MODULES,
+    ] {
+        for (path, source) in modules {
+            library.add(path, *source);
+        }
+    }
+    crate::voxelize::add_constants(&mut library);
+    library
+        .constant_u32("SCAN_WORKGROUP_SIZE", crate::gpu::SCAN_WORKGROUP_SIZE)
+        .constant_u32("SCAN_ITEMS", crate::gpu::SCAN_ITEMS)
+        .constant_u32("MAX_WORKGROUPS", crate::gpu::MAX_WORKGROUPS)
+        .constant_u32("LIGHT_DIRECTIONAL", crate::light::LIGHT_DIRECTIONAL)
+        .constant_u32("LIGHT_POINT", crate::light::LIGHT_POINT)
+        .constant_u32("LIGHT_SPOT", crate::light::LIGHT_SPOT)
+        .constant_u32("SHADOW_NONE", crate::light::SHADOW_NONE)
+        .constant_u32("SHADOW_MAP", crate::light::SHADOW_MAP)
+        .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE);
+    library
+}

@@ -1,0 +1,52 @@
+// The microfacet BRDF: Trowbridge-Reitz (GGX) distribution, height-correlated Smith masking and shadowing,
+// Schlick's Fresnel term. alpha is the square of the perceptual roughness (Burley 2012, section 5.4).
+
+const PI: f32 = 3.14159265359;
+
+// The least alpha: below it f32 cannot hold the distribution's peak.
+const MIN_ALPHA: f32 = 0.001;
+
+fn alpha_from_roughness(perceptual_roughness: f32) -> f32 {
+    return max(perceptual_roughness * perceptual_roughness, MIN_ALPHA);
+}
+
+// Schlick 1994. The reflectance at grazing angles is 1, and falls to 0 only for surfaces that reflect less than
+// any real dielectric does (2 %): Lagarde and de Rousiers 2014, section 3.1.3. So F0 = 0 switches it all off.
+fn fresnel_schlick(f0: vec3f, cos_theta: f32) -> vec3f {
+    let f90 = saturate(dot(f0, vec3f(50.0 * 0.33)));
+    let rest = saturate(1.0 - cos_theta);
+    let rest_2 = rest * rest;
+    return f0 + (vec3f(f90) - f0) * (rest_2 * rest_2 * rest);
+}
+
+// Walter et al. 2007, equation 33.
+fn ggx_distribution(n_dot_h: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let d = n_dot_h * n_dot_h * (a2 - 1.0) + 1.0;
+    return a2 / (PI * d * d);
+}
+
+// G2 / (4 n.v n.l): Heitz 2014, equation 99.
+fn ggx_visibility(n_dot_v: f32, n_dot_l: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let view = n_dot_l * sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2);
+    let light = n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2);
+    return 0.5 / max(view + light, 1e-7);
+}
+
+// G1 of one direction: Heitz 2014, equations 43 and 72.
+fn ggx_masking(n_dot_v: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    return 2.0 * n_dot_v / (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v));
+}
+
+// A half vector from the distribution of visible normals, in the frame whose z is the normal: Dupuy and
+// Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3.
+fn sample_visible_normal(view: vec3f, alpha: f32, random: vec2f) -> vec3f {
+    let stretched = normalize(vec3f(view.xy * alpha, view.z));
+    let phi = 6.28318530718 * random.x;
+    let z = (1.0 - random.y) * (1.0 + stretched.z) - stretched.z;
+    let sine = sqrt(saturate(1.0 - z * z));
+    let half_vector = vec3f(sine * cos(phi), sine * sin(phi), z) + stretched;
+    return normalize(vec3f(half_vector.xy * alpha, max(half_vector.z, 0.0)));
+}

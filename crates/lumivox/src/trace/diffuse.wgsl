@@ -1,0 +1,34 @@
+// Diffuse cones from the pixels of the G-buffer: irradiance in rgb, openness in a.
+
+import package::gpu::random::{hash, random_pair};
+import package::trace::gather::gather;
+import package::trace::gbuffer::{load_surface, view};
+import package::trace::screen::{settings, traced_pixel, traced_size};
+
+@group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(2) var samples_out: texture_storage_2d<r32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    if any(invocation.xy >= traced_size()) {
+        return;
+    }
+    let pixel = traced_pixel(invocation.xy);
+    let surface = load_surface(pixel);
+    if surface.depth <= 0.0 || settings.gathers == 0u {
+        textureStore(irradiance_out, invocation.xy, vec4f(0.0, 0.0, 0.0, 1.0));
+        textureStore(samples_out, invocation.xy, vec4f(0.0));
+        return;
+    }
+    let gathered = gather(
+        surface.position_in_world,
+        surface.shading_normal,
+        surface.geometric_normal,
+        settings.diffuse_cones,
+        random_pair(pixel.x, hash(pixel.y)),
+        view.frame,
+        settings.cones,
+    );
+    textureStore(irradiance_out, invocation.xy, vec4f(gathered.irradiance, gathered.openness));
+    textureStore(samples_out, invocation.xy, vec4f(f32(gathered.samples), 0.0, 0.0, 0.0));
+}

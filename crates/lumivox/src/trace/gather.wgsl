@@ -1,0 +1,49 @@
+// Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, which have pi / N each, plus
+// the environment through what is left open.
+
+import package::grid::grid_from_world;
+import package::light::lights::light_globals;
+import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
+import package::trace::hemisphere::{basis, cell_cone, cell_jitter};
+
+const PI: f32 = 3.14159265359;
+
+struct Gathered {
+    irradiance: vec3f,
+    // The share of the hemisphere, weighted by the cosine, that is open up to the occlusion distance.
+    openness: f32,
+    samples: u32,
+}
+
+// `start` in [0, 1)^2 is the point's own place in the jitter's sequence.
+fn gather(
+    position_in_world: vec3f,
+    shading_normal: vec3f,
+    geometric_normal: vec3f,
+    cone_count: u32,
+    start: vec2f,
+    frame: u32,
+    settings: ConeSettings,
+) -> Gathered {
+    let origin = grid_from_world(position_in_world) + geometric_normal * settings.normal_offset;
+    let world_from_normal = basis(shading_normal);
+    let jitter = cell_jitter(start, frame);
+    let weight = PI / f32(cone_count);
+    var sum = Gathered(vec3f(0.0), 0.0, 0u);
+    for (var cell = 0u; cell < cone_count; cell++) {
+        let local = cell_cone(cell, cone_count, jitter);
+        var direction = world_from_normal * local.direction;
+        // With a normal map a part of the hemisphere lies below the surface; it is folded up.
+        let below = min(dot(direction, geometric_normal), 0.0);
+        direction = direction - 2.0 * below * geometric_normal;
+        let growth =
+            cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
+        let traced = trace_cone(Cone(origin, direction, growth, 3e38), settings);
+        sum.irradiance +=
+            weight * (traced.radiance + traced.transmittance * light_globals.environment);
+        sum.openness += traced.openness;
+        sum.samples += traced.samples;
+    }
+    sum.openness /= f32(cone_count);
+    return sum;
+}

@@ -1,0 +1,277 @@
+//! Cones from the pixels of a G-buffer: diffuse irradiance, occlusion, glossy reflection.
+//!
+//! A frame traces one jittered direction in each cell of the hemisphere and one in the glossy lobe; the mean
+//! over frames is what the settings describe. Output textures hold a single frame, so that the caller can
+//! accumulate, reproject or filter as it likes.
+
+mod gbuffer;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+use bytemuck::{Pod, Zeroable};
+use glam::UVec2;
+
+use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer};
+use crate::GiError;
+
+#[cfg(test)]
+pub(crate) use gbuffer::ViewUniform;
+pub(crate) use gbuffer::gbuffer_layout;
+pub use gbuffer::{GBuffer, GBufferViews, View};
+pub use settings::{Preset, TraceResolution, TraceSettings};
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("trace::brdf", include_str!("brdf.wgsl")),
+    ("trace::cone", include_str!("cone.wgsl")),
+    ("trace::diffuse", include_str!("diffuse.wgsl")),
+    ("trace::gather", include_str!("gather.wgsl")),
+    ("trace::gbuffer", include_str!("gbuffer.wgsl")),
+    ("trace::hemisphere", include_str!("hemisphere.wgsl")),
+    ("trace::screen", include_str!("screen.wgsl")),
+    ("trace::specular", include_str!("specular.wgsl")),
+    ("trace::upsample", include_str!("upsample.wgsl")),
+];
+
+/// Format of the outputs.
+const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Format of the counts of samples.
+const SAMPLES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
+/// `ConeSettings` of `cone.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct ConeSettings {
+    pub(crate) voxel_per_diameter: f32,
+    pub(crate) clearance: f32,
+    pub(crate) normal_offset: f32,
+    pub(crate) step_per_voxel: f32,
+    pub(crate) min_transmittance: f32,
+    pub(crate) occlusion_distance: f32,
+    pub(crate) padding: [u32; 2],
+}
+
+/// `ScreenSettings` of `screen.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct ScreenSettings {
+    pub(crate) cones: ConeSettings,
+    pub(crate) diffuse_cones: u32,
+    pub(crate) scale: u32,
+    pub(crate) specular_share: f32,
+    pub(crate) gathers: u32,
+}
+
+impl TraceSettings {
+    /// The part that single cones need, in voxels of the given size.
+    pub(crate) fn cones(&self, voxel_size_m: f32) -> ConeSettings {
+        ConeSettings {
+            voxel_per_diameter: self.voxel_per_diameter,
+            clearance: self.clearance,
+            normal_offset: self.normal_offset_voxels,
+            step_per_voxel: self.step_per_voxel,
+            min_transmittance: self.min_transmittance,
+            occlusion_distance: (self.occlusion_distance_m / voxel_size_m).min(3e38),
+            padding: [0; 2],
+        }
+    }
+}
+
+/// Traces cones from a G-buffer.
+#[derive(Debug)]
+pub(crate) struct Tracer {
+    diffuse: Kernel,
+    specular: Kernel,
+    upsample: Kernel,
+    diffuse_layout: wgpu::BindGroupLayout,
+    specular_layout: wgpu::BindGroupLayout,
+    upsample_layout: wgpu::BindGroupLayout,
+    /// Stands in for the lights where there are none to bind: with their shadow map the upsampling would have
+    /// 17 sampled textures, one more than WebGPU grants.
+    nothing: wgpu::BindGroup,
+}
+
+/// The textures that cones are traced into, for one size of picture.
+#[derive(Debug)]
+pub struct TraceTargets {
+    /// Irradiance in rgb; in a the share of the hemisphere that is open, weighted by the cosine.
+    pub irradiance: wgpu::TextureView,
+    /// Radiance reflected by the glossy lobe towards the camera in rgb, the BRDF included; in a the samples
+    /// that the pixel cost, diffuse ones included.
+    pub specular: wgpu::TextureView,
+    size: UVec2,
+    resolution: TraceResolution,
+    traced_size: UVec2,
+    settings: wgpu::Buffer,
+    diffuse_group: wgpu::BindGroup,
+    specular_group: wgpu::BindGroup,
+    /// At half resolution alone.
+    upsample_group: Option<wgpu::BindGroup>,
+    bytes: u64,
+}
+
+impl Tracer {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        globals: &wgpu::BindGroupLayout,
+        lights: &wgpu::BindGroupLayout,
+        gbuffer: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GiError> {
+        let d2 = wgpu::TextureViewDimension::D2;
+        let diffuse_layout = LayoutBuilder::compute()
+            .uniform()
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .storage_texture(d2, SAMPLES_FORMAT)
+            .build(device, "diffuse cones");
+        let specular_layout = LayoutBuilder::compute()
+            .uniform()
+            .texture_2d_unfilterable()
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .build(device, "glossy cones");
+        let upsample_layout = LayoutBuilder::compute()
+            .uniform()
+            .texture_2d_unfilterable()
+            .texture_2d_unfilterable()
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .build(device, "upsample");
+        let nothing = LayoutBuilder::compute().build(device, "nothing");
+        let kernel = |module, layout, lights| {
+            Kernel::new(device, shaders, module, "main", &[globals, layout, lights, gbuffer])
+        };
+        Ok(Self {
+            diffuse: kernel("trace::diffuse", &diffuse_layout, lights)?,
+            specular: kernel("trace::specular", &specular_layout, lights)?,
+            upsample: kernel("trace::upsample", &upsample_layout, &nothing)?,
+            nothing: BindGroupBuilder::new(&nothing).build(device, "nothing"),
+            diffuse_layout,
+            specular_layout,
+            upsample_layout,
+        })
+    }
+
+    pub(crate) fn targets(
+        &self,
+        device: &wgpu::Device,
+        size: UVec2,
+        resolution: TraceResolution,
+    ) -> TraceTargets {
+        let scale = resolution.scale();
+        let traced_size = UVec2::new(size.x.div_ceil(scale), size.y.div_ceil(scale));
+        let mut bytes = 0;
+        let mut texture = |label, size: UVec2, format: wgpu::TextureFormat| {
+            let pixels = u64::from(size.x) * u64::from(size.y);
+            bytes += pixels * u64::from(format.block_copy_size(None).unwrap_or(8));
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::STORAGE_BINDING
+                    | wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let irradiance = texture("traced irradiance", traced_size, OUTPUT_FORMAT);
+        let specular = texture("traced specular", traced_size, OUTPUT_FORMAT);
+        let samples = texture("diffuse samples", traced_size, SAMPLES_FORMAT);
+        let full = (scale > 1).then(|| {
+            (texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT))
+        });
+        let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
+        let diffuse_group = BindGroupBuilder::new(&self.diffuse_layout)
+            .buffer(&settings)
+            .view(&irradiance)
+            .view(&samples)
+            .build(device, "diffuse cones");
+        let specular_group = BindGroupBuilder::new(&self.specular_layout)
+            .buffer(&settings)
+            .view(&samples)
+            .view(&specular)
+            .build(device, "glossy cones");
+        let upsample_group = full.as_ref().map(|(full_irradiance, full_specular)| {
+            BindGroupBuilder::new(&self.upsample_layout)
+                .buffer(&settings)
+                .view(&irradiance)
+                .view(&specular)
+                .view(full_irradiance)
+                .view(full_specular)
+                .build(device, "upsample")
+        });
+        let (irradiance, specular) = full.unwrap_or((irradiance, specular));
+        TraceTargets {
+            irradiance,
+            specular,
+            size,
+            resolution,
+            traced_size,
+            settings,
+            diffuse_group,
+            specular_group,
+            upsample_group,
+            bytes,
+        }
+    }
+
+    pub(crate) fn run(&self, recorder: &mut Recorder, bound: &Bound<'_>, targets: &TraceTargets) {
+        let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
+        let UVec2 { x, y } = targets.traced_size;
+        recorder.stage("trace");
+        self.diffuse.run(recorder, &group(&targets.diffuse_group), [x, y, 1]);
+        self.specular.run(recorder, &group(&targets.specular_group), [x, y, 1]);
+        if let Some(upsample) = &targets.upsample_group {
+            let UVec2 { x, y } = targets.size;
+            let groups = [bound.globals, upsample, &self.nothing, &bound.gbuffer.group];
+            self.upsample.run(recorder, &groups, [x, y, 1]);
+        }
+    }
+}
+
+/// The bind groups that tracing reads from.
+pub(crate) struct Bound<'a> {
+    pub(crate) globals: &'a wgpu::BindGroup,
+    pub(crate) lights: &'a wgpu::BindGroup,
+    pub(crate) gbuffer: &'a GBuffer,
+}
+
+impl TraceTargets {
+    /// The picture's width and height in pixels.
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    /// Whether the targets are for full or half resolution.
+    pub fn resolution(&self) -> TraceResolution {
+        self.resolution
+    }
+
+    /// Bytes on the GPU.
+    pub fn memory(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Sets what the next frames are traced with; takes effect at the next submission.
+    pub(crate) fn set(
+        &self,
+        queue: &wgpu::Queue,
+        settings: &TraceSettings,
+        voxel_size_m: f32,
+        gathers: u32,
+    ) {
+        let uniform = ScreenSettings {
+            cones: settings.cones(voxel_size_m),
+            diffuse_cones: settings.diffuse_cones,
+            scale: self.resolution.scale(),
+            // Without glossy cones every share is zero.
+            specular_share: if settings.specular { settings.specular_share } else { 0.0 },
+            gathers,
+        };
+        queue.write_buffer(&self.settings, 0, bytemuck::bytes_of(&uniform));
+    }
+}

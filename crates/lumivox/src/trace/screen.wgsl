@@ -1,0 +1,31 @@
+// What the passes over the screen share: the settings, and the pixel that an invocation stands for.
+
+import package::trace::cone::ConeSettings;
+import package::trace::gbuffer::view;
+
+struct ScreenSettings {
+    cones: ConeSettings,
+    diffuse_cones: u32,
+    // 1: every pixel; 2: one of each 2x2 block.
+    scale: u32,
+    specular_share: f32,
+    // 0: no indirect light at all.
+    gathers: u32,
+}
+
+@group(1) @binding(0) var<uniform> settings: ScreenSettings;
+
+// The pixel of a block that this frame traces: a different one in each of four frames.
+fn traced_pixel(invocation: vec2u) -> vec2u {
+    if settings.scale == 1u {
+        return invocation;
+    }
+    let turn = view.frame & 3u;
+    let shift = vec2u(u32(turn == 1u || turn == 2u), u32(turn == 1u || turn == 3u));
+    return min(settings.scale * invocation + shift, view.size - 1u);
+}
+
+// The size of the textures that cones are traced into.
+fn traced_size() -> vec2u {
+    return (view.size + settings.scale - 1u) / settings.scale;
+}

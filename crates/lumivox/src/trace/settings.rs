@@ -1,0 +1,127 @@
+//! Everything that can be set about the cones, in one type: units, ranges, and neutral defaults.
+
+use crate::GiError;
+
+/// How much is spent on the cones. All presets obey the same physics; they differ in noise and sharpness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preset {
+    /// 6 diffuse cones at half resolution, voxels of a quarter of the cone's diameter.
+    Fast,
+    /// 6 diffuse cones at full resolution, voxels of a quarter of the cone's diameter.
+    #[default]
+    Balanced,
+    /// 12 diffuse cones at full resolution, voxels of an eighth of the cone's diameter.
+    High,
+}
+
+/// The share of the picture's pixels that cones are traced for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TraceResolution {
+    /// Every pixel.
+    #[default]
+    Full,
+    /// One pixel of each 2x2 block, another one every frame; the rest by depth- and normal-aware upsampling.
+    Half,
+}
+
+impl TraceResolution {
+    /// Pixels along each axis that one traced pixel stands for.
+    pub(crate) fn scale(self) -> u32 {
+        match self {
+            Self::Full => 1,
+            Self::Half => 2,
+        }
+    }
+}
+
+/// Parameters of the cones. `Settings::default()` is [`Preset::Balanced`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TraceSettings {
+    /// Diffuse cones a point and frame: 6, 9 or 12. More: less noise and bias, proportional cost.
+    pub diffuse_cones: u32,
+    /// Edge of the sampled voxels as a share of the cone's diameter, 0.05 to 1. Finer: fewer leaks and less
+    /// bias, more samples (cost grows as the inverse). Source: measured, see the docs on cone tracing.
+    pub voxel_per_diameter: f32,
+    /// Growth of the sampled voxels, per metre travelled and per cosine against the normal, at most: the
+    /// footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to 1; default 1/3.
+    pub clearance: f32,
+    /// Where cones start: distance above the surface along its normal, in voxels, 0 to 4; default 0.75. Lower
+    /// catches the own surface, higher passes over near detail.
+    pub normal_offset_voxels: f32,
+    /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1. Opacity is
+    /// corrected for it, so that it changes cost and noise, not brightness.
+    pub step_per_voxel: f32,
+    /// Cones end when less than this share of light would still pass, 0 to 0.1; default 0.004 (1/255).
+    pub min_transmittance: f32,
+    /// Whether glossy cones are traced.
+    pub specular: bool,
+    /// Width of a glossy cone: the share of the lobe's solid angle that one frame's cone takes, 0.02 to 1;
+    /// default 0.25. Frames draw different directions of the lobe, so that their mean is the whole lobe.
+    pub specular_share: f32,
+    /// Reach of ambient occlusion, m; infinite by default: what a cone has not met by then does not occlude.
+    /// It changes the occlusion alone, never the light.
+    pub occlusion_distance_m: f32,
+    /// Full or half resolution.
+    pub resolution: TraceResolution,
+}
+
+impl Default for TraceSettings {
+    fn default() -> Self {
+        Self::preset(Preset::default())
+    }
+}
+
+impl TraceSettings {
+    /// The settings of a preset.
+    pub fn preset(preset: Preset) -> Self {
+        let balanced = Self {
+            diffuse_cones: 6,
+            voxel_per_diameter: 0.25,
+            clearance: 1.0 / 3.0,
+            normal_offset_voxels: 0.75,
+            step_per_voxel: 1.0,
+            min_transmittance: 0.004,
+            specular: true,
+            specular_share: 0.25,
+            occlusion_distance_m: f32::INFINITY,
+            resolution: TraceResolution::Full,
+        };
+        match preset {
+            Preset::Fast => Self { resolution: TraceResolution::Half, ..balanced },
+            Preset::Balanced => balanced,
+            Preset::High => {
+                Self { diffuse_cones: 12, voxel_per_diameter: 0.125, clearance: 0.0, ..balanced }
+            }
+        }
+    }
+
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`], naming the first one that is out of range.
+    pub fn validate(&self) -> Result<(), GiError> {
+        let check = |name, value: f32, low: f32, high: f32| {
+            if value.is_nan() || value < low || value > high {
+                let expected = format!("from {low} to {high}");
+                return Err(GiError::Setting { name, value: value.to_string(), expected });
+            }
+            Ok(())
+        };
+        if ![6, 9, 12].contains(&self.diffuse_cones) {
+            return Err(GiError::Setting {
+                name: "diffuse cones",
+                value: self.diffuse_cones.to_string(),
+                expected: "6, 9 or 12".to_owned(),
+            });
+        }
+        check("voxel per diameter", self.voxel_per_diameter, 0.05, 1.0)?;
+        if self.clearance != 0.0 {
+            check("clearance", self.clearance, 0.1, 1.0)?;
+        }
+        check("normal offset", self.normal_offset_voxels, 0.0, 4.0)?;
+        check("step per voxel", self.step_per_voxel, 0.25, 1.0)?;
+        check("least transmittance", self.min_transmittance, 0.0, 0.1)?;
+        check("specular share", self.specular_share, 0.02, 1.0)?;
+        check("occlusion distance", self.occlusion_distance_m, 0.0, f32::INFINITY)
+    }
+}

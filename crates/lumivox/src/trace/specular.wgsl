@@ -1,0 +1,77 @@
+// A glossy cone from each pixel: reflected radiance in rgb, the pixel's samples (diffuse ones included) in a.
+//
+// Every frame draws one half vector from the distribution of visible normals and traces a cone along the
+// mirrored direction, as wide as a share of what that draw stands for: its solid angle is share / pdf, the
+// footprint of filtered importance sampling (Krivanek and Colbert 2008, section 4). The weight of the draw is
+// F G2 / G1 (Heitz 2018, equation 19), so the mean over frames is the BRDF's integral, blurred by the cone alone.
+
+import package::gpu::random::{hash, random_pair, sequence_pair};
+import package::grid::grid_from_world;
+import package::light::lights::light_globals;
+import package::trace::brdf::{
+    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_masking, ggx_visibility,
+    sample_visible_normal,
+};
+import package::trace::cone::{cone_growth, trace_cone, Cone};
+import package::trace::gbuffer::{gbuffer_specular, load_surface, view};
+import package::trace::hemisphere::basis;
+import package::trace::screen::{settings, traced_pixel, traced_size};
+
+@group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
+@group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
+
+// Half of a hemisphere: wider cones would reach below the surface that they leave.
+const MIN_COS_HALF_ANGLE: f32 = 0.5;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    if any(invocation.xy >= traced_size()) {
+        return;
+    }
+    let pixel = traced_pixel(invocation.xy);
+    let samples = textureLoad(diffuse_samples, invocation.xy, 0).r;
+    let nothing = vec4f(0.0, 0.0, 0.0, samples);
+    let surface = load_surface(pixel);
+    let material = textureLoad(gbuffer_specular, pixel, 0);
+    let is_off = settings.gathers == 0u || settings.specular_share <= 0.0;
+    if surface.depth <= 0.0 || is_off || all(material.rgb <= vec3f(0.0)) {
+        textureStore(specular_out, invocation.xy, nothing);
+        return;
+    }
+
+    let alpha = alpha_from_roughness(material.a);
+    let world_from_normal = basis(surface.shading_normal);
+    let to_camera = normalize(view.position_in_world - surface.position_in_world);
+    var local_view = to_camera * world_from_normal;
+    local_view.z = max(local_view.z, 1e-3);
+    local_view = normalize(local_view);
+
+    let start = random_pair(pixel.y + 0x9e3779b9u, hash(pixel.x));
+    let half_vector = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
+    let local_light = reflect(-local_view, half_vector);
+    let direction = world_from_normal * local_light;
+    let cos_plane = dot(direction, surface.geometric_normal);
+    if local_light.z <= 0.0 || cos_plane <= 0.0 {
+        textureStore(specular_out, invocation.xy, nothing);
+        return;
+    }
+
+    let masking = ggx_masking(local_view.z, alpha);
+    let density = masking * ggx_distribution(half_vector.z, alpha) / (4.0 * local_view.z);
+    let solid_angle = settings.specular_share / density;
+    let cos_half = max(1.0 - solid_angle / 6.28318530718, MIN_COS_HALF_ANGLE);
+    let tan_half = sqrt(1.0 - cos_half * cos_half) / cos_half;
+
+    let origin = grid_from_world(surface.position_in_world)
+        + surface.geometric_normal * settings.cones.normal_offset;
+    let growth = cone_growth(tan_half, cos_plane, settings.cones);
+    let traced = trace_cone(Cone(origin, direction, growth, 3e38), settings.cones);
+    let radiance = traced.radiance + traced.transmittance * light_globals.environment;
+
+    let fresnel = fresnel_schlick(material.rgb, dot(local_view, half_vector));
+    let both = ggx_visibility(local_view.z, local_light.z, alpha) * 4.0 * local_view.z
+        * local_light.z;
+    let weight = fresnel * (both / masking);
+    textureStore(
+        specular_out, invocation.xy, vec4f(radiance * weight, samples + f32(traced.samples)));
+}

@@ -1,0 +1,230 @@
+//! Storing and filtering against plain loops.
+
+use glam::{UVec3, Vec3};
+use half::f16;
+
+use super::{DenseVolume, Directionality};
+use crate::gpu::{Recorder, Timing};
+use crate::testing::{busy_room, device, read, read_level};
+use crate::volume::Volume;
+use crate::voxels::{FaceRecord, NodeRecord};
+use crate::{Gi, GiConfig, Grid};
+
+/// A level of the pyramid, read back: lobes (rgb premultiplied, opacity) and tilts.
+struct Level {
+    dimensions: UVec3,
+    lobes: Vec<Vec<[f32; 4]>>,
+    tilts: Vec<Vec<[f32; 4]>>,
+}
+
+impl Level {
+    fn index(&self, cell: UVec3) -> usize {
+        ((cell.z * self.dimensions.y + cell.y) * self.dimensions.x + cell.x) as usize
+    }
+
+    fn cells(&self) -> impl Iterator<Item = UVec3> + use<> {
+        let UVec3 { x, y, z } = self.dimensions;
+        (0..z).flat_map(move |z| (0..y).flat_map(move |y| (0..x).map(move |x| UVec3::new(x, y, z))))
+    }
+}
+
+fn lit_room(resolution: u32, directionality: Directionality) -> (wgpu::Device, wgpu::Queue, Gi) {
+    let (device, queue) = device();
+    let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), resolution, Vec3::ZERO).expect("fits");
+    let mut gi = Gi::new(&device, &queue, GiConfig { grid, directionality }).expect("a device");
+    let geometry = busy_room().build(&device);
+    pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let lights = gi.bind_lights(&[], Vec3::ZERO, None);
+    let mut recorder = Recorder::new(&device, &queue);
+    gi.light(&mut recorder, &lights, 2);
+    recorder.submit();
+    (device, queue, gi)
+}
+
+fn dense(gi: &Gi) -> &DenseVolume {
+    let Volume::Dense(dense) = gi.volume();
+    dense
+}
+
+fn read_levels(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi) -> Vec<Level> {
+    let dense = dense(gi);
+    (0..gi.grid().levels)
+        .map(|level| Level {
+            dimensions: gi.grid().level_dimensions(level),
+            lobes: dense
+                .lobes
+                .iter()
+                .map(|lobe| {
+                    read_level::<[u16; 4]>(device, queue, lobe.all_levels.texture(), level)
+                        .iter()
+                        .map(|texel| texel.map(|bits| f16::from_bits(bits).to_f32()))
+                        .collect()
+                })
+                .collect(),
+            tilts: dense
+                .tilts
+                .iter()
+                .map(|tilt| {
+                    read_level::<[i8; 4]>(device, queue, tilt.all_levels.texture(), level)
+                        .iter()
+                        .map(|texel| texel.map(|value| (f32::from(value) / 127.0).max(-1.0)))
+                        .collect()
+                })
+                .collect(),
+        })
+        .collect()
+}
+
+/// Half floats keep 11 bits; the sums before rounding may differ in their last bits.
+fn assert_near(actual: [f32; 4], expected: [f32; 4], absolute: f32, what: &str) {
+    for (a, e) in actual.iter().zip(expected) {
+        let tolerance = absolute + e.abs() * 2.0_f32.powi(-10);
+        assert!((a - e).abs() <= tolerance, "{what}: {actual:?}, but expected {expected:?}");
+    }
+}
+
+#[test]
+fn finest_level_holds_the_faces_and_nothing_else() {
+    let (device, queue, gi) = lit_room(32, Directionality::SixLobes);
+    let voxels = gi.voxels().expect("there are voxels");
+    let level = &read_levels(&device, &queue, &gi)[0];
+    let nodes: Vec<NodeRecord> =
+        read(&device, &queue, &voxels.nodes, voxels.voxel_count() as usize);
+    let faces: Vec<FaceRecord> = read(&device, &queue, &voxels.faces, voxels.face_count as usize);
+    let radiance: Vec<[f32; 4]> = read(
+        &device,
+        &queue,
+        gi.face_radiance().expect("there is light"),
+        voxels.face_count as usize,
+    );
+    let mut expected = vec![vec![[0.0_f32; 4]; level.lobes[0].len()]; 6];
+    let mut tilts = vec![vec![[0.0_f32; 4]; level.lobes[0].len()]; 3];
+    for (face, radiance) in faces.iter().zip(&radiance) {
+        let (lobe, axis) = (face.lobe as usize, face.lobe as usize / 2);
+        let cell = crate::testing::morton_decode(nodes[face.voxel as usize].morton);
+        let opacity = face.vector_area[axis].abs();
+        let [r, g, b, _] = radiance.map(|value| value * opacity);
+        expected[lobe][level.index(cell)] = [r, g, b, opacity];
+        let tilt = &mut tilts[axis][level.index(cell)];
+        let side = 2 * (lobe % 2);
+        tilt[side] = face.vector_area[(axis + 1) % 3];
+        tilt[side + 1] = face.vector_area[(axis + 2) % 3];
+    }
+    for cell in level.cells() {
+        let index = level.index(cell);
+        for (lobe, expected) in expected.iter().enumerate() {
+            assert_near(level.lobes[lobe][index], expected[index], 1e-6, "lobe");
+        }
+        for (axis, expected) in tilts.iter().enumerate() {
+            assert_near(level.tilts[axis][index], expected[index], 0.51 / 127.0, "tilt");
+        }
+    }
+}
+
+/// The rule of `filter.wgsl`, loop for loop.
+fn filter_twin(finer: &Level, cell: UVec3, lobe: usize) -> ([f32; 4], [f32; 2]) {
+    let axis = lobe / 2;
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let side = 2 * (lobe % 2);
+    let (mut sum, mut tilt) = ([0.0; 4], [0.0; 2]);
+    for column in 0..4_u32 {
+        let mut low = 2 * cell;
+        low[u] += column & 1;
+        low[v] += column >> 1;
+        let mut high = low;
+        high[axis] += 1;
+        let (near, far) = if lobe % 2 == 0 { (high, low) } else { (low, high) };
+        let (near, far) = (finer.index(near), finer.index(far));
+        let (n, f) = (finer.lobes[lobe][near], finer.lobes[lobe][far]);
+        let share = if f[3] > 0.0 { f[3].min(1.0 - n[3]) / f[3] } else { 0.0 };
+        for i in 0..4 {
+            sum[i] += 0.25 * (n[i] + share * f[i]);
+        }
+        for i in 0..2 {
+            tilt[i] += 0.25
+                * (finer.tilts[axis][near][side + i] + share * finer.tilts[axis][far][side + i]);
+        }
+    }
+    (sum, tilt)
+}
+
+#[test]
+fn pyramid_equals_its_twin() {
+    let (device, queue, gi) = lit_room(32, Directionality::SixLobes);
+    let levels = read_levels(&device, &queue, &gi);
+    let mut filled = 0;
+    for pair in levels.windows(2) {
+        let (finer, coarser) = (&pair[0], &pair[1]);
+        for cell in coarser.cells() {
+            let index = coarser.index(cell);
+            for lobe in 0..6 {
+                let (expected, tilt) = filter_twin(finer, cell, lobe);
+                assert_near(coarser.lobes[lobe][index], expected, 1e-6, "filtered lobe");
+                filled += usize::from(expected[3] > 0.0);
+                let actual = coarser.tilts[lobe / 2][index];
+                let side = 2 * (lobe % 2);
+                for i in 0..2 {
+                    assert!(
+                        (actual[side + i] - tilt[i]).abs() <= 0.51 / 127.0,
+                        "filtered tilt: {actual:?}, but expected {tilt:?}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(filled > 100, "only {filled} filtered lobes were compared");
+}
+
+#[test]
+fn a_new_list_leaves_nothing_of_the_old_one() {
+    let (device, queue, mut gi) = lit_room(32, Directionality::SixLobes);
+    // The same room, moved by some voxels: every trace of the first one must be gone.
+    let shift = glam::Mat4::from_scale_rotation_translation(
+        Vec3::splat(0.5),
+        glam::Quat::IDENTITY,
+        Vec3::new(0.13, 0.11, 0.17),
+    );
+    let geometry = busy_room().transformed(shift).build(&device);
+    pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let lights = gi.bind_lights(&[], Vec3::ZERO, None);
+    let mut recorder = Recorder::new(&device, &queue);
+    gi.light(&mut recorder, &lights, 2);
+    recorder.submit();
+
+    let mut fresh = Gi::new(
+        &device,
+        &queue,
+        GiConfig { grid: *gi.grid(), directionality: Directionality::SixLobes },
+    )
+    .expect("a device");
+    pollster::block_on(fresh.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let mut recorder = Recorder::new(&device, &queue);
+    fresh.light(&mut recorder, &lights, 2);
+    recorder.submit();
+
+    let reused = read_levels(&device, &queue, &gi);
+    for (level, (a, b)) in reused.iter().zip(read_levels(&device, &queue, &fresh)).enumerate() {
+        assert!(a.lobes == b.lobes, "lobes of level {level} differ from a fresh volume's");
+        assert!(a.tilts == b.tilts, "tilts of level {level} differ from a fresh volume's");
+    }
+}
+
+#[test]
+fn isotropic_pyramid_is_the_mean_of_eight() {
+    let (device, queue, gi) = lit_room(32, Directionality::Isotropic);
+    let levels = read_levels(&device, &queue, &gi);
+    assert!(levels[0].lobes[0].iter().any(|texel| texel[3] > 0.5), "the finest level is empty");
+    for pair in levels.windows(2) {
+        for cell in pair[1].cells() {
+            let mut mean = [0.0; 4];
+            for child in 0..8 {
+                let corner = UVec3::new(child & 1, (child >> 1) & 1, child >> 2);
+                let texel = pair[0].lobes[0][pair[0].index(2 * cell + corner)];
+                for i in 0..4 {
+                    mean[i] += 0.125 * texel[i];
+                }
+            }
+            assert_near(pair[1].lobes[0][pair[1].index(cell)], mean, 1e-6, "mean");
+        }
+    }
+}

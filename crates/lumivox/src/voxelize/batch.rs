@@ -1,0 +1,212 @@
+//! The triangles of a batch on the GPU, cut into work items, with the dispatches that walk over them.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::input::{DrawGroup, PreparedBatch};
+use super::kernels::{Kernels, WalkKernels};
+use super::memory::{Memory, Remedy};
+use crate::gpu::{
+    BindGroupBuilder, Indirect, Kernel, Recorder, Run, storage_buffer, uniform_buffer, upload,
+};
+use crate::{GeometryBatch, GiError, SurfaceMaterial};
+
+/// `SplitParams` of `split.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct SplitParams {
+    triangle_count: u32,
+    draw_count: u32,
+    padding: [u32; 2],
+}
+
+/// `SplitCounts` of `split.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct SplitCounts {
+    pub items_overflow: u32,
+    pub items: u32,
+    pub degenerate: u32,
+    pub outside: u32,
+}
+
+/// `ItemRun` of `items.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct ItemRun {
+    first_triangle: u32,
+    end_triangle: u32,
+    first_draw: u32,
+    end_draw: u32,
+}
+
+/// Stand-ins for what a material or batch does not have.
+#[derive(Debug)]
+pub(super) struct Fallbacks {
+    white: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+    texcoords: wgpu::Buffer,
+}
+
+impl Fallbacks {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("white"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4),
+            rows_per_image: Some(1),
+        };
+        queue.write_texture(texture.as_image_copy(), &[255; 4], layout, size);
+        Self {
+            white: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            sampler: device.create_sampler(&wgpu::SamplerDescriptor::default()),
+            texcoords: storage_buffer(device, "no texture coordinates", 16),
+        }
+    }
+}
+
+/// A group's dispatch.
+#[derive(Debug)]
+struct GroupDispatch {
+    run: wgpu::BindGroup,
+    is_covered: bool,
+}
+
+/// A batch, split into items.
+#[derive(Debug)]
+pub(super) struct SplitBatch {
+    triangles: wgpu::BindGroup,
+    /// Prefix sum of the items of the triangles, with the total last.
+    pub item_starts: wgpu::Buffer,
+    /// [`SplitCounts`].
+    pub counts: wgpu::Buffer,
+    groups: Vec<GroupDispatch>,
+    /// Workgroups for each group.
+    arguments: wgpu::Buffer,
+}
+
+impl SplitBatch {
+    /// Uploads the draws and splits the triangles into items.
+    pub fn new(
+        recorder: &mut Recorder,
+        memory: &mut Memory<'_>,
+        kernels: &Kernels,
+        grid: &wgpu::BindGroup,
+        fallbacks: &Fallbacks,
+        (batch, prepared): (&GeometryBatch, &PreparedBatch),
+        materials: &[SurfaceMaterial],
+    ) -> Result<Self, GiError> {
+        let device = memory.device();
+        let layouts = &kernels.layouts;
+        let draws = upload(device, "draws", &prepared.draws);
+        let triangles = BindGroupBuilder::new(&layouts.triangles)
+            .buffer(&batch.positions)
+            .buffer(batch.texcoords.as_ref().unwrap_or(&fallbacks.texcoords))
+            .buffer(&batch.indices)
+            .buffer(&draws)
+            .build(device, "voxelize::triangles");
+
+        let count = u64::from(prepared.triangle_count);
+        let item_starts = memory.buffer("item starts", count + 1, 4, Remedy::Batch)?;
+        let counts = storage_buffer(device, "split counts", size_of::<SplitCounts>() as u64);
+        let params = SplitParams {
+            triangle_count: prepared.triangle_count,
+            draw_count: prepared.draws.len() as u32,
+            padding: [0; 2],
+        };
+        let params = uniform_buffer(device, "split parameters", &params);
+        let split = BindGroupBuilder::new(&layouts.split)
+            .buffer(&params)
+            .buffer(&item_starts)
+            .buffer(&counts)
+            .build(device, "voxelize::split");
+        kernels.split.run_linear(recorder, &[grid, &triangles, &split], count);
+        kernels.scan.run(recorder, &item_starts, prepared.triangle_count + 1);
+
+        let runs: Vec<Run> = prepared
+            .groups
+            .iter()
+            .map(|group| Run { first: group.triangles.start, end: group.triangles.end })
+            .collect();
+        let arguments = kernels.indirect.arguments(recorder, &item_starts, &runs, &counts);
+        let dispatch = |group: &DrawGroup| GroupDispatch {
+            run: run_group(device, layouts, fallbacks, group, &materials[group.material as usize]),
+            is_covered: group.is_covered,
+        };
+        let groups = prepared.groups.iter().map(dispatch).collect();
+        Ok(Self { triangles, item_starts, counts, groups, arguments })
+    }
+
+    /// Dispatches a walk over the items of all groups; `pass_group` is bind group 2.
+    pub fn walk(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        kernels: &WalkKernels,
+        grid: &wgpu::BindGroup,
+        pass_group: &wgpu::BindGroup,
+    ) {
+        self.dispatch(pass, grid, pass_group, |group| {
+            if group.is_covered { &kernels.covered } else { &kernels.opaque }
+        });
+    }
+
+    /// As [`Self::walk`], with one kernel for all groups.
+    pub fn walk_all(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        kernel: &Kernel,
+        grid: &wgpu::BindGroup,
+        pass_group: &wgpu::BindGroup,
+    ) {
+        self.dispatch(pass, grid, pass_group, |_| kernel);
+    }
+
+    fn dispatch<'k>(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        grid: &wgpu::BindGroup,
+        pass_group: &wgpu::BindGroup,
+        kernel: impl Fn(&GroupDispatch) -> &'k Kernel,
+    ) {
+        for (index, group) in self.groups.iter().enumerate() {
+            kernel(group).dispatch_indirect(
+                pass,
+                &[grid, &self.triangles, pass_group, &group.run],
+                &self.arguments,
+                index as u64 * Indirect::STRIDE,
+            );
+        }
+    }
+}
+
+fn run_group(
+    device: &wgpu::Device,
+    layouts: &super::kernels::Layouts,
+    fallbacks: &Fallbacks,
+    group: &DrawGroup,
+    material: &SurfaceMaterial,
+) -> wgpu::BindGroup {
+    let run = ItemRun {
+        first_triangle: group.triangles.start,
+        end_triangle: group.triangles.end,
+        first_draw: group.draws.start,
+        end_draw: group.draws.end,
+    };
+    let run = uniform_buffer(device, "run of items", &run);
+    let white = &fallbacks.white;
+    BindGroupBuilder::new(&layouts.run)
+        .buffer(&run)
+        .view(material.reflectance_texture.as_ref().unwrap_or(white))
+        .view(material.emission_texture.as_ref().unwrap_or(white))
+        .sampler(material.sampler.as_ref().unwrap_or(&fallbacks.sampler))
+        .build(device, "voxelize::run")
+}

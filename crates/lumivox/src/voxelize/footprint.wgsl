@@ -1,0 +1,78 @@
+// The columns of voxels that a triangle stands on, seen along the dominant axis of its normal, and how they
+// are cut into tiles. A tile is a work item: no thread walks a whole wall.
+//
+// "Walk order" names the axes (u, v, w): w is the dominant axis, and the turn is cyclic, so that it keeps the
+// side that a triangle faces. Since w is dominant, the plane's slope along u and v is at most 1.
+
+import package::constants::TILE_EDGE;
+import package::grid::grid;
+import package::voxelize::reproducible::{cross_fused, is_finite};
+import package::voxelize::triangles::Triangle;
+
+// A second axis must beat the first by this factor to be the dominant one. Rounding then cannot scatter the
+// triangles of a plane at 45 degrees over two axes; the axis that is chosen is off by as little.
+const DOMINANCE = 1.0 + 1.0 / 8192.0;
+
+// Below this, a cross product (twice an area, in voxels) is rounding or near underflow.
+const SMALLEST_CROSS = 1e-30;
+
+struct Footprint {
+    // 0, 1, 2 for x, y, z.
+    axis: u32,
+    // In walk order, of twice the triangle's area.
+    normal: vec3f,
+    // The voxels of the triangle's box inside the grid, in walk order, both ends included.
+    first: vec3i,
+    last: vec3i,
+    // No area, or not finite.
+    is_degenerate: bool,
+    // No voxel of the grid touches its box.
+    is_outside: bool,
+}
+
+// Into walk order.
+fn turn(v: vec3f, axis: u32) -> vec3f {
+    return select(select(v.yzx, v.zxy, axis == 1u), v, axis == 2u);
+}
+
+// From walk order.
+fn turn_back(v: vec3f, axis: u32) -> vec3f {
+    return select(select(v.zxy, v.yzx, axis == 1u), v, axis == 2u);
+}
+
+fn turn_back_cell(v: vec3i, axis: u32) -> vec3i {
+    return select(select(v.zxy, v.yzx, axis == 1u), v, axis == 2u);
+}
+
+fn dominant_axis(normal: vec3f) -> u32 {
+    let size = abs(normal);
+    let xy = select(0u, 1u, size.y > size.x * DOMINANCE);
+    let larger = select(size.x, size.y, xy == 1u);
+    return select(xy, 2u, size.z > larger * DOMINANCE);
+}
+
+fn footprint(triangle: Triangle) -> Footprint {
+    let cross = cross_fused(triangle.b - triangle.a, triangle.c - triangle.a);
+    var result: Footprint;
+    result.axis = dominant_axis(cross);
+    result.normal = turn(cross, result.axis);
+    result.is_degenerate = !(is_finite(triangle.a) && is_finite(triangle.b) && is_finite(triangle.c)
+        && is_finite(cross) && abs(result.normal.z) > SMALLEST_CROSS);
+
+    // Voxels are closed boxes here: what touches a boundary belongs to the voxels on both sides of it.
+    let low = min(triangle.a, min(triangle.b, triangle.c));
+    let high = max(triangle.a, max(triangle.b, triangle.c));
+    let size = vec3f(grid.dimensions);
+    let first = clamp(ceil(low) - 1.0, vec3f(0.0), size);
+    let last = clamp(floor(high), vec3f(-1.0), size - 1.0);
+    result.first = vec3i(turn(first, result.axis));
+    result.last = vec3i(turn(last, result.axis));
+    result.is_outside = any(first > last);
+    return result;
+}
+
+// Tiles along u and v.
+fn tile_counts(area: Footprint) -> vec2u {
+    let columns = vec2u(area.last.xy - area.first.xy + 1);
+    return (columns + TILE_EDGE - 1u) / TILE_EDGE;
+}

@@ -1,0 +1,111 @@
+// Which lobes each voxel has, and how much surface: what the faces' list and the scale of their sums need.
+
+import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
+import package::voxelize::faces::AREAS_PER_UNIT;
+import package::voxelize::items::{Item, find_item};
+import package::voxelize::piece::piece_in_voxel;
+import package::voxelize::surface::{surface_at, texcoord_map};
+import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
+import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
+import package::voxels::lookup::bits_below;
+import package::voxels::morton::morton_encode;
+
+struct AtomicVoxelFaces {
+    lobes: atomic<u32>,
+    area_low: atomic<u32>,
+    area_high: atomic<u32>,
+    first_face: u32,
+}
+
+struct PieceCount {
+    low: atomic<u32>,
+    high: atomic<u32>,
+}
+
+// The occupancy bits and the rank of each word of the finest level.
+@group(2) @binding(1) var<storage, read> cells: array<vec2u>;
+@group(2) @binding(2) var<storage, read_write> voxels: array<AtomicVoxelFaces>;
+@group(2) @binding(3) var<storage, read_write> pieces: PieceCount;
+
+var<workgroup> group_pieces: atomic<u32>;
+
+// The bits of the lobes that the walk's triangle belongs to.
+fn lobe_bits(walk: ptr<function, Walk>) -> u32 {
+    let pair = 3u << (2u * (*walk).axis);
+    let one = select(0x15u, 0x2au, (*walk).normal.z < 0.0);
+    let is_double_sided = (draws[(*walk).draw].flags & DOUBLE_SIDED) != 0u;
+    return pair & select(one, 0x3fu, is_double_sided);
+}
+
+fn add_piece(walk: ptr<function, Walk>, lobes: u32, area: f32) {
+    let code = morton_encode(walk_cell(walk));
+    let cell = cells[code / 32u];
+    if (cell.x & (1u << (code % 32u))) == 0u {
+        return;
+    }
+    let voxel = cell.y + bits_below(cell.x, code % 32u);
+    if (atomicLoad(&voxels[voxel].lobes) & lobes) != lobes {
+        atomicOr(&voxels[voxel].lobes, lobes);
+    }
+    let amount = u32(ceil(area * AREAS_PER_UNIT));
+    let before = atomicAdd(&voxels[voxel].area_low, amount);
+    if before + amount < before {
+        atomicAdd(&voxels[voxel].area_high, 1u);
+    }
+}
+
+fn count_pieces(count: u32, local: u32) {
+    atomicAdd(&group_pieces, count);
+    workgroupBarrier();
+    if local == 0u {
+        let total = atomicLoad(&group_pieces);
+        let before = atomicAdd(&pieces.low, total);
+        if before + total < before {
+            atomicAdd(&pieces.high, 1u);
+        }
+    }
+}
+
+// Surfaces without holes.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn opaque(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    var walk = walk_begin(find_item(invocation, workgroups, local));
+    let lobes = lobe_bits(&walk);
+    var count = 0u;
+    while walk_on(&walk) {
+        let piece = piece_in_voxel(&walk);
+        if piece.area > 0.0 {
+            add_piece(&walk, lobes, piece.area);
+            count++;
+        }
+    }
+    count_pieces(count, local);
+}
+
+// Surfaces whose alpha cuts holes.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn covered(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    var walk = walk_begin(find_item(invocation, workgroups, local));
+    let lobes = lobe_bits(&walk);
+    let map = texcoord_map(&walk);
+    var count = 0u;
+    while walk_on(&walk) {
+        let piece = piece_in_voxel(&walk);
+        if piece.area > 0.0 {
+            let surface = surface_at(&walk, map, piece.centroid);
+            if surface.coverage >= SMALLEST_COVERAGE {
+                add_piece(&walk, lobes, piece.area);
+                count++;
+            }
+        }
+    }
+    count_pieces(count, local);
+}

@@ -1,0 +1,98 @@
+//! Buffers of which the device's limits are asked first, and the account of them.
+
+use crate::GiError;
+use crate::gpu::storage_buffer;
+
+/// Makes storage buffers that fit the device, and keeps the account.
+#[derive(Debug)]
+pub(crate) struct Memory<'a> {
+    device: &'a wgpu::Device,
+    bytes: Vec<(String, u64)>,
+}
+
+/// What would help if something does not fit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Remedy {
+    /// It grows with the cube of the resolution, which is given.
+    Volume(u32),
+    /// It grows with the surface, so with the square of the resolution, which is given.
+    Surface(u32),
+    /// It grows with the triangles of a batch.
+    Batch,
+}
+
+impl Remedy {
+    /// The remedy, in words: `share` is what is available of what is needed.
+    fn words(self, share: f64) -> String {
+        let lower = |resolution: u32, share: f64| {
+            let fits = (f64::from(resolution) * share) as u32 / 8 * 8;
+            format!("a resolution of {} would fit", fits.max(crate::MIN_RESOLUTION))
+        };
+        match self {
+            // The bits cover a power-of-two cube.
+            Self::Volume(resolution) => {
+                let halvings = (-share.log2() / 3.0).ceil();
+                let edge = f64::from(resolution.next_power_of_two());
+                lower(edge as u32, (-halvings).exp2())
+            }
+            Self::Surface(resolution) => lower(resolution, share.sqrt()),
+            Self::Batch => "share the geometry out to several batches".to_owned(),
+        }
+    }
+}
+
+impl<'a> Memory<'a> {
+    /// An empty account.
+    pub fn new(device: &'a wgpu::Device) -> Self {
+        Self { device, bytes: Vec::new() }
+    }
+
+    /// The device that the buffers are on.
+    pub fn device(&self) -> &'a wgpu::Device {
+        self.device
+    }
+
+    /// A storage buffer of zeros for `count` elements of `stride` bytes.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] when the device cannot hold it or bind it as a whole.
+    pub fn buffer(
+        &mut self,
+        label: &str,
+        count: u64,
+        stride: u64,
+        remedy: Remedy,
+    ) -> Result<wgpu::Buffer, GiError> {
+        let bytes = count * stride;
+        let limits = self.device.limits();
+        for (limit, available) in [
+            ("max_storage_buffer_binding_size", limits.max_storage_buffer_binding_size),
+            ("max_buffer_size", limits.max_buffer_size),
+        ] {
+            if bytes > available {
+                return Err(GiError::Limit {
+                    what: format!("the buffer of {label}"),
+                    needed: bytes,
+                    unit: "bytes",
+                    limit,
+                    available,
+                    remedy: remedy.words(available as f64 / bytes as f64),
+                });
+            }
+        }
+        self.bytes.push((label.to_owned(), bytes));
+        Ok(storage_buffer(self.device, label, bytes))
+    }
+
+    /// Bytes by buffer, in the order in which they were made; equal labels are summed up.
+    pub fn into_bytes(self) -> Vec<(String, u64)> {
+        let mut sums: Vec<(String, u64)> = Vec::new();
+        for (label, bytes) in self.bytes {
+            match sums.iter_mut().find(|(other, _)| *other == label) {
+                Some((_, sum)) => *sum += bytes,
+                None => sums.push((label, bytes)),
+            }
+        }
+        sums
+    }
+}

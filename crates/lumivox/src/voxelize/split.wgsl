@@ -1,0 +1,68 @@
+// How many work items (tiles of columns) each triangle needs. A prefix sum turns `item_starts` into the number
+// of each triangle's first item.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::voxelize::footprint::{footprint, tile_counts};
+import package::voxelize::triangles::load_triangle;
+
+struct SplitParams {
+    triangle_count: u32,
+    draw_count: u32,
+}
+
+struct SplitCounts {
+    // Not zero if the items, of which there are `items`, passed 2^32 (how often they did).
+    items_overflow: atomic<u32>,
+    items: atomic<u32>,
+    degenerate: atomic<u32>,
+    outside: atomic<u32>,
+}
+
+@group(2) @binding(0) var<uniform> params: SplitParams;
+@group(2) @binding(1) var<storage, read_write> item_starts: array<u32>;
+@group(2) @binding(2) var<storage, read_write> counts: SplitCounts;
+
+// Summed up within the workgroup first: one atomic operation on memory for 64 triangles.
+var<workgroup> group_items: atomic<u32>;
+var<workgroup> group_degenerate: atomic<u32>;
+var<workgroup> group_outside: atomic<u32>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index < params.triangle_count {
+        let area = footprint(load_triangle(index, 0u, params.draw_count));
+        var items = 0u;
+        if area.is_degenerate {
+            atomicAdd(&group_degenerate, 1u);
+        } else if area.is_outside {
+            atomicAdd(&group_outside, 1u);
+        } else {
+            let tiles = tile_counts(area);
+            items = tiles.x * tiles.y;
+            atomicAdd(&group_items, items);
+        }
+        item_starts[index] = items;
+    }
+    workgroupBarrier();
+    if local == 0u {
+        let items = atomicLoad(&group_items);
+        let before = atomicAdd(&counts.items, items);
+        if before + items < before {
+            atomicAdd(&counts.items_overflow, 1u);
+        }
+        let degenerate = atomicLoad(&group_degenerate);
+        if degenerate > 0u {
+            atomicAdd(&counts.degenerate, degenerate);
+        }
+        let outside = atomicLoad(&group_outside);
+        if outside > 0u {
+            atomicAdd(&counts.outside, outside);
+        }
+    }
+}

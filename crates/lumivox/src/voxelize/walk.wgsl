@@ -1,0 +1,149 @@
+// Walks the voxels that one tile of a triangle may touch: per column, those in the range of depth that the
+// triangle's plane has there.
+//
+// All coordinates are in walk order (footprint.wgsl) and relative to a voxel near the tile, so that rounding
+// is that of small numbers. Every test is widened by a bound of its own rounding error: it may let a voxel
+// pass that the triangle misses by a hair, but never the other way round.
+
+import package::constants::TILE_EDGE;
+import package::grid::grid;
+import package::voxelize::footprint::{footprint, tile_counts, turn, turn_back_cell};
+import package::voxelize::items::{Item, run};
+import package::voxelize::triangles::load_triangle;
+
+// A sum of three products of numbers up to m, each off by its own rounding (2^-24) and by that of its factors,
+// is off by less than 8 * 2^-24 m.
+const ROUNDING = 1.0 / 2097152.0;
+
+// An interval test (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing", section 2) along the normal m
+// of a triangle's edge in a projection: a unit square with its centre at p is apart from the triangle if
+// |m . p + offset| > reach. It needs no orientation, which rounding may turn around for a sliver.
+struct EdgeTest {
+    m: vec2f,
+    offset: f32,
+    reach: f32,
+}
+
+// `from` and `to` end the edge, `other` is the third corner; all coordinates are at most `extent`.
+fn edge_test(start: vec2f, end: vec2f, other: vec2f, extent: f32) -> EdgeTest {
+    let m = vec2f(end.y - start.y, start.x - end.x);
+    let width = dot(m, other - start);
+    let size = abs(m.x) + abs(m.y);
+    return EdgeTest(m, -dot(m, start) - 0.5 * width, 0.5 * abs(width) + (0.5 + ROUNDING * extent) * size);
+}
+
+fn may_touch(test: EdgeTest, centre: vec2f) -> bool {
+    return abs(dot(test.m, centre) + test.offset) <= test.reach;
+}
+
+struct Walk {
+    // The corners, and the normal with the length of twice the area.
+    a: vec3f,
+    b: vec3f,
+    c: vec3f,
+    normal: vec3f,
+    // The voxel that coordinates are relative to, in walk order.
+    base: vec3i,
+    axis: u32,
+    vertices: vec3u,
+    draw: u32,
+    // Bound of the coordinates' size, for rounding errors.
+    extent: f32,
+    // The edges, seen along w.
+    ab: EdgeTest,
+    bc: EdgeTest,
+    ca: EdgeTest,
+    // How the plane's depth changes along u and v, and by how much a column's range is widened.
+    slope: vec2f,
+    widening: f32,
+    // Of the triangle, and of the grid.
+    depth_range: vec2f,
+    depth_limits: vec2i,
+    // The columns of the tile: 0 to `last_column`; the current voxel, and the last one of its column.
+    last_column: vec2i,
+    voxel: vec3i,
+    last_depth: i32,
+}
+
+// Before the first voxel of an item; `walk_on` moves to it.
+fn walk_begin(item: Item) -> Walk {
+    var walk: Walk;
+    walk.voxel = vec3i(-1, 0, 0);
+    walk.last_depth = -1;
+    walk.last_column = vec2i(-1);
+    if !item.exists {
+        return walk;
+    }
+    let triangle = load_triangle(item.triangle, run.first_draw, run.end_draw);
+    let area = footprint(triangle);
+    walk.axis = area.axis;
+    walk.normal = area.normal;
+    walk.draw = triangle.draw;
+    walk.vertices = triangle.vertices;
+
+    let tiles = tile_counts(area);
+    let corner = area.first.xy + vec2i(vec2u(item.tile % tiles.x, item.tile / tiles.x) * TILE_EDGE);
+    walk.last_column = min(area.last.xy - corner, vec2i(i32(TILE_EDGE) - 1));
+
+    // Depth is counted from where the plane passes the tile's middle.
+    let a = turn(triangle.a, walk.axis);
+    let b = turn(triangle.b, walk.axis);
+    let c = turn(triangle.c, walk.axis);
+    walk.slope = -walk.normal.xy / walk.normal.z;
+    let middle = vec2f(corner) + 0.5 * f32(TILE_EDGE);
+    let depth = a.z + dot(walk.slope, middle - a.xy);
+    walk.base = vec3i(corner, i32(clamp(depth, f32(area.first.z), f32(area.last.z))));
+    walk.a = a - vec3f(walk.base);
+    walk.b = b - vec3f(walk.base);
+    walk.c = c - vec3f(walk.base);
+    let low = min(walk.a, min(walk.b, walk.c));
+    let high = max(walk.a, max(walk.b, walk.c));
+    let farthest = max(-low, high);
+    walk.extent = max(farthest.x, max(farthest.y, farthest.z)) + f32(TILE_EDGE);
+
+    walk.ab = edge_test(walk.a.xy, walk.b.xy, walk.c.xy, walk.extent);
+    walk.bc = edge_test(walk.b.xy, walk.c.xy, walk.a.xy, walk.extent);
+    walk.ca = edge_test(walk.c.xy, walk.a.xy, walk.b.xy, walk.extent);
+
+    // A component of the normal is off by up to 4 * 2^-24 of the product of two edges, so the slope by that
+    // over normal.z (twice, since it is a quotient of at most 1): no more than rounding for a compact
+    // triangle, a lot for a sliver, whose plane is uncertain. There the edges' tests alone decide.
+    let size = high - low;
+    let edges = max(size.x, max(size.y, size.z));
+    walk.widening = ROUNDING * walk.extent * (1.0 + edges * edges / abs(walk.normal.z))
+        + 0.5 * (abs(walk.slope.x) + abs(walk.slope.y));
+    walk.depth_range = vec2f(low.z, high.z);
+    walk.depth_limits = vec2i(area.first.z, area.last.z) - walk.base.z;
+    return walk;
+}
+
+// Moves to the next voxel that the triangle may touch; false if there is none left.
+fn walk_on(walk: ptr<function, Walk>) -> bool {
+    (*walk).voxel.z += 1;
+    // The next column with a range of depth that is not empty.
+    while (*walk).voxel.z > (*walk).last_depth {
+        (*walk).voxel.x += 1;
+        if (*walk).voxel.x > (*walk).last_column.x {
+            (*walk).voxel.x = 0;
+            (*walk).voxel.y += 1;
+        }
+        if (*walk).voxel.y > (*walk).last_column.y {
+            return false;
+        }
+        let centre = vec2f((*walk).voxel.xy) + 0.5;
+        if may_touch((*walk).ab, centre) && may_touch((*walk).bc, centre) && may_touch((*walk).ca, centre) {
+            let depth = (*walk).a.z + dot((*walk).slope, centre - (*walk).a.xy);
+            let low = max(depth - (*walk).widening, (*walk).depth_range.x);
+            let high = min(depth + (*walk).widening, (*walk).depth_range.y);
+            let limits = vec2f((*walk).depth_limits);
+            (*walk).voxel.z = i32(clamp(ceil(low) - 1.0, limits.x, limits.y + 1.0));
+            (*walk).last_depth = i32(clamp(floor(high), limits.x - 1.0, limits.y));
+        }
+    }
+    return true;
+}
+
+// The current voxel in the grid.
+fn walk_cell(walk: ptr<function, Walk>) -> vec3u {
+    return vec3u(turn_back_cell((*walk).base + (*walk).voxel, (*walk).axis));
+}

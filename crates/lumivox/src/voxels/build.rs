@@ -1,0 +1,239 @@
+//! The list from the bits: the pyramid of occupancy, ranks and nodes.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderError, ShaderLibrary,
+    uniform_buffer,
+};
+use crate::voxelize::{Memory, Remedy};
+use crate::voxels::NodeRecord;
+use crate::{GiError, Grid};
+
+/// `PyramidParams` of `pyramid.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct PyramidParams {
+    child_first_word: u32,
+    child_words: u32,
+    parent_first_word: u32,
+    parent_words: u32,
+}
+
+/// `InnerParams` of `inner_lobes.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct InnerParams {
+    first_node: u32,
+    end_node: u32,
+    child_first_word: u32,
+    padding: u32,
+}
+
+/// Words of the occupancy bits of a level; `level_words` of `lookup.wgsl`.
+fn level_words(grid: &Grid, level: u32) -> u64 {
+    (u64::from(grid.morton_edge(level)).pow(3) / 32).max(1)
+}
+
+/// The words before those of a level; `level_first_word` of `lookup.wgsl`.
+pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
+    (0..level).map(|finer| level_words(grid, finer)).sum()
+}
+
+/// The occupancy bits of all levels with their ranks, before the list is made.
+#[derive(Debug)]
+pub(crate) struct Occupied {
+    /// A bit per cell.
+    pub occupancy: wgpu::Buffer,
+    /// The bits before each word, and last the total.
+    pub ranks: wgpu::Buffer,
+    /// Word and rank side by side, of level 0.
+    pub cells: wgpu::Buffer,
+}
+
+/// The kernels that make the list.
+#[derive(Debug)]
+pub(crate) struct ListBuilder {
+    pyramid_layout: wgpu::BindGroupLayout,
+    rank_layout: wgpu::BindGroupLayout,
+    inner_layout: wgpu::BindGroupLayout,
+    pyramid: Kernel,
+    count: Kernel,
+    list: Kernel,
+    inner_lobes: Kernel,
+}
+
+impl ListBuilder {
+    /// Compiles the kernels; group 0 is the grid.
+    pub fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        globals: &wgpu::BindGroupLayout,
+    ) -> Result<Self, ShaderError> {
+        let pyramid_layout =
+            LayoutBuilder::compute().uniform().storage_mut().build(device, "voxels::pyramid");
+        let rank_layout = LayoutBuilder::compute()
+            .storage()
+            .storage_mut()
+            .storage_mut()
+            .storage_mut()
+            .build(device, "voxels::rank");
+        let inner_layout = LayoutBuilder::compute()
+            .uniform()
+            .storage()
+            .storage()
+            .storage_mut()
+            .build(device, "voxels::inner_lobes");
+        let ranks = [globals, &rank_layout];
+        let inner = [globals, &inner_layout];
+        let pyramid = [globals, &pyramid_layout];
+        Ok(Self {
+            pyramid: Kernel::new(device, shaders, "voxels::pyramid", "main", &pyramid)?,
+            count: Kernel::new(device, shaders, "voxels::rank", "count", &ranks)?,
+            list: Kernel::new(device, shaders, "voxels::rank", "list", &ranks)?,
+            inner_lobes: Kernel::new(device, shaders, "voxels::inner_lobes", "main", &inner)?,
+            pyramid_layout,
+            rank_layout,
+            inner_layout,
+        })
+    }
+
+    /// Buffers for the bits, all zero.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] when they do not fit.
+    pub fn begin(memory: &mut Memory<'_>, grid: &Grid) -> Result<Occupied, GiError> {
+        let words = level_first_word(grid, grid.levels);
+        let remedy = Remedy::Volume(grid.dimensions.max_element());
+        Ok(Occupied {
+            occupancy: memory.buffer("occupancy", words, 4, remedy)?,
+            ranks: memory.buffer("ranks", words + 1, 4, remedy)?,
+            cells: memory.buffer("cells", level_words(grid, 0), 8, remedy)?,
+        })
+    }
+
+    /// Fills the coarser levels from the finest, and ranks all cells.
+    pub fn rank(
+        &self,
+        recorder: &mut Recorder,
+        scan: &Scan,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        occupied: &Occupied,
+    ) {
+        let device = recorder.device().clone();
+        let groups: Vec<_> = (1..grid.levels)
+            .map(|level| {
+                let params = PyramidParams {
+                    child_first_word: level_first_word(grid, level - 1) as u32,
+                    child_words: level_words(grid, level - 1) as u32,
+                    parent_first_word: level_first_word(grid, level) as u32,
+                    parent_words: level_words(grid, level) as u32,
+                };
+                let uniform = uniform_buffer(&device, "pyramid parameters", &params);
+                let group = BindGroupBuilder::new(&self.pyramid_layout)
+                    .buffer(&uniform)
+                    .buffer(&occupied.occupancy)
+                    .build(&device, "voxels::pyramid");
+                (group, u64::from(params.parent_words))
+            })
+            .collect();
+        recorder.compute("voxels::pyramid", |pass| {
+            for (group, words) in &groups {
+                self.pyramid.dispatch_linear(pass, &[globals, group], *words);
+            }
+        });
+        let words = level_first_word(grid, grid.levels);
+        // The nodes are not there yet: `count` does not touch them.
+        let unused = crate::gpu::storage_buffer(&device, "no nodes", 16);
+        let group = self.rank_group(&device, occupied, &unused);
+        self.count.run_linear(recorder, &[globals, &group], words);
+        scan.run(recorder, &occupied.ranks, words as u32 + 1);
+    }
+
+    /// Copies where the nodes of each level start, and their total, to the front of `counts`.
+    pub fn copy_level_starts(
+        encoder: &mut wgpu::CommandEncoder,
+        grid: &Grid,
+        occupied: &Occupied,
+        counts: &wgpu::Buffer,
+    ) {
+        for level in 0..=grid.levels {
+            let word = level_first_word(grid, level);
+            let place = u64::from(level) * 4;
+            encoder.copy_buffer_to_buffer(&occupied.ranks, word * 4, counts, place, 4);
+        }
+    }
+
+    /// The nodes, still without lobes; fills `cells` too.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] when they do not fit.
+    pub fn list(
+        &self,
+        recorder: &mut Recorder,
+        memory: &mut Memory<'_>,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        occupied: &Occupied,
+        node_count: u32,
+    ) -> Result<wgpu::Buffer, GiError> {
+        let remedy = Remedy::Surface(grid.dimensions.max_element());
+        let stride = size_of::<NodeRecord>() as u64;
+        let nodes = memory.buffer("nodes", u64::from(node_count), stride, remedy)?;
+        let group = self.rank_group(memory.device(), occupied, &nodes);
+        let words = level_first_word(grid, grid.levels);
+        self.list.run_linear(recorder, &[globals, &group], words);
+        Ok(nodes)
+    }
+
+    /// The lobes of the inner nodes, from those of the finest level.
+    pub fn inner_lobes(
+        &self,
+        recorder: &mut Recorder,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        occupied: &Occupied,
+        nodes: &wgpu::Buffer,
+        level_starts: &[u32],
+    ) {
+        let device = recorder.device().clone();
+        let groups: Vec<_> = (1..grid.levels)
+            .map(|level| {
+                let params = InnerParams {
+                    first_node: level_starts[level as usize],
+                    end_node: level_starts[level as usize + 1],
+                    child_first_word: level_first_word(grid, level - 1) as u32,
+                    padding: 0,
+                };
+                let uniform = uniform_buffer(&device, "inner lobes parameters", &params);
+                let group = BindGroupBuilder::new(&self.inner_layout)
+                    .buffer(&uniform)
+                    .buffer(&occupied.occupancy)
+                    .buffer(&occupied.ranks)
+                    .buffer(nodes)
+                    .build(&device, "voxels::inner_lobes");
+                (group, u64::from(params.end_node - params.first_node))
+            })
+            .collect();
+        recorder.compute("voxels::inner_lobes", |pass| {
+            for (group, count) in &groups {
+                self.inner_lobes.dispatch_linear(pass, &[globals, group], *count);
+            }
+        });
+    }
+
+    fn rank_group(
+        &self,
+        device: &wgpu::Device,
+        occupied: &Occupied,
+        nodes: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        BindGroupBuilder::new(&self.rank_layout)
+            .buffer(&occupied.occupancy)
+            .buffer(&occupied.ranks)
+            .buffer(nodes)
+            .buffer(&occupied.cells)
+            .build(device, "voxels::rank")
+    }
+}

@@ -1,0 +1,10 @@
+//! The voxelizer against a brute force in f64, and its promises: nothing lost, nothing counted twice, the
+//! same bits whatever the order.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod overlap;
+mod read;
+mod scenes;
+mod speed;
+mod twin;
