@@ -129,7 +129,7 @@ impl Gi {
     /// the environment, which arrives by gathers), each more adds one. Work grows in proportion.
     pub fn light(&mut self, recorder: &mut Recorder, lights: &Lights, bounces: u32) {
         self.bounces = bounces;
-        self.lighting.run(recorder, &mut self.volume, lights, bounces.saturating_sub(1));
+        self.lighting.run(recorder, &self.volume, lights, bounces.saturating_sub(1));
     }
 
     /// Textures for [`Self::trace`] to write to.

@@ -3,7 +3,7 @@
 use crate::gpu::{ShaderLibrary, assert_layout};
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
-use crate::volume::{LevelRange, MaskLevels, mount};
+use crate::volume::{MaskLevels, NodeRange, mount};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, shaders};
 
@@ -93,9 +93,9 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "volume::mark_masks",
-        "LevelRange",
-        LevelRange { level, axis, first_node, node_count, first_mask_entry }
+        "volume::level_range",
+        "NodeRange",
+        NodeRange { level, first, count, first_mask_entry }
     );
     assert_layout!(library, "volume::masks", "MaskLevels", MaskLevels { first_entry });
 }

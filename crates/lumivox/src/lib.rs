@@ -33,6 +33,8 @@ pub use geometry::{Draw, Geometry, GeometryBatch, SurfaceMaterial};
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
-pub use trace::{GBuffer, GBufferViews, Preset, TraceResolution, TraceSettings, TraceTargets, View};
+pub use trace::{
+    GBuffer, GBufferViews, Preset, TraceResolution, TraceSettings, TraceTargets, View,
+};
 pub use volume::Directionality;
 pub use voxelize::{VoxelizeStats, Voxelizer};

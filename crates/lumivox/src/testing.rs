@@ -22,7 +22,13 @@ pub(crate) struct SceneBuilder {
 
 impl SceneBuilder {
     /// A parallelogram whose front is where `u` x `v` points.
-    pub(crate) fn quad(mut self, corner: Vec3, u: Vec3, v: Vec3, material: SurfaceMaterial) -> Self {
+    pub(crate) fn quad(
+        mut self,
+        corner: Vec3,
+        u: Vec3,
+        v: Vec3,
+        material: SurfaceMaterial,
+    ) -> Self {
         let corners = [corner, corner + u, corner + u + v, corner, corner + u + v, corner + v];
         self.draws.push(Draw {
             first_index: self.positions.len() as u32,
@@ -98,7 +104,10 @@ pub(crate) fn busy_room() -> SceneBuilder {
             Vec3::new(0.3, 0.55, 0.3),
             Vec3::new(0.0, 0.1, 0.35),
             Vec3::new(0.4, -0.05, 0.0),
-            SurfaceMaterial { double_sided: true, ..tinted(0.2, 0.8, 0.4, Vec3::new(4.0, 3.0, 2.0)) },
+            SurfaceMaterial {
+                double_sided: true,
+                ..tinted(0.2, 0.8, 0.4, Vec3::new(4.0, 3.0, 2.0))
+            },
         )
         .quad(
             Vec3::new(0.25, 0.1, 0.2),
@@ -161,6 +170,7 @@ pub(crate) fn read_level<T: Pod>(
 
 /// The coordinates of a Morton code.
 pub(crate) fn morton_decode(code: u32) -> glam::UVec3 {
-    let gather = |shift: u32| (0..10).fold(0, |n, bit| n | (((code >> (3 * bit + shift)) & 1) << bit));
+    let gather =
+        |shift: u32| (0..10).fold(0, |n, bit| n | (((code >> (3 * bit + shift)) & 1) << bit));
     glam::UVec3::new(gather(0), gather(1), gather(2))
 }

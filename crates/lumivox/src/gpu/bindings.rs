@@ -64,7 +64,11 @@ impl LayoutBuilder {
         view_dimension: wgpu::TextureViewDimension,
         sample_type: wgpu::TextureSampleType,
     ) -> Self {
-        self.binding(wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false })
+        self.binding(wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled: false,
+        })
     }
 
     /// `texture_2d<f32>` that can be filtered.

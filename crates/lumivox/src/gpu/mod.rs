@@ -14,9 +14,9 @@ pub use bindings::{BindGroupBuilder, LayoutBuilder};
 pub use buffers::{read_buffer, storage_buffer, uniform_buffer, upload};
 pub(crate) use indirect::{Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
+pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 #[cfg(test)]
 pub(crate) use layouts::assert_layout;
-pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 pub use recorder::{Recorder, StageTime, Timing};
 pub use scan::Scan;
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};

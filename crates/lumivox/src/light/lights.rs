@@ -250,10 +250,8 @@ impl Lights {
                 padding: [0; 2],
             })
             .collect();
-        let globals = LightGlobals {
-            environment: environment.to_array(),
-            light_count: records.len() as u32,
-        };
+        let globals =
+            LightGlobals { environment: environment.to_array(), light_count: records.len() as u32 };
         let globals = uniform_buffer(device, "light globals", &globals);
         let lights = upload(device, "lights", &padded(&records));
         let layers = upload(device, "shadow layers", &padded(&layers));

@@ -10,6 +10,7 @@ mod tests;
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::GiError;
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
     uniform_buffer,
@@ -17,14 +18,13 @@ use crate::gpu::{
 use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
 use crate::voxels::VoxelList;
-use crate::GiError;
 
-#[cfg(test)]
-pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
-pub use lights::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 pub(crate) use lights::{
     LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP, SHADOW_NONE, lights_layout,
 };
+pub use lights::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
+#[cfg(test)]
+pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
@@ -130,7 +130,7 @@ impl Lighting {
     pub(crate) fn run(
         &self,
         recorder: &mut Recorder,
-        volume: &mut Volume,
+        volume: &Volume,
         lights: &Lights,
         gathers: u32,
     ) {

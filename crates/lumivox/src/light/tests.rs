@@ -78,7 +78,11 @@ fn furnace_converges_to_its_closed_form() {
     for bounces in 1..=10 {
         let mean = bench.light(&[], Vec3::ZERO, bounces).mean(|_| true);
         // Each bounce adds less than the one before it: energy decays.
-        assert!(mean - last < 0.6 * increase, "bounce {bounces} adds {} after {increase}", mean - last);
+        assert!(
+            mean - last < 0.6 * increase,
+            "bounce {bounces} adds {} after {increase}",
+            mean - last
+        );
         assert!(mean >= last, "bounce {bounces} takes light away: {mean} after {last}");
         increase = mean - last;
         last = mean;
@@ -142,10 +146,13 @@ fn direct_light_follows_the_inverse_square() {
         let normal = Vec3::from(face.vector_area).normalize();
         let squared = to_light.length_squared().max(1e-6);
         let cosine = normal.dot(to_light / squared.sqrt()).max(0.0);
-        let expected = Vec3::from(face.emission)
-            + Vec3::from(face.reflectance) / PI * (cosine / squared);
+        let expected =
+            Vec3::from(face.emission) + Vec3::from(face.reflectance) / PI * (cosine / squared);
         let error = (*radiance - expected).abs().max_element();
-        assert!(error <= 1e-4 * (1.0 + expected.max_element()), "{face:?}: {radiance}, not {expected}");
+        assert!(
+            error <= 1e-4 * (1.0 + expected.max_element()),
+            "{face:?}: {radiance}, not {expected}"
+        );
     }
 }
 
@@ -154,9 +161,12 @@ fn direct_light_follows_the_inverse_square() {
 #[test]
 fn cone_shadow_falls_below_the_plate() {
     let plate = crate::SurfaceMaterial { double_sided: true, ..lambert(0.0, 0.0) };
-    let scene = SceneBuilder::default()
-        .quad(Vec3::ZERO, Vec3::Z, Vec3::X, lambert(0.5, 0.0))
-        .quad(Vec3::new(0.35, 0.5, 0.35), Vec3::X * 0.3, Vec3::Z * 0.3, plate);
+    let scene = SceneBuilder::default().quad(Vec3::ZERO, Vec3::Z, Vec3::X, lambert(0.5, 0.0)).quad(
+        Vec3::new(0.35, 0.5, 0.35),
+        Vec3::X * 0.3,
+        Vec3::Z * 0.3,
+        plate,
+    );
     let bounds = (Vec3::ZERO, Vec3::ONE);
     let mut bench = Bench::new(bounds, 64, Vec3::ZERO, scene);
     let place = Vec3::new(0.5, 0.95, 0.5);
@@ -179,7 +189,10 @@ fn environment_lights_what_is_open() {
     let scene = SceneBuilder::default().quad(Vec3::ZERO, Vec3::Z, Vec3::X, lambert(0.5, 0.0));
     let mut bench = Bench::new((Vec3::ZERO, Vec3::new(1.0, 0.2, 1.0)), 32, Vec3::ZERO, scene);
     let mean = bench.light(&[], Vec3::splat(3.0), 2).mean(|_| true);
-    assert!((mean - 1.5).abs() < 1e-3, "a floor of 50 % under a sky of 3 sends out {mean}, not 1.5");
+    assert!(
+        (mean - 1.5).abs() < 1e-3,
+        "a floor of 50 % under a sky of 3 sends out {mean}, not 1.5"
+    );
 }
 
 /// Two rooms with a wall thinner than a voxel between them and no doorway: what arrives in the dark one is a

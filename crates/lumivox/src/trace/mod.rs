@@ -12,8 +12,10 @@ mod tests;
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 
-use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer};
 use crate::GiError;
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer,
+};
 
 #[cfg(test)]
 pub(crate) use gbuffer::ViewUniform;

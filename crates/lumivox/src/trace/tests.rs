@@ -1,11 +1,12 @@
 //! The march against a twin on the CPU, and the hemisphere's cells against integrals.
 
 use glam::{UVec3, Vec3, Vec4};
-use half::f16;
 
-use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing, storage_buffer, upload};
-use crate::testing::{busy_room, device, read, read_level};
-use crate::volume::Volume;
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing, storage_buffer, upload,
+};
+use crate::testing::{busy_room, device, read};
+use crate::volume::{Level, read_levels};
 use crate::{Directionality, Gi, GiConfig, Grid, TraceSettings};
 
 use bytemuck::{Pod, Zeroable};
@@ -34,44 +35,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     traced[id.x] = vec4f(result.radiance, result.transmittance);
 }";
 
-/// The volume read back: `lobes[level][lobe]` and `tilts[level][axis]`.
+/// The volume read back.
 struct VolumeTwin {
     grid: Grid,
-    lobes: Vec<Vec<Vec<Vec4>>>,
-    tilts: Vec<Vec<Vec<Vec4>>>,
+    levels: Vec<Level>,
 }
 
 impl VolumeTwin {
-    fn new(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi) -> Self {
-        let Volume::Dense(dense) = gi.volume();
-        let grid = *gi.grid();
-        let half = |texel: &[u16; 4]| Vec4::from_array(texel.map(|bits| f16::from_bits(bits).to_f32()));
-        let snorm = |texel: &[i8; 4]| Vec4::from_array(texel.map(|value| f32::from(value) / 127.0));
-        let levels = 0..grid.levels;
-        Self {
-            grid,
-            lobes: levels
-                .clone()
-                .map(|level| {
-                    dense
-                        .lobe_textures()
-                        .map(|t| read_level(device, queue, t, level).iter().map(half).collect())
-                        .collect()
-                })
-                .collect(),
-            tilts: levels
-                .map(|level| {
-                    dense
-                        .tilt_textures()
-                        .map(|t| read_level(device, queue, t, level).iter().map(snorm).collect())
-                        .collect()
-                })
-                .collect(),
-        }
-    }
-
     /// Trilinear at one level; texels outside are zero.
-    fn trilinear(&self, texels: &[Vec4], level: u32, position: Vec3) -> Vec4 {
+    fn trilinear(&self, texels: &[[f32; 4]], level: u32, position: Vec3) -> Vec4 {
         let dimensions = self.grid.level_dimensions(level).as_ivec3();
         let texel = position / (1 << level) as f32 - 0.5;
         let corner = texel.floor();
@@ -86,17 +58,17 @@ impl VolumeTwin {
             let side = offset.as_vec3();
             let weight = (side * fraction + (1.0 - side) * (1.0 - fraction)).element_product();
             let index = (at.z * dimensions.y + at.y) * dimensions.x + at.x;
-            sum += weight * texels[index as usize];
+            sum += weight * Vec4::from_array(texels[index as usize]);
         }
         sum
     }
 
-    fn quadrilinear(&self, levels: &[Vec<Vec<Vec4>>], which: usize, level: f32, at: Vec3) -> Vec4 {
+    fn quadrilinear(&self, part: impl Fn(&Level) -> &[[f32; 4]], level: f32, at: Vec3) -> Vec4 {
         let fine = level.floor() as u32;
         let coarse = (fine + 1).min(self.grid.levels - 1);
         let fraction = level - level.floor();
-        (1.0 - fraction) * self.trilinear(&levels[fine as usize][which], fine, at)
-            + fraction * self.trilinear(&levels[coarse as usize][which], coarse, at)
+        (1.0 - fraction) * self.trilinear(part(&self.levels[fine as usize]), fine, at)
+            + fraction * self.trilinear(part(&self.levels[coarse as usize]), coarse, at)
     }
 
     /// Radiance times coverage, and coverage: the definition, over all six lobes.
@@ -105,8 +77,8 @@ impl VolumeTwin {
         for lobe in 0..6 {
             let axis = lobe / 2;
             let sign = if lobe % 2 == 0 { 1.0 } else { -1.0 };
-            let value = self.quadrilinear(&self.lobes, lobe, level, position);
-            let tilt = self.quadrilinear(&self.tilts, axis, level, position);
+            let value = self.quadrilinear(|cells| &cells.lobes[lobe], level, position);
+            let tilt = self.quadrilinear(|cells| &cells.tilts[axis], level, position);
             let across = if lobe % 2 == 0 { [tilt.x, tilt.y] } else { [tilt.z, tilt.w] };
             let mut area = Vec3::ZERO;
             area[axis] = sign * value.w;
@@ -157,7 +129,8 @@ impl VolumeTwin {
 fn cones(grid: &Grid) -> Vec<ConeIn> {
     let mut state = 1_u64;
     let mut random = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f32 / (1_u64 << 24) as f32
     };
     (0..400)
@@ -206,7 +179,7 @@ fn march_equals_its_twin() {
     recorder.submit();
 
     let traced: Vec<Vec4> = read(&device, &queue, &output, cones.len());
-    let twin = VolumeTwin::new(&device, &queue, &gi);
+    let twin = VolumeTwin { grid, levels: read_levels(&device, &queue, &gi) };
     let settings = TraceSettings::default();
     let (mut blocked, mut open) = (0, 0);
     for (cone, traced) in cones.iter().zip(&traced) {
@@ -214,11 +187,17 @@ fn march_equals_its_twin() {
         // The driver's filter weights have 8 bits, and a cone takes up to 50 samples: set on lavapipe, where
         // the worst of these cones differs by 0.4 %.
         let error = (*traced - expected).abs().max_element();
-        assert!(error < 0.02 * (1.0 + expected.max_element()), "{cone:?}: {traced}, not {expected}");
+        assert!(
+            error < 0.02 * (1.0 + expected.max_element()),
+            "{cone:?}: {traced}, not {expected}"
+        );
         blocked += usize::from(expected.w == 0.0);
         open += usize::from(expected.w == 1.0);
     }
-    assert!(blocked > 50 && open > 5, "the cones are too much alike: {blocked} blocked, {open} open");
+    assert!(
+        blocked > 50 && open > 5,
+        "the cones are too much alike: {blocked} blocked, {open} open"
+    );
 }
 
 const CELLS_WGSL: &str = "

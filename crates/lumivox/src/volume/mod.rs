@@ -10,10 +10,10 @@ use crate::gpu::{Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
+use dense::DenseVolume;
 pub use dense::Directionality;
 #[cfg(test)]
-pub(crate) use dense::{LevelRange, MaskLevels, mount};
-use dense::DenseVolume;
+pub(crate) use dense::{Level, MaskLevels, NodeRange, mount, read_levels};
 
 /// The shader modules of all volumes but for the one that `package::volume` stands for.
 pub(crate) const MODULES: &[(&str, &str)] = dense::MODULES;
@@ -50,7 +50,7 @@ impl Volume {
     }
 
     /// Stores the radiance of all faces and filters it into the pyramid.
-    pub(crate) fn update(&mut self, recorder: &mut Recorder) {
+    pub(crate) fn update(&self, recorder: &mut Recorder) {
         match self {
             Self::Dense(dense) => dense.update(recorder),
         }

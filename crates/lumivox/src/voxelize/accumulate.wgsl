@@ -1,6 +1,11 @@
 // Sums up what the faces are made of: integers, so that the order of the triangles does not matter.
+//
+// The sums stand in the list of faces itself, each where its mean will be (resolve.wgsl).
 
-import package::constants::{ALPHA_IS_COVERAGE, DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE, SUMS_PER_FACE};
+import package::constants::{
+    ALPHA_IS_COVERAGE, DOUBLE_SIDED, FACE_EMISSION, FACE_POSITION, FACE_REFLECTANCE, FACE_VECTOR_AREA,
+    FACE_WORDS, LINEAR_WORKGROUP_SIZE,
+};
 import package::gpu::random::hash;
 import package::voxelize::faces::VoxelFaces;
 import package::voxelize::items::find_item;
@@ -15,8 +20,8 @@ import package::voxels::morton::morton_encode;
 // The occupancy bits and the rank of each word of the finest level.
 @group(2) @binding(1) var<storage, read> cells: array<vec2u>;
 @group(2) @binding(2) var<storage, read> voxels: array<VoxelFaces>;
-// Per face: vector area, and, weighted by the area along the lobe, reflectance, emission and position within
-// the voxel; three signed numbers each.
+// Per face, three signed numbers each: vector area and, weighted by the area along the lobe, reflectance,
+// emission and position within the voxel.
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 
 // A random number of the triangle and the voxel alone: the triangle's place in the list has no part in it.
@@ -32,7 +37,7 @@ fn add(first: u32, value: vec3f, seed: u32) {
     let x = hash(seed);
     let y = hash(x);
     let random = vec3f(vec3u(x, y, hash(y)) >> vec3u(8u)) / 16777216.0;
-    let rounded = vec3i(floor(value + random));
+    let rounded = vec3i(trunc(value));
     for (var i = 0u; i < 3u; i++) {
         if rounded[i] != 0 {
             atomicAdd(&sums[first + i], u32(rounded[i]));
@@ -46,12 +51,12 @@ fn add_to_face(walk: ptr<function, Walk>, voxel: u32, lobe: u32, vector_area: ve
     if (faces.lobes & (1u << lobe)) == 0u {
         return;
     }
-    let first = (faces.first_face + bits_below(faces.lobes, lobe)) * SUMS_PER_FACE;
+    let first = (faces.first_face + bits_below(faces.lobes, lobe)) * FACE_WORDS;
     let scale = bitcast<f32>(faces.area_low);
-    add(first, vector_area * scale, seed);
-    add(first + 3u, surface.reflectance * (weight * scale), seed + 1u);
-    add(first + 6u, surface.emission * (weight * scale), seed + 2u);
-    add(first + 9u, position * (weight * scale), seed + 3u);
+    add(first + FACE_VECTOR_AREA, vector_area * scale, seed);
+    add(first + FACE_REFLECTANCE, surface.reflectance * (weight * scale), seed + 1u);
+    add(first + FACE_EMISSION, surface.emission * (weight * scale), seed + 2u);
+    add(first + FACE_POSITION, position * (weight * scale), seed + 3u);
 }
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

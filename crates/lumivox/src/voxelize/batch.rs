@@ -13,10 +13,9 @@ use crate::{GeometryBatch, GiError, SurfaceMaterial};
 /// `SplitParams` of `split.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct SplitParams {
-    triangle_count: u32,
-    draw_count: u32,
-    padding: [u32; 2],
+pub(super) struct SplitParams {
+    pub triangle_count: u32,
+    pub draw_count: u32,
 }
 
 /// `SplitCounts` of `split.wgsl`.
@@ -32,11 +31,11 @@ pub(super) struct SplitCounts {
 /// `ItemRun` of `items.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct ItemRun {
-    first_triangle: u32,
-    end_triangle: u32,
-    first_draw: u32,
-    end_draw: u32,
+pub(super) struct ItemRun {
+    pub first_triangle: u32,
+    pub end_triangle: u32,
+    pub first_draw: u32,
+    pub end_draw: u32,
 }
 
 /// Stand-ins for what a material or batch does not have.
@@ -121,7 +120,6 @@ impl SplitBatch {
         let params = SplitParams {
             triangle_count: prepared.triangle_count,
             draw_count: prepared.draws.len() as u32,
-            padding: [0; 2],
         };
         let params = uniform_buffer(device, "split parameters", &params);
         let split = BindGroupBuilder::new(&layouts.split)

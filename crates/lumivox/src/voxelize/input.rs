@@ -13,15 +13,15 @@ use crate::{Geometry, GiError, Grid, SurfaceMaterial};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct DrawRecord {
-    grid_from_local_x: [f32; 4],
-    grid_from_local_y: [f32; 4],
-    grid_from_local_z: [f32; 4],
-    reflectance: [f32; 4],
-    emission: [f32; 3],
-    first_triangle: u32,
-    first_index: u32,
-    base_vertex: u32,
-    flags: u32,
+    pub grid_from_local_x: [f32; 4],
+    pub grid_from_local_y: [f32; 4],
+    pub grid_from_local_z: [f32; 4],
+    pub reflectance: [f32; 4],
+    pub emission: [f32; 3],
+    pub first_triangle: u32,
+    pub first_index: u32,
+    pub base_vertex: u32,
+    pub flags: u32,
     padding: u32,
 }
 
@@ -95,11 +95,10 @@ pub(crate) fn prepare_batch(
     let groups = texture_groups(&geometry.materials);
     check_buffers(batch, index, limits)?;
     for (number, draw) in batch.draws.iter().enumerate() {
-        check_draw(geometry, batch, draw)
-            .map_err(|problem| GiError::Geometry {
-                place: format!("draw {number} of batch {index}"),
-                problem,
-            })?;
+        check_draw(geometry, batch, draw).map_err(|problem| GiError::Geometry {
+            place: format!("draw {number} of batch {index}"),
+            problem,
+        })?;
     }
 
     let triangles: u64 = batch.draws.iter().map(|draw| u64::from(draw.index_count / 3)).sum();
@@ -121,8 +120,11 @@ pub(crate) fn prepare_batch(
 
     let mut order: Vec<&Draw> = batch.draws.iter().filter(|draw| draw.index_count > 0).collect();
     order.sort_by_key(|draw| groups[draw.material as usize]);
-    let mut prepared =
-        PreparedBatch { draws: Vec::with_capacity(order.len()), groups: Vec::new(), triangle_count: 0 };
+    let mut prepared = PreparedBatch {
+        draws: Vec::with_capacity(order.len()),
+        groups: Vec::new(),
+        triangle_count: 0,
+    };
     let mut group = None;
     for (place, draw) in order.into_iter().enumerate() {
         let material = &geometry.materials[draw.material as usize];
@@ -174,7 +176,11 @@ fn texture_groups(materials: &[SurfaceMaterial]) -> Vec<usize> {
     materials.iter().map(group).collect()
 }
 
-fn check_buffers(batch: &GeometryBatch, index: usize, limits: &wgpu::Limits) -> Result<(), GiError> {
+fn check_buffers(
+    batch: &GeometryBatch,
+    index: usize,
+    limits: &wgpu::Limits,
+) -> Result<(), GiError> {
     let buffers = [
         ("positions", Some(&batch.positions)),
         ("texture coordinates", batch.texcoords.as_ref()),

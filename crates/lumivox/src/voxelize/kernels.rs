@@ -26,7 +26,7 @@ impl Layouts {
         let lobes = compute().storage().storage().storage_mut().storage_mut();
         let accumulate = compute().storage().storage().storage().storage_mut();
         let run = compute().uniform().texture_2d().texture_2d().sampler();
-        let resolve = compute().uniform().storage().storage().storage_mut().storage_mut();
+        let resolve = compute().uniform().storage().storage_mut().storage_mut();
         Self {
             grid: compute().uniform().build(device, "grid"),
             triangles: triangles.build(device, "voxelize::triangles"),

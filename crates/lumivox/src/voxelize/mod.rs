@@ -23,7 +23,11 @@
 mod batch;
 mod input;
 mod kernels;
+#[cfg(test)]
+mod layouts_test;
 mod memory;
+
+use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
 
@@ -39,9 +43,6 @@ pub(crate) use memory::{Memory, Remedy};
 
 /// Columns of voxels along the side of a work item's tile.
 const TILE_EDGE: u32 = 4;
-
-/// Integers that a face is summed up from: vector area, reflectance, emission, position.
-const SUMS_PER_FACE: u32 = 12;
 
 /// The shader modules of this stage.
 pub(crate) const MODULES: &[(&str, &str)] = &[
@@ -65,7 +66,11 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
         .constant_u32("TILE_EDGE", TILE_EDGE)
-        .constant_u32("SUMS_PER_FACE", SUMS_PER_FACE)
+        .constant_u32("FACE_WORDS", size_of::<FaceRecord>() as u32 / 4)
+        .constant_u32("FACE_POSITION", offset_of!(FaceRecord, position_in_world) as u32 / 4)
+        .constant_u32("FACE_VECTOR_AREA", offset_of!(FaceRecord, vector_area) as u32 / 4)
+        .constant_u32("FACE_REFLECTANCE", offset_of!(FaceRecord, reflectance) as u32 / 4)
+        .constant_u32("FACE_EMISSION", offset_of!(FaceRecord, emission) as u32 / 4)
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
         .constant_u32("TEXTURED", input::TEXTURED)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE);
@@ -87,7 +92,6 @@ struct VoxelFaces {
 struct ResolveParams {
     voxel_count: u32,
     emission_scale: f32,
-    padding: [u32; 2],
 }
 
 /// What a voxelization found and took.
@@ -182,14 +186,8 @@ impl Voxelizer {
             });
         }
         let node_count = level_starts[grid.levels as usize];
-        let nodes = kernels.list.list(
-            &mut recorder,
-            &mut memory,
-            &globals,
-            grid,
-            &occupied,
-            node_count,
-        )?;
+        let nodes =
+            kernels.list.list(&mut recorder, &mut memory, &globals, grid, &occupied, node_count)?;
 
         // Which lobes they have, and how much surface.
         let remedy = Remedy::Surface(grid.dimensions.max_element());
@@ -231,8 +229,6 @@ impl Voxelizer {
         stats.fragments = u64::from(counts[2]) << 32 | u64::from(counts[1]);
 
         // What is in them.
-        let stride = u64::from(SUMS_PER_FACE) * 4;
-        let sums = memory.buffer("sums of faces", u64::from(face_count), stride, remedy)?;
         let stride = size_of::<FaceRecord>() as u64;
         let faces = memory.buffer("faces", u64::from(face_count), stride, remedy)?;
         let accumulate: Vec<_> = batches
@@ -242,7 +238,7 @@ impl Voxelizer {
                     .buffer(&batch.item_starts)
                     .buffer(&occupied.cells)
                     .buffer(&voxels)
-                    .buffer(&sums)
+                    .buffer(&faces)
                     .build(device, "voxelize::accumulate")
             })
             .collect();
@@ -251,12 +247,11 @@ impl Voxelizer {
                 batch.walk_all(pass, &kernels.accumulate, &globals, group);
             }
         });
-        let params = ResolveParams { voxel_count, emission_scale, padding: [0; 2] };
+        let params = ResolveParams { voxel_count, emission_scale };
         let params = uniform_buffer(device, "resolve parameters", &params);
         let resolve = BindGroupBuilder::new(&layouts.resolve)
             .buffer(&params)
             .buffer(&voxels)
-            .buffer(&sums)
             .buffer(&nodes)
             .buffer(&faces)
             .build(device, "voxelize::resolve");

@@ -1,10 +1,10 @@
 // From sums to faces: a thread per voxel.
 
-import package::constants::{LINEAR_WORKGROUP_SIZE, SUMS_PER_FACE};
+import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::world_from_grid;
 import package::voxelize::faces::VoxelFaces;
-import package::voxels::list::{Face, Node, lobe_axis, lobe_sign};
+import package::voxels::list::{Node, lobe_axis, lobe_sign};
 import package::voxels::morton::morton_decode;
 
 // Light that bounces for ever must lose some at each bounce.
@@ -16,15 +16,24 @@ struct ResolveParams {
     emission_scale: f32,
 }
 
+// A face before and after: sums as integers, then the numbers of voxels::list::Face as their bits. In place,
+// since the two together would be the largest thing that voxelization needs.
+struct FaceSlot {
+    // Within the voxel at first.
+    position_in_world: vec3i,
+    voxel: u32,
+    vector_area: vec3i,
+    lobe: u32,
+    reflectance: vec3i,
+    padding_0: u32,
+    emission: vec3i,
+    padding_1: u32,
+}
+
 @group(1) @binding(0) var<uniform> params: ResolveParams;
 @group(1) @binding(1) var<storage, read> voxels: array<VoxelFaces>;
-@group(1) @binding(2) var<storage, read> sums: array<i32>;
-@group(1) @binding(3) var<storage, read_write> nodes: array<Node>;
-@group(1) @binding(4) var<storage, read_write> faces: array<Face>;
-
-fn sum_at(first: u32) -> vec3f {
-    return vec3f(f32(sums[first]), f32(sums[first + 1u]), f32(sums[first + 2u]));
-}
+@group(1) @binding(2) var<storage, read_write> nodes: array<Node>;
+@group(1) @binding(3) var<storage, read_write> faces: array<FaceSlot>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -46,14 +55,16 @@ fn main(
         lobes &= lobes - 1u;
         let axis = lobe_axis(lobe);
 
-        let first = index * SUMS_PER_FACE;
-        let area = sum_at(first);
+        let sums = faces[index];
+        let area = vec3f(sums.vector_area);
         // The part along the lobe is the weight of the means as well. All its parts have one sign, so that it
         // is zero only where all of them are too small for the sums.
         let along = area[axis] * lobe_sign(lobe);
         let weight = max(along, 1.0);
         let vector_area = area / max(scale, along);
-        let position = clamp(sum_at(first + 9u) / weight, vec3f(0.0), vec3f(1.0));
+        let position = clamp(vec3f(sums.position_in_world) / weight, vec3f(0.0), vec3f(1.0));
+        let reflectance = clamp(vec3f(sums.reflectance) / weight, vec3f(0.0), vec3f(LARGEST_REFLECTANCE));
+        let emission = max(vec3f(sums.emission) / weight, vec3f(0.0)) * params.emission_scale;
 
         var across = vector_area;
         across[axis] = 0.0;
@@ -61,15 +72,16 @@ fn main(
         if any(floor(abs(across) * 127.0 + 0.5) > vec3f(0.0)) {
             tilted |= 1u << lobe;
         }
-
-        var face: Face;
-        face.position_in_world = world_from_grid(corner + position);
-        face.voxel = voxel;
-        face.vector_area = vector_area;
-        face.lobe = lobe;
-        face.reflectance = clamp(sum_at(first + 3u) / weight, vec3f(0.0), vec3f(LARGEST_REFLECTANCE));
-        face.emission = max(sum_at(first + 6u) / weight, vec3f(0.0)) * params.emission_scale;
-        faces[index] = face;
+        faces[index] = FaceSlot(
+            bitcast<vec3i>(world_from_grid(corner + position)),
+            voxel,
+            bitcast<vec3i>(vector_area),
+            lobe,
+            bitcast<vec3i>(reflectance),
+            0u,
+            bitcast<vec3i>(emission),
+            0u,
+        );
         index++;
     }
     nodes[voxel].lobes = collected.lobes | (tilted << 8u);

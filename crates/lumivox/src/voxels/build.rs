@@ -27,7 +27,6 @@ struct InnerParams {
     first_node: u32,
     end_node: u32,
     child_first_word: u32,
-    padding: u32,
 }
 
 /// Words of the occupancy bits of a level; `level_words` of `lookup.wgsl`.
@@ -204,7 +203,6 @@ impl ListBuilder {
                     first_node: level_starts[level as usize],
                     end_node: level_starts[level as usize + 1],
                     child_first_word: level_first_word(grid, level - 1) as u32,
-                    padding: 0,
                 };
                 let uniform = uniform_buffer(&device, "inner lobes parameters", &params);
                 let group = BindGroupBuilder::new(&self.inner_layout)
@@ -235,5 +233,28 @@ impl ListBuilder {
             .buffer(nodes)
             .buffer(&occupied.cells)
             .build(device, "voxels::rank")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{InnerParams, PyramidParams};
+    use crate::gpu::assert_layout;
+
+    #[test]
+    fn structs_lie_in_memory_alike() {
+        let library = crate::shaders::library();
+        assert_layout!(
+            library,
+            "voxels::pyramid",
+            "PyramidParams",
+            PyramidParams { child_first_word, child_words, parent_first_word, parent_words }
+        );
+        assert_layout!(
+            library,
+            "voxels::inner_lobes",
+            "InnerParams",
+            InnerParams { first_node, end_node, child_first_word }
+        );
     }
 }

@@ -3,8 +3,11 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod materials;
 mod overlap;
+mod promises;
 mod read;
 mod scenes;
 mod speed;
+mod sums;
 mod twin;

@@ -99,14 +99,14 @@ impl ReadList {
     }
 
     /// Bits of everything, to compare two runs.
-    pub fn bits(&self) -> (&[u32], &[u32], &[u32], &[u32], &[u32]) {
-        (
+    pub fn bits(&self) -> [&[u32]; 5] {
+        [
             &self.occupancy,
             &self.ranks,
             bytemuck::cast_slice(&self.nodes),
             &self.first_faces,
             bytemuck::cast_slice(&self.faces),
-        )
+        ]
     }
 
     /// The pyramid is the OR of children, ranks are bit counts, nodes stand in Morton order, inner lobes are
@@ -172,8 +172,9 @@ impl ReadList {
                 let record = &self.faces[face as usize];
                 assert_eq!((record.voxel, record.lobe), (voxel, lobe), "face {face}");
                 let axis = lobe as usize / 2;
-                let is_tilted = (0..3)
-                    .any(|i| i != axis && (record.vector_area[i].abs() * 127.0 + 0.5).floor() > 0.0);
+                let is_tilted = (0..3).any(|i| {
+                    i != axis && (record.vector_area[i].abs() * 127.0 + 0.5).floor() > 0.0
+                });
                 tilted |= u32::from(is_tilted) << lobe;
                 assert!((0.0..=1.0 + 1e-6).contains(&along(record)), "{record:?}");
                 assert!(record.reflectance.iter().all(|r| (0.0..=0.99).contains(r)), "{record:?}");
@@ -190,6 +191,6 @@ impl ReadList {
 
 /// The component of a face's area along its lobe.
 pub fn along(face: &FaceRecord) -> f32 {
-    let sign = if face.lobe % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if face.lobe.is_multiple_of(2) { 1.0 } else { -1.0 };
     sign * face.vector_area[face.lobe as usize / 2]
 }

@@ -42,7 +42,10 @@ impl Mesh {
 
     pub fn triangles(&self) -> Vec<[Vec3; 3]> {
         let corner = |index: &u32| self.positions[*index as usize];
-        self.indices.chunks_exact(3).map(|t| [corner(&t[0]), corner(&t[1]), corner(&t[2])]).collect()
+        self.indices
+            .chunks_exact(3)
+            .map(|t| [corner(&t[0]), corner(&t[1]), corner(&t[2])])
+            .collect()
     }
 
     pub fn quad(&mut self, corners: [Vec3; 4]) {
@@ -78,15 +81,16 @@ impl Mesh {
         for row in 0..=segments {
             for column in 0..=segments {
                 let theta = std::f64::consts::PI * f64::from(row) / f64::from(segments);
-                let phi = std::f64::consts::TAU * f64::from(column % segments) / f64::from(segments);
-                let direction = glam::DVec3::new(
-                    theta.sin() * phi.cos(),
-                    theta.cos(),
-                    theta.sin() * phi.sin(),
-                );
-                // The poles exactly once.
+                let phi =
+                    std::f64::consts::TAU * f64::from(column % segments) / f64::from(segments);
                 let direction =
-                    if row == 0 || row == segments { direction.y.signum() * glam::DVec3::Y } else { direction };
+                    glam::DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+                // The poles exactly once.
+                let direction = if row == 0 || row == segments {
+                    direction.y.signum() * glam::DVec3::Y
+                } else {
+                    direction
+                };
                 mesh.positions.push(centre + radius * direction.as_vec3());
             }
         }

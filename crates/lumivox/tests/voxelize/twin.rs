@@ -48,8 +48,7 @@ pub fn candidates(grid: &Grid, t: &Triangle, margin: f64) -> impl Iterator<Item 
     let first = (low.ceil() - 1.0).clamp(DVec3::ZERO, size).as_uvec3();
     let end = (high.floor() + 1.0).clamp(DVec3::ZERO, size).as_uvec3();
     (first.z..end.z).flat_map(move |z| {
-        (first.y..end.y)
-            .flat_map(move |y| (first.x..end.x).map(move |x| UVec3::new(x, y, z)))
+        (first.y..end.y).flat_map(move |y| (first.x..end.x).map(move |x| UVec3::new(x, y, z)))
     })
 }
 
@@ -127,7 +126,11 @@ pub struct Face {
 }
 
 /// All faces by voxel and lobe, with pieces that lie in the plane between two voxels in the upper one.
-pub fn faces(grid: &Grid, triangles: &[Triangle], double_sided: bool) -> BTreeMap<([u32; 3], usize), Face> {
+pub fn faces(
+    grid: &Grid,
+    triangles: &[Triangle],
+    double_sided: bool,
+) -> BTreeMap<([u32; 3], usize), Face> {
     let mut faces: BTreeMap<_, Face> = BTreeMap::new();
     for t in triangles.iter().filter(|t| !is_degenerate(t)) {
         let lobe = lobe_of((t[1] - t[0]).cross(t[2] - t[0]));

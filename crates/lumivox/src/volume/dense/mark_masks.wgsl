@@ -3,24 +3,22 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::volume::masks::{mask_entry, LOBES, TILTED_SHIFT};
-import package::voxels::list::Node;
+import package::volume::level_range::{node_range, nodes};
+import package::volume::masks::mask_entry;
 import package::voxels::morton::morton_decode;
 
-struct LevelRange {
-    level: u32,
-    axis: u32,
-    first_node: u32,
-    node_count: u32,
-    first_mask_entry: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
-}
-
-@group(1) @binding(0) var<uniform> range: LevelRange;
-@group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read_write> marked: array<atomic<u32>>;
+
+// The parts of a node: bit 3 * axis for a tilt, the next two for the positive and the negative lobe.
+fn parts_of_lobes(lobes: u32) -> u32 {
+    var parts = 0u;
+    for (var axis = 0u; axis < 3u; axis++) {
+        let sides = (lobes >> (2u * axis)) & 3u;
+        let tilted = (lobes >> (8u + 2u * axis)) & 3u;
+        parts |= ((sides << 1u) | select(0u, 1u, tilted != 0u)) << (3u * axis);
+    }
+    return parts;
+}
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -28,16 +26,16 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let index = linear_index(invocation, workgroups);
-    if index >= range.node_count {
+    if index >= node_range.count {
         return;
     }
-    let node = nodes[range.first_node + index];
+    let node = nodes[node_range.first + index];
     let cell = morton_decode(node.morton);
-    let dimensions = grid.dimensions >> vec3u(range.level);
-    let bits = (node.lobes & LOBES) | (((node.lobes >> 8u) & LOBES) << TILTED_SHIFT);
+    let dimensions = grid.dimensions >> vec3u(node_range.level);
+    let parts = parts_of_lobes(node.lobes);
     for (var corner = 0u; corner < 8u; corner++) {
         let position = cell + vec3u(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
-        let entry = mask_entry(range.first_mask_entry, position, dimensions);
-        atomicOr(&marked[entry >> 1u], bits << ((entry & 1u) * 16u));
+        let entry = mask_entry(node_range.first_mask_entry, position, dimensions);
+        atomicOr(&marked[entry >> 1u], parts << ((entry & 1u) * 16u));
     }
 }

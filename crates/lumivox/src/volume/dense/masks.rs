@@ -9,8 +9,10 @@ use crate::gpu::{
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
+use super::build::NodeRange;
+
 /// `MAX_LEVELS` of `masks.wgsl`.
-pub(crate) const MAX_LEVELS: usize = 9;
+const MAX_LEVELS: usize = 9;
 
 /// `MaskLevels` of `masks.wgsl`.
 #[repr(C)]
@@ -19,38 +21,11 @@ pub(crate) struct MaskLevels {
     pub(crate) first_entry: [[u32; 4]; MAX_LEVELS],
 }
 
-/// `LevelRange` of `mark_masks.wgsl`: the nodes of a level, and the axis at hand.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct LevelRange {
-    pub(crate) level: u32,
-    pub(crate) axis: u32,
-    pub(crate) first_node: u32,
-    pub(crate) node_count: u32,
-    pub(crate) first_mask_entry: u32,
-    pub(crate) padding: [u32; 3],
-}
-
-impl LevelRange {
-    pub(crate) fn new(voxels: &VoxelList, level: u32, axis: u32) -> Self {
-        let nodes = voxels.level_nodes(level);
-        Self {
-            level,
-            axis,
-            first_node: nodes.start,
-            node_count: nodes.len() as u32,
-            first_mask_entry: 0,
-            padding: [0; 3],
-        }
-    }
-}
-
 #[derive(Debug)]
 pub(super) struct Masks {
     levels: MaskLevels,
     levels_uniform: wgpu::Buffer,
     entries: wgpu::Buffer,
-    grid: wgpu::BindGroup,
     layout: wgpu::BindGroupLayout,
     mark: Kernel,
 }
@@ -60,7 +35,7 @@ impl Masks {
         device: &wgpu::Device,
         shaders: &ShaderLibrary,
         grid: &Grid,
-        grid_uniform: &wgpu::Buffer,
+        globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
         let mut levels = MaskLevels::zeroed();
         let mut count = 0_u64;
@@ -73,7 +48,10 @@ impl Masks {
         let available = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         if bytes > available {
             return Err(GiError::Limit {
-                what: format!("the empty-space mask of a dense volume of {} voxels", grid.dimensions),
+                what: format!(
+                    "the empty-space mask of a dense volume of {} voxels",
+                    grid.dimensions
+                ),
                 needed: bytes,
                 unit: "bytes",
                 limit: "max_storage_buffer_binding_size",
@@ -81,44 +59,42 @@ impl Masks {
                 remedy: "lower the resolution".to_owned(),
             });
         }
-        let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let layout =
             LayoutBuilder::compute().uniform().storage().storage_mut().build(device, "mask marks");
+        let mark = Kernel::new(device, shaders, "volume::mark_masks", "main", &[globals, &layout])?;
         Ok(Self {
             levels,
             levels_uniform: uniform_buffer(device, "mask levels", &levels),
             entries: storage_buffer(device, "empty-space masks", bytes),
-            grid: BindGroupBuilder::new(&grid_layout).buffer(grid_uniform).build(device, "grid"),
-            mark: Kernel::new(
-                device,
-                shaders,
-                "volume::mark_masks",
-                "main",
-                &[&grid_layout, &layout],
-            )?,
             layout,
+            mark,
         })
     }
 
-    pub(super) fn rebuild(&self, recorder: &mut Recorder, voxels: &VoxelList) {
+    pub(super) fn rebuild(
+        &self,
+        recorder: &mut Recorder,
+        grid: &wgpu::BindGroup,
+        voxels: &VoxelList,
+    ) {
         recorder.encoder().clear_buffer(&self.entries, 0, None);
         let device = recorder.device().clone();
         let groups: Vec<_> = (0..voxels.level_starts.len() as u32 - 1)
             .map(|level| {
                 let first_mask_entry = self.levels.first_entry[level as usize][0];
-                let range = LevelRange { first_mask_entry, ..LevelRange::new(voxels, level, 0) };
+                let range = NodeRange { first_mask_entry, ..NodeRange::new(voxels, level) };
                 let uniform = uniform_buffer(&device, "mask range", &range);
                 let group = BindGroupBuilder::new(&self.layout)
                     .buffer(&uniform)
                     .buffer(&voxels.nodes)
                     .buffer(&self.entries)
                     .build(&device, "mask marks");
-                (group, range.node_count)
+                (group, range.count)
             })
             .collect();
         recorder.compute("volume::mark_masks", |pass| {
             for (group, count) in &groups {
-                self.mark.dispatch_linear(pass, &[&self.grid, group], u64::from(*count));
+                self.mark.dispatch_linear(pass, &[grid, group], u64::from(*count));
             }
         });
     }
