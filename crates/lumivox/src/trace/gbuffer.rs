@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec3};
 
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, uniform_buffer};
+use crate::gpu::{BindGroupBuilder, LayoutBuilder, upload};
 
 /// The camera of a G-buffer, for one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,13 +52,13 @@ pub struct GBuffer {
     pub group: wgpu::BindGroup,
     /// The picture's width and height in pixels.
     pub size: UVec2,
-    uniform: wgpu::Buffer,
+    view: wgpu::Buffer,
 }
 
 /// The layout of group 3: the camera and the G-buffer.
 pub fn gbuffer_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     LayoutBuilder::compute()
-        .uniform()
+        .storage()
         .depth_2d()
         .texture_2d_unfilterable()
         .texture_2d_unfilterable()
@@ -88,7 +88,7 @@ impl GBuffer {
         views: GBufferViews<'_>,
         view: View,
     ) -> Self {
-        let uniform = uniform_buffer(device, "view", &view.to_gpu());
+        let uniform = upload(device, "view", &[view.to_gpu()]);
         let group = BindGroupBuilder::new(layout)
             .buffer(&uniform)
             .view(views.depth)
@@ -97,12 +97,12 @@ impl GBuffer {
             .view(views.specular)
             .view(views.emission)
             .build(device, "G-buffer");
-        Self { group, size: view.size, uniform }
+        Self { group, size: view.size, view: uniform }
     }
 
     /// Sets the camera of the next frame. The write takes effect at the next submission: with several frames
     /// in one recorder, call `Recorder::flush` between them.
     pub fn set_view(&self, queue: &wgpu::Queue, view: View) {
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&view.to_gpu()));
+        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view.to_gpu()));
     }
 }

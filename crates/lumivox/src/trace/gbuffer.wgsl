@@ -11,7 +11,9 @@ struct View {
     padding_1: u32,
 }
 
-@group(3) @binding(0) var<uniform> view: View;
+// A storage buffer, not a uniform: lavapipe 22.3 crashes when it inlines uniforms into kernels that march cones
+// from here.
+@group(3) @binding(0) var<storage, read> view: View;
 // Reversed z: 1 at the near plane, 0 infinitely far and where there is nothing.
 @group(3) @binding(1) var gbuffer_depth: texture_depth_2d;
 // Octahedral unit vectors in [-1, 1]: shading normal in xy, geometric normal in zw; both face the camera.
