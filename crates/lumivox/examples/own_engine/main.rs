@@ -63,7 +63,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
     // One light; its shadows come from cones through the voxels, so no shadow map is needed.
     let lamp = LightSource::Point {
         position: Vec3::new(-0.6, 1.6, 0.3),
-        intensity: Vec3::splat(8.0),
+        intensity: Vec3::splat(2.0),
         radius_m: 0.05,
         range_m: None,
     };

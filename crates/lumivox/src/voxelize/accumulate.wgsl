@@ -8,9 +8,9 @@ import package::constants::{
 };
 import package::gpu::random::hash;
 import package::voxelize::faces::VoxelFaces;
-import package::voxelize::items::find_item;
-import package::voxelize::piece::{Piece, piece_in_voxel};
-import package::voxelize::surface::{Surface, surface_at, texcoord_map};
+import package::voxelize::items::{Item, find_item};
+import package::voxelize::piece::piece_in_voxel;
+import package::voxelize::surface::{surface_at, texcoord_map};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
 import package::voxelize::footprint::turn_back;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
@@ -37,7 +37,7 @@ fn add(first: u32, value: vec3f, seed: u32) {
     let x = hash(seed);
     let y = hash(x);
     let random = vec3f(vec3u(x, y, hash(y)) >> vec3u(8u)) / 16777216.0;
-    let rounded = vec3i(trunc(value));
+    let rounded = vec3i(floor(value + random));
     for (var i = 0u; i < 3u; i++) {
         if rounded[i] != 0 {
             atomicAdd(&sums[first + i], u32(rounded[i]));
@@ -45,57 +45,109 @@ fn add(first: u32, value: vec3f, seed: u32) {
     }
 }
 
-fn add_to_face(walk: ptr<function, Walk>, voxel: u32, lobe: u32, vector_area: vec3f, weight: f32,
-    surface: Surface, position: vec3f, seed: u32) {
-    let faces = voxels[voxel];
-    if (faces.lobes & (1u << lobe)) == 0u {
-        return;
-    }
-    let first = (faces.first_face + bits_below(faces.lobes, lobe)) * FACE_WORDS;
-    let scale = bitcast<f32>(faces.area_low);
-    add(first + FACE_VECTOR_AREA, vector_area * scale, seed);
-    add(first + FACE_REFLECTANCE, surface.reflectance * (weight * scale), seed + 1u);
-    add(first + FACE_EMISSION, surface.emission * (weight * scale), seed + 2u);
-    add(first + FACE_POSITION, position * (weight * scale), seed + 3u);
+// A piece of surface in a voxel.
+struct Part {
+    // The first face's place in `sums`, the factor that makes integers, and the voxel's lobes.
+    first: u32,
+    scale: f32,
+    lobes: u32,
+    // All but the vector area weighted by the area along the lobe.
+    vector_area: vec3f,
+    reflectance: vec3f,
+    position: vec3f,
+    emission: vec3f,
 }
 
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn main(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var walk = walk_begin(find_item(invocation, workgroups, local));
+// Adds a piece to the face of its lobe, and of the opposite lobe if it has two sides.
+//
+// In loops and not one after the other: what is not needed is then left out on a software GPU as well, which
+// goes through both sides of every `if`.
+fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
+    let rows = select(3u, 4u, any(part.emission > vec3f(0.0)));
+    for (var side = 0u; side < sides; side++) {
+        let own = lobe ^ side;
+        if (part.lobes & (1u << own)) == 0u {
+            continue;
+        }
+        let first = part.first + bits_below(part.lobes, own) * FACE_WORDS;
+        let vector_area = select(part.vector_area, -part.vector_area, side == 1u);
+        var row = 0u;
+        loop {
+            var place = FACE_VECTOR_AREA;
+            var value = vector_area;
+            if row == 1u {
+                place = FACE_REFLECTANCE;
+                value = part.reflectance;
+            } else if row == 2u {
+                place = FACE_POSITION;
+                value = part.position;
+            } else if row == 3u {
+                place = FACE_EMISSION;
+                value = part.emission;
+            }
+            add(first + place, value * part.scale, seed + 4u * side + row);
+            row++;
+            continuing {
+                break if row == rows;
+            }
+        }
+    }
+}
+
+fn accumulate(item: Item, is_textured: bool) {
+    var walk = walk_begin(item);
     let map = texcoord_map(&walk);
     let flags = draws[walk.draw].flags;
+    let sides = select(1u, 2u, (flags & DOUBLE_SIDED) != 0u);
     let lobe = 2u * walk.axis + select(0u, 1u, walk.normal.z < 0.0);
     let seed = seed_of(&walk);
     // Vector area over projected area.
     let normal = turn_back(walk.normal / abs(walk.normal.z), walk.axis);
-    while walk_on(&walk) {
+    var is_there = walk_on(&walk);
+    loop {
         let piece = piece_in_voxel(&walk);
-        if piece.area <= 0.0 {
-            continue;
-        }
+        let surface = surface_at(&walk, map, piece.centroid, is_textured);
+        let coverage = select(1.0, surface.coverage, (flags & ALPHA_IS_COVERAGE) != 0u);
         let code = morton_encode(walk_cell(&walk));
         let cell = cells[code / 32u];
-        if (cell.x & (1u << (code % 32u))) == 0u {
-            continue;
+        let is_occupied = (cell.x & (1u << (code % 32u))) != 0u;
+        if is_there && is_occupied && piece.area > 0.0 && coverage >= SMALLEST_COVERAGE {
+            let faces = voxels[cell.y + bits_below(cell.x, code % 32u)];
+            let area = piece.area * coverage;
+            let position = turn_back(piece.centroid - vec3f(walk.voxel), walk.axis);
+            let part = Part(
+                faces.first_face * FACE_WORDS,
+                bitcast<f32>(faces.area_low),
+                faces.lobes,
+                normal * area,
+                surface.reflectance * area,
+                position * area,
+                surface.emission * area,
+            );
+            add_to_faces(part, lobe, sides, hash(seed + code));
         }
-        let voxel = cell.y + bits_below(cell.x, code % 32u);
-        let surface = surface_at(&walk, map, piece.centroid);
-        var area = piece.area;
-        if (flags & ALPHA_IS_COVERAGE) != 0u {
-            if surface.coverage < SMALLEST_COVERAGE {
-                continue;
-            }
-            area *= surface.coverage;
-        }
-        let position = turn_back(piece.centroid - vec3f(walk.voxel), walk.axis);
-        let piece_seed = hash(seed + code);
-        add_to_face(&walk, voxel, lobe, normal * area, area, surface, position, piece_seed);
-        if (flags & DOUBLE_SIDED) != 0u {
-            add_to_face(&walk, voxel, lobe ^ 1u, -normal * area, area, surface, position, ~piece_seed);
+        continuing {
+            is_there = walk_on(&walk);
+            break if !is_there;
         }
     }
+}
+
+// Materials without textures.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn plain(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    accumulate(find_item(invocation, workgroups, local), false);
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn textured(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    accumulate(find_item(invocation, workgroups, local), true);
 }

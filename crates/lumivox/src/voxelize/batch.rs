@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::input::{DrawGroup, PreparedBatch};
-use super::kernels::{Kernels, WalkKernels};
+use super::kernels::{Kernels, Layouts};
 use super::memory::{Memory, Remedy};
 use crate::gpu::{
     BindGroupBuilder, Indirect, Kernel, Recorder, Run, storage_buffer, uniform_buffer, upload,
@@ -75,9 +75,12 @@ impl Fallbacks {
 
 /// A group's dispatch.
 #[derive(Debug)]
-struct GroupDispatch {
+pub(super) struct GroupDispatch {
     run: wgpu::BindGroup,
-    is_covered: bool,
+    /// Whether there are textures.
+    pub is_textured: bool,
+    /// Whether alpha may cut holes.
+    pub is_covered: bool,
 }
 
 /// A batch, split into items.
@@ -138,45 +141,24 @@ impl SplitBatch {
         let arguments = kernels.indirect.arguments(recorder, &item_starts, &runs, &counts);
         let dispatch = |group: &DrawGroup| GroupDispatch {
             run: run_group(device, layouts, fallbacks, group, &materials[group.material as usize]),
+            is_textured: group.is_textured,
             is_covered: group.is_covered,
         };
         let groups = prepared.groups.iter().map(dispatch).collect();
         Ok(Self { triangles, item_starts, counts, groups, arguments })
     }
 
-    /// Dispatches a walk over the items of all groups; `pass_group` is bind group 2.
-    pub fn walk(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        kernels: &WalkKernels,
-        grid: &wgpu::BindGroup,
-        pass_group: &wgpu::BindGroup,
-    ) {
-        self.dispatch(pass, grid, pass_group, |group| {
-            if group.is_covered { &kernels.covered } else { &kernels.opaque }
-        });
-    }
-
-    /// As [`Self::walk`], with one kernel for all groups.
-    pub fn walk_all(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        kernel: &Kernel,
-        grid: &wgpu::BindGroup,
-        pass_group: &wgpu::BindGroup,
-    ) {
-        self.dispatch(pass, grid, pass_group, |_| kernel);
-    }
-
-    fn dispatch<'k>(
+    /// Dispatches a walk over the items of all groups, each with the kernel that is chosen for it;
+    /// `pass_group` is bind group 2.
+    pub fn walk<'k>(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         grid: &wgpu::BindGroup,
         pass_group: &wgpu::BindGroup,
-        kernel: impl Fn(&GroupDispatch) -> &'k Kernel,
+        choose: impl Fn(&GroupDispatch) -> &'k Kernel,
     ) {
         for (index, group) in self.groups.iter().enumerate() {
-            kernel(group).dispatch_indirect(
+            choose(group).dispatch_indirect(
                 pass,
                 &[grid, &self.triangles, pass_group, &group.run],
                 &self.arguments,
@@ -188,7 +170,7 @@ impl SplitBatch {
 
 fn run_group(
     device: &wgpu::Device,
-    layouts: &super::kernels::Layouts,
+    layouts: &Layouts,
     fallbacks: &Fallbacks,
     group: &DrawGroup,
     material: &SurfaceMaterial,

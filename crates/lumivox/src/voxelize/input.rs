@@ -27,16 +27,16 @@ pub(crate) struct DrawRecord {
 
 /// Bits of [`DrawRecord::flags`].
 pub(crate) const DOUBLE_SIDED: u32 = 1;
-/// The material has a texture.
-pub(crate) const TEXTURED: u32 = 2;
 /// Alpha cuts holes.
-pub(crate) const ALPHA_IS_COVERAGE: u32 = 4;
+pub(crate) const ALPHA_IS_COVERAGE: u32 = 2;
 
 /// Neighbouring draws that share their textures.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawGroup {
     /// The material of one of them: what its textures are.
     pub material: u32,
+    /// Whether there are textures.
+    pub is_textured: bool,
     /// Whether alpha may cut holes.
     pub is_covered: bool,
     /// Its triangles, in the batch's numbering.
@@ -134,6 +134,7 @@ pub(crate) fn prepare_batch(
             group = Some(groups[draw.material as usize]);
             prepared.groups.push(DrawGroup {
                 material: draw.material,
+                is_textured: is_textured(material),
                 is_covered: has_holes(material),
                 triangles: first..end,
                 draws: place as u32..place as u32,
@@ -262,7 +263,6 @@ fn draw_record(
         first_index: draw.first_index,
         base_vertex: draw.base_vertex,
         flags: flag(material.double_sided, DOUBLE_SIDED)
-            | flag(is_textured(material), TEXTURED)
             | flag(has_holes(material), ALPHA_IS_COVERAGE),
         padding: 0,
     }

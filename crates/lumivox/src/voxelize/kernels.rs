@@ -41,11 +41,18 @@ impl Layouts {
     }
 }
 
-/// A walk over items, for surfaces without and with holes.
+/// Two variants of a walk over items: for groups of draws that lack something (holes, textures), and for those
+/// that have it.
 #[derive(Debug)]
-pub(super) struct WalkKernels {
-    pub opaque: Kernel,
-    pub covered: Kernel,
+pub(super) struct Variants {
+    without: Kernel,
+    with: Kernel,
+}
+
+impl Variants {
+    pub fn choose(&self, has_it: bool) -> &Kernel {
+        if has_it { &self.with } else { &self.without }
+    }
 }
 
 /// All kernels.
@@ -56,9 +63,9 @@ pub(super) struct Kernels {
     pub indirect: Indirect,
     pub list: ListBuilder,
     pub split: Kernel,
-    pub mark: WalkKernels,
-    pub lobes: WalkKernels,
-    pub accumulate: Kernel,
+    pub mark: Variants,
+    pub lobes: Variants,
+    pub accumulate: Variants,
     pub count_faces: Kernel,
     pub prepare_faces: Kernel,
     pub resolve: Kernel,
@@ -72,23 +79,20 @@ impl Kernels {
             groups.extend(own);
             Kernel::new(device, shaders, module, entry, &groups)
         };
-        let walk = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
-            kernel(module, entry, &[&layouts.triangles, pass, &layouts.run])
+        let variants = |module: &str, entries: [&str; 2], pass: &wgpu::BindGroupLayout| {
+            let walk = |entry| kernel(module, entry, &[&layouts.triangles, pass, &layouts.run]);
+            Ok::<_, ShaderError>(Variants { without: walk(entries[0])?, with: walk(entries[1])? })
         };
-        let walks = |module: &str, pass: &wgpu::BindGroupLayout| {
-            Ok::<_, ShaderError>(WalkKernels {
-                opaque: walk(module, "opaque", pass)?,
-                covered: walk(module, "covered", pass)?,
-            })
-        };
+        let holes = ["opaque", "covered"];
+        let textures = ["plain", "textured"];
         Ok(Self {
             scan: Scan::new(device, shaders)?,
             indirect: Indirect::new(device, shaders)?,
             list: ListBuilder::new(device, shaders, &layouts.grid)?,
             split: kernel("voxelize::split", "main", &[&layouts.triangles, &layouts.split])?,
-            mark: walks("voxelize::mark", &layouts.mark)?,
-            lobes: walks("voxelize::lobes", &layouts.lobes)?,
-            accumulate: walk("voxelize::accumulate", "main", &layouts.accumulate)?,
+            mark: variants("voxelize::mark", holes, &layouts.mark)?,
+            lobes: variants("voxelize::lobes", holes, &layouts.lobes)?,
+            accumulate: variants("voxelize::accumulate", textures, &layouts.accumulate)?,
             count_faces: kernel("voxelize::faces", "count", &[&layouts.faces])?,
             prepare_faces: kernel("voxelize::faces", "prepare", &[&layouts.faces])?,
             resolve: kernel("voxelize::resolve", "main", &[&layouts.resolve])?,

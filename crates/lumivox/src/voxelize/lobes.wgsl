@@ -76,11 +76,16 @@ fn opaque(
     var walk = walk_begin(find_item(invocation, workgroups, local));
     let lobes = lobe_bits(&walk);
     var count = 0u;
-    while walk_on(&walk) {
+    var is_there = walk_on(&walk);
+    loop {
         let piece = piece_in_voxel(&walk);
-        if piece.area > 0.0 {
+        if is_there && piece.area > 0.0 {
             add_piece(&walk, lobes, piece.area);
             count++;
+        }
+        continuing {
+            is_there = walk_on(&walk);
+            break if !is_there;
         }
     }
     count_pieces(count, local);
@@ -97,14 +102,19 @@ fn covered(
     let lobes = lobe_bits(&walk);
     let map = texcoord_map(&walk);
     var count = 0u;
-    while walk_on(&walk) {
+    var is_there = walk_on(&walk);
+    loop {
         let piece = piece_in_voxel(&walk);
-        if piece.area > 0.0 {
-            let surface = surface_at(&walk, map, piece.centroid);
+        if is_there && piece.area > 0.0 {
+            let surface = surface_at(&walk, map, piece.centroid, true);
             if surface.coverage >= SMALLEST_COVERAGE {
                 add_piece(&walk, lobes, piece.area);
                 count++;
             }
+        }
+        continuing {
+            is_there = walk_on(&walk);
+            break if !is_there;
         }
     }
     count_pieces(count, local);

@@ -29,9 +29,14 @@ fn opaque(
 ) {
     var walk = walk_begin(find_item(invocation, workgroups, local));
     let tests = side_tests(&walk);
-    while walk_on(&walk) {
-        if touches(&walk, tests) {
+    var is_there = walk_on(&walk);
+    loop {
+        if is_there && touches(&walk, tests) {
             mark(&walk);
+        }
+        continuing {
+            is_there = walk_on(&walk);
+            break if !is_there;
         }
     }
 }
@@ -46,15 +51,20 @@ fn covered(
     var walk = walk_begin(find_item(invocation, workgroups, local));
     let tests = side_tests(&walk);
     let map = texcoord_map(&walk);
-    while walk_on(&walk) {
-        if touches(&walk, tests) {
+    var is_there = walk_on(&walk);
+    loop {
+        if is_there && touches(&walk, tests) {
             let piece = piece_in_voxel(&walk);
             if piece.area > 0.0 {
-                let surface = surface_at(&walk, map, piece.centroid);
+                let surface = surface_at(&walk, map, piece.centroid, true);
                 if surface.coverage >= SMALLEST_COVERAGE {
                     mark(&walk);
                 }
             }
+        }
+        continuing {
+            is_there = walk_on(&walk);
+            break if !is_there;
         }
     }
 }

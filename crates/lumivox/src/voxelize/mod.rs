@@ -72,7 +72,6 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("FACE_REFLECTANCE", offset_of!(FaceRecord, reflectance) as u32 / 4)
         .constant_u32("FACE_EMISSION", offset_of!(FaceRecord, emission) as u32 / 4)
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
-        .constant_u32("TEXTURED", input::TEXTURED)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE);
 }
 
@@ -171,7 +170,7 @@ impl Voxelizer {
             .collect();
         recorder.compute("voxelize::mark", |pass| {
             for (batch, group) in batches.iter().zip(&mark) {
-                batch.walk(pass, &kernels.mark, &globals, group);
+                batch.walk(pass, &globals, group, |run| kernels.mark.choose(run.is_covered));
             }
         });
         kernels.list.rank(&mut recorder, &kernels.scan, &globals, grid, &occupied);
@@ -208,7 +207,7 @@ impl Voxelizer {
             .collect();
         recorder.compute("voxelize::lobes", |pass| {
             for (batch, group) in batches.iter().zip(&lobes) {
-                batch.walk(pass, &kernels.lobes, &globals, group);
+                batch.walk(pass, &globals, group, |run| kernels.lobes.choose(run.is_covered));
             }
         });
         let faces_group = BindGroupBuilder::new(&layouts.faces)
@@ -244,7 +243,7 @@ impl Voxelizer {
             .collect();
         recorder.compute("voxelize::accumulate", |pass| {
             for (batch, group) in batches.iter().zip(&accumulate) {
-                batch.walk_all(pass, &kernels.accumulate, &globals, group);
+                batch.walk(pass, &globals, group, |run| kernels.accumulate.choose(run.is_textured));
             }
         });
         let params = ResolveParams { voxel_count, emission_scale };

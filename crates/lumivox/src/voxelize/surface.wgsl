@@ -1,6 +1,5 @@
 // What a triangle's surface looks like at a point: its material's factors times its textures.
 
-import package::constants::TEXTURED;
 import package::voxelize::triangles::{draws, texcoords};
 import package::voxelize::walk::Walk;
 
@@ -41,12 +40,13 @@ fn sample_at(image: texture_2d<f32>, texcoord: vec2f, level: f32) -> vec4f {
     return textureSampleLevel(image, surface_sampler, texcoord, mip);
 }
 
-// The surface at a point of the triangle, in the walk's coordinates.
-fn surface_at(walk: ptr<function, Walk>, map: TexcoordMap, point: vec3f) -> Surface {
+// The surface at a point of the triangle, in the walk's coordinates. `is_textured` is a constant of the kernel:
+// a software GPU samples even where a branch says not to.
+fn surface_at(walk: ptr<function, Walk>, map: TexcoordMap, point: vec3f, is_textured: bool) -> Surface {
     let draw = (*walk).draw;
     var reflectance = draws[draw].reflectance;
     var emission = draws[draw].emission;
-    if (draws[draw].flags & TEXTURED) != 0u {
+    if is_textured {
         // Barycentric coordinates, seen along the dominant axis.
         let p = point.xy - (*walk).a.xy;
         let ab = (*walk).b.xy - (*walk).a.xy;

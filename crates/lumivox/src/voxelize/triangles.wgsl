@@ -19,7 +19,7 @@ struct Draw {
     // The first index in the index buffer, and what is added to each index.
     first_index: u32,
     base_vertex: u32,
-    // Bits named in package::constants: DOUBLE_SIDED, TEXTURED, ALPHA_IS_COVERAGE.
+    // Bits named in package::constants: DOUBLE_SIDED, ALPHA_IS_COVERAGE.
     flags: u32,
     padding: u32,
 }

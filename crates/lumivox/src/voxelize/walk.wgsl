@@ -118,10 +118,16 @@ fn walk_begin(item: Item) -> Walk {
 }
 
 // Moves to the next voxel that the triangle may touch; false if there is none left.
+//
+// Loops that test at their end, here and around this: a software GPU runs eight threads in step, and goes
+// through a body once more for a test at its start that none of them passes.
 fn walk_on(walk: ptr<function, Walk>) -> bool {
     (*walk).voxel.z += 1;
+    if (*walk).voxel.z <= (*walk).last_depth {
+        return true;
+    }
     // The next column with a range of depth that is not empty.
-    while (*walk).voxel.z > (*walk).last_depth {
+    loop {
         (*walk).voxel.x += 1;
         if (*walk).voxel.x > (*walk).last_column.x {
             (*walk).voxel.x = 0;
@@ -138,6 +144,9 @@ fn walk_on(walk: ptr<function, Walk>) -> bool {
             let limits = vec2f((*walk).depth_limits);
             (*walk).voxel.z = i32(clamp(ceil(low) - 1.0, limits.x, limits.y + 1.0));
             (*walk).last_depth = i32(clamp(floor(high), limits.x - 1.0, limits.y));
+        }
+        continuing {
+            break if (*walk).voxel.z <= (*walk).last_depth;
         }
     }
     return true;
