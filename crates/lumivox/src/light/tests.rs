@@ -222,7 +222,7 @@ fn a_thin_wall_keeps_the_dark_room_dark() {
 #[test]
 fn two_runs_have_the_same_bits() {
     let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
-    let mut run = || {
+    let run = || {
         let mut bench = Bench::new(bounds, 32, Vec3::ZERO, busy_room());
         let lamp = candle(Vec3::new(0.5, 0.4, 0.6), Shadow::Cone);
         let lit = bench.light(&[lamp], Vec3::splat(0.2), 4);

@@ -1,12 +1,19 @@
 // One cone through the volume. Lengths here are in voxels.
 //
-// The cone is marched with samples of the size of the cells that it reads: at distance t, cells of edge
-// v = max(1, growth * t), one cell apart. A cell that covers the share a of its cross-section takes
-// da = min(a * step / v, T) of the transmittance T that is left and adds its radiance for it. The sum is
-// additive, like the pyramid: coverage comes from clipping, so that the pieces of a wall add up to one.
+// The cone is marched in steps of the size of the cells that it reads: at distance t, about
+// v = max(1, growth * t). Levels come in powers of two, so the one to read is drawn: log2(v) is rounded up or
+// down by a number that each cone draws once, so that the mean over cones and frames is what interpolation
+// between the levels gives, for half the look-ups. Steps are as long as the cells that were drawn: then the
+// filter's weights along the cone, and a wall's coverage with them, add up to exactly one at every level. For
+// the same reason the last step of a level counts by half: the tent of a coarse cell is the sum of three fine
+// ones, weighted 1/2, 1 and 1/2.
+//
+// A cell of edge c that covers the share a of its cross-section takes da = min(a * step / c, T) of the
+// transmittance T that is left and adds its radiance for it. The sum is additive, like the pyramid: coverage
+// comes from clipping, so that the pieces of a wall add up to one.
 
 import package::grid::grid;
-import package::volume::sample_volume;
+import package::volume::{is_empty, probe_volume, sample_probe, Probe};
 
 // How cones are marched; the shader's side of TraceSettings.
 struct ConeSettings {
@@ -30,6 +37,8 @@ struct Cone {
     growth: f32,
     // Where the cone ends, in voxels.
     reach: f32,
+    // In [0, 1): added to the level before rounding down. 1/2 rounds to the nearest.
+    level_offset: f32,
 }
 
 struct Traced {
@@ -61,43 +70,59 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells around it.
     let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
-    var traced = Traced(vec3f(0.0), 1.0, 1.0, 0u);
+    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u);
     var distance = 0.0;
-    var openness_is_read = false;
+    var level = 0u;
+    var length = 0.0;
+    var cell = 1.0;
+    var is_inside = reach > 0.0;
     loop {
-        if distance >= reach {
-            break;
-        }
-        let step = settings.step_per_voxel
-            * clamp(cone.growth * distance, 1.0, largest_cell);
-        let middle = distance + 0.5 * step;
-        let cell = clamp(cone.growth * middle, 1.0, largest_cell);
-        let position = cone.origin_in_grid + cone.direction * middle;
-        // Outside the grid the cells at its border are still felt for half a cell.
-        let margin = min(cell, 0.5 * side);
-        if any(position < vec3f(-margin)) || any(position > extent + margin) {
-            break;
-        }
-        if !openness_is_read && middle > settings.occlusion_distance {
-            traced.openness = traced.transmittance;
-            openness_is_read = true;
-        }
-        let seen = sample_volume(position, log2(cell), cone.direction);
-        traced.samples++;
-        if seen.a > 0.0 {
-            // What the cone's end cuts off of the last step does not count.
-            let length = min(step, reach - distance);
-            let taken = min(seen.a * length / cell, traced.transmittance);
-            traced.radiance += seen.rgb * (taken / seen.a);
-            traced.transmittance -= taken;
-            if traced.transmittance < settings.min_transmittance {
-                traced.transmittance = 0.0;
-                break;
+        // Pass over empty space, probe by probe. The inner loop is there for wide machines: their lanes come
+        // out of it one by one and then sample together, instead of waiting for each other at every step.
+        var probe: Probe;
+        loop {
+            let near = clamp(cone.growth * distance, 1.0, largest_cell);
+            let wanted = clamp(cone.growth * (distance + 0.5 * near), 1.0, largest_cell);
+            let wanted_level = min(u32(log2(wanted) + cone.level_offset), grid.levels - 1u);
+            let is_last = wanted_level > level;
+            cell = exp2(f32(level));
+            let step = settings.step_per_voxel * cell;
+            let middle = distance + 0.5 * step;
+            length = select(step, 0.5 * step, is_last);
+            let position = cone.origin_in_grid + cone.direction * middle;
+            // Outside the grid the cells at its border are still felt for half a cell.
+            let margin = min(cell, 0.5 * side);
+            is_inside = is_inside && distance < reach
+                && all(position >= vec3f(-margin)) && all(position <= extent + margin);
+            if middle > settings.occlusion_distance && traced.openness < 0.0 {
+                traced.openness = traced.transmittance;
+            }
+            probe = probe_volume(position, level, cone.direction);
+            distance += length;
+            level += u32(is_last);
+            traced.samples += u32(is_inside);
+            continuing {
+                break if !(is_inside && is_empty(probe));
             }
         }
-        distance += step;
+        if is_inside {
+            let seen = sample_probe(probe, cone.direction);
+            if seen.a > 0.0 {
+                // What the cone's end cuts off of the last step does not count.
+                let counted = min(length, reach - (distance - length));
+                let taken = min(seen.a * counted / cell, traced.transmittance);
+                traced.radiance += seen.rgb * (taken / seen.a);
+                traced.transmittance -= taken;
+            }
+        }
+        continuing {
+            break if !is_inside || traced.transmittance < settings.min_transmittance;
+        }
     }
-    if !openness_is_read {
+    if traced.transmittance < settings.min_transmittance {
+        traced.transmittance = 0.0;
+    }
+    if traced.openness < 0.0 {
         traced.openness = traced.transmittance;
     }
     return traced;

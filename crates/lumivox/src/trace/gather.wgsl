@@ -28,6 +28,8 @@ fn gather(
     let origin = grid_from_world(position_in_world) + geometric_normal * settings.normal_offset;
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
+    // The cones of a point round their levels by numbers that are spread evenly (golden ratio).
+    let level_start = fract(start.x + start.y + 0.754878 * f32(frame & 0xffffu));
     let weight = PI / f32(cone_count);
     var sum = Gathered(vec3f(0.0), 0.0, 0u);
     for (var cell = 0u; cell < cone_count; cell++) {
@@ -38,7 +40,8 @@ fn gather(
         direction = direction - 2.0 * below * geometric_normal;
         let growth =
             cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
-        let traced = trace_cone(Cone(origin, direction, growth, 3e38), settings);
+        let level_offset = fract(level_start + f32(cell) * 0.618034);
+        let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings);
         sum.irradiance +=
             weight * (traced.radiance + traced.transmittance * light_globals.environment);
         sum.openness += traced.openness;

@@ -65,7 +65,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let origin = grid_from_world(surface.position_in_world)
         + surface.geometric_normal * settings.cones.normal_offset;
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
-    let traced = trace_cone(Cone(origin, direction, growth, 3e38), settings.cones);
+    let level_offset = fract(start.x + start.y + 0.754878 * f32(view.frame & 0xffffu));
+    let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings.cones);
     let radiance = traced.radiance + traced.transmittance * light_globals.environment;
 
     let fresnel = fresnel_schlick(material.rgb, dot(local_view, half_vector));

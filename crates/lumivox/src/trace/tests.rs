@@ -18,12 +18,14 @@ struct ConeIn {
     growth: f32,
     direction: [f32; 3],
     reach: f32,
+    level_offset: f32,
+    padding: [f32; 3],
 }
 
 const CONES_WGSL: &str = "
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::trace::cone::{trace_cone, Cone, ConeSettings};
-struct ConeIn { origin: vec3f, growth: f32, direction: vec3f, reach: f32 }
+struct ConeIn { origin: vec3f, growth: f32, direction: vec3f, reach: f32, level_offset: f32 }
 @group(1) @binding(0) var<storage, read> cones: array<ConeIn>;
 @group(1) @binding(1) var<storage, read_write> traced: array<vec4f>;
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -31,7 +33,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&traced) { return; }
     let cone = cones[id.x];
     let settings = ConeSettings(0.25, 0.0, 0.75, 1.0, 0.004, 3e38, 0.0, 0.0);
-    let result = trace_cone(Cone(cone.origin, cone.direction, cone.growth, cone.reach), settings);
+    let result = trace_cone(Cone(cone.origin, cone.direction, cone.growth, cone.reach, cone.level_offset), settings);
     traced[id.x] = vec4f(result.radiance, result.transmittance);
 }";
 
@@ -63,22 +65,15 @@ impl VolumeTwin {
         sum
     }
 
-    fn quadrilinear(&self, part: impl Fn(&Level) -> &[[f32; 4]], level: f32, at: Vec3) -> Vec4 {
-        let fine = level.floor() as u32;
-        let coarse = (fine + 1).min(self.grid.levels - 1);
-        let fraction = level - level.floor();
-        (1.0 - fraction) * self.trilinear(part(&self.levels[fine as usize]), fine, at)
-            + fraction * self.trilinear(part(&self.levels[coarse as usize]), coarse, at)
-    }
-
     /// Radiance times coverage, and coverage: the definition, over all six lobes.
-    fn sample(&self, position: Vec3, level: f32, direction: Vec3) -> Vec4 {
+    fn sample(&self, position: Vec3, level: u32, direction: Vec3) -> Vec4 {
+        let cells = &self.levels[level as usize];
         let mut sum = Vec4::ZERO;
         for lobe in 0..6 {
             let axis = lobe / 2;
             let sign = if lobe % 2 == 0 { 1.0 } else { -1.0 };
-            let value = self.quadrilinear(|cells| &cells.lobes[lobe], level, position);
-            let tilt = self.quadrilinear(|cells| &cells.tilts[axis], level, position);
+            let value = self.trilinear(&cells.lobes[lobe], level, position);
+            let tilt = self.trilinear(&cells.tilts[axis], level, position);
             let across = if lobe % 2 == 0 { [tilt.x, tilt.y] } else { [tilt.z, tilt.w] };
             let mut area = Vec3::ZERO;
             area[axis] = sign * value.w;
@@ -100,18 +95,23 @@ impl VolumeTwin {
         let largest = (1 << (self.grid.levels - 1)) as f32;
         let reach = cone.reach.min(1.75 * side + 2.0 * largest);
         let (mut radiance, mut transmittance, mut distance) = (Vec3::ZERO, 1.0_f32, 0.0_f32);
+        let mut level = 0;
         while distance < reach {
-            let step = (cone.growth * distance).clamp(1.0, largest);
-            let middle = distance + 0.5 * step;
-            let cell = (cone.growth * middle).clamp(1.0, largest);
+            let near = (cone.growth * distance).clamp(1.0, largest);
+            let wanted = (cone.growth * (distance + 0.5 * near)).clamp(1.0, largest);
+            let wanted = ((wanted.log2() + cone.level_offset) as u32).min(self.grid.levels - 1);
+            let cell = (1 << level) as f32;
+            let middle = distance + 0.5 * cell;
+            let length = if wanted > level { 0.5 * cell } else { cell };
             let position = origin + direction * middle;
             let margin = cell.min(0.5 * side);
             if position.cmplt(Vec3::splat(-margin)).any() || position.cmpgt(extent + margin).any() {
                 break;
             }
-            let seen = self.sample(position, cell.log2(), direction);
+            let seen = self.sample(position, level, direction);
+            level += u32::from(wanted > level);
             if seen.w > 0.0 {
-                let taken = (seen.w * step.min(reach - distance) / cell).min(transmittance);
+                let taken = (seen.w * length.min(reach - distance) / cell).min(transmittance);
                 radiance += seen.truncate() * (taken / seen.w);
                 transmittance -= taken;
                 if transmittance < settings.min_transmittance {
@@ -119,7 +119,7 @@ impl VolumeTwin {
                     break;
                 }
             }
-            distance += step;
+            distance += length;
         }
         radiance.extend(transmittance)
     }
@@ -148,6 +148,8 @@ fn cones(grid: &Grid) -> Vec<ConeIn> {
                 growth: 0.02 + 0.5 * random(),
                 direction: direction.to_array(),
                 reach,
+                level_offset: random(),
+                padding: [0.0; 3],
             }
         })
         .collect()

@@ -4,21 +4,32 @@
 // tracers did (Crassin et al. 2011), kept for comparison and for small devices.
 
 import package::grid::grid;
-import package::volume::footprint::footprint_at;
+import package::volume::border::border_weight;
 import package::volume::masks::parts_near;
 
 @group(0) @binding(3) var cells: texture_3d<f32>;
 @group(0) @binding(4) var cells_sampler: sampler;
 
-// Radiance around a point times opacity, and the opacity; the direction does not matter.
-fn sample_volume(position_in_grid: vec3f, level: f32, direction: vec3f) -> vec4f {
-    let at = footprint_at(position_in_grid, level);
-    if parts_near(at) == 0u {
-        return vec4f(0.0);
-    }
-    let uvw = position_in_grid / vec3f(grid.dimensions);
-    return at.fine_weight * textureSampleLevel(cells, cells_sampler, uvw, at.fine)
-        + at.coarse_weight * textureSampleLevel(cells, cells_sampler, uvw, at.coarse);
+// A place in the volume where a sample may be taken: cheap to make, and enough to tell that nothing is there.
+struct Probe {
+    position_in_grid: vec3f,
+    level: u32,
+    parts: u32,
+}
+
+fn probe_volume(position_in_grid: vec3f, level: u32, direction: vec3f) -> Probe {
+    return Probe(position_in_grid, level, parts_near(position_in_grid, level));
+}
+
+fn is_empty(probe: Probe) -> bool {
+    return probe.parts == 0u;
+}
+
+// Radiance around a probe times opacity, and the opacity; the direction does not matter.
+fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
+    let uvw = probe.position_in_grid / vec3f(grid.dimensions);
+    return border_weight(probe.position_in_grid, probe.level)
+        * textureSampleLevel(cells, cells_sampler, uvw, f32(probe.level));
 }
 
 // The same for one cell of a level, unfiltered.

@@ -1,11 +1,10 @@
-// Which parts of cells a filtered look-up can meet: what lets the tracer pass over empty space for two loads.
+// Which parts of cells a filtered look-up can meet: what lets the tracer pass over empty space for a load.
 //
 // A trilinear look-up at level l reads 2x2x2 texels, and which ones depends only on floor(texel - 1/2). So each
 // of those positions has an entry: the parts (atlas.wgsl) of its 2x2x2 cells, OR-ed. 16 bits an entry, two in a
 // word. Skipping by them is exact.
 
 import package::grid::grid;
-import package::volume::footprint::Footprint;
 
 // Levels that a grid can have: 1024 voxels down to 4.
 const MAX_LEVELS: u32 = 9u;
@@ -23,21 +22,13 @@ fn mask_entry(first_entry: u32, corner: vec3u, dimensions: vec3u) -> u32 {
     return first_entry + (corner.z * entries.y + corner.y) * entries.x + corner.x;
 }
 
-fn parts_at_level(position_in_grid: vec3f, level: f32) -> u32 {
-    let dimensions = grid.dimensions >> vec3u(u32(level));
-    let corner = vec3i(floor(position_in_grid * exp2(-level) + 0.5));
+// All parts that a look-up at a level can meet.
+fn parts_near(position_in_grid: vec3f, level: u32) -> u32 {
+    let dimensions = grid.dimensions >> vec3u(level);
+    let corner = vec3i(floor(position_in_grid * exp2(-f32(level)) + 0.5));
     if any(corner < vec3i(0)) || any(corner > vec3i(dimensions)) {
         return 0u;
     }
-    let entry = mask_entry(mask_levels.first_entry[u32(level)].x, vec3u(corner), dimensions);
+    let entry = mask_entry(mask_levels.first_entry[level].x, vec3u(corner), dimensions);
     return (masks[entry >> 1u] >> ((entry & 1u) * 16u)) & 0xffffu;
-}
-
-// All parts that a look-up between two levels can meet.
-fn parts_near(at: Footprint) -> u32 {
-    var parts = parts_at_level(at.position_in_grid, at.fine);
-    if at.coarse_weight > 0.0 {
-        parts |= parts_at_level(at.position_in_grid, at.coarse);
-    }
-    return parts;
 }

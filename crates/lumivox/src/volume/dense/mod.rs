@@ -29,8 +29,8 @@ pub(crate) use tests::{Level, read_levels};
 /// The shader modules of this folder; `package::volume` itself is mounted by [`mount`].
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("volume::atlas", include_str!("atlas.wgsl")),
+    ("volume::border", include_str!("border.wgsl")),
     ("volume::filter", include_str!("filter.wgsl")),
-    ("volume::footprint", include_str!("footprint.wgsl")),
     ("volume::isotropic_filter", include_str!("isotropic_filter.wgsl")),
     ("volume::isotropic_store", include_str!("isotropic_store.wgsl")),
     ("volume::level_range", include_str!("level_range.wgsl")),
@@ -129,7 +129,7 @@ impl DenseVolume {
             .texture_3d()
             .sampler()
             .build(device, "globals");
-        // Levels are mixed by hand, since each has its own weight at the border.
+        // The tracer draws one level for each sample, so that levels need no mixing.
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("volume"),
             mag_filter: wgpu::FilterMode::Linear,

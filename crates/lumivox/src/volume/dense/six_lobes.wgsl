@@ -4,26 +4,20 @@
 // covers, and nothing from behind.
 
 import package::grid::grid;
-import package::volume::atlas::{part_of, part_texel, slab_of, NEGATIVE, POSITIVE, TILT};
-import package::volume::footprint::{footprint_at, Footprint};
+import package::volume::atlas::{part_of, part_texel, slab_of, NEGATIVE, PARTS, POSITIVE, TILT};
+import package::volume::border::border_weight;
 import package::volume::masks::parts_near;
 
 @group(0) @binding(3) var atlas: texture_3d<f32>;
 @group(0) @binding(4) var atlas_sampler: sampler;
 
-// A part of the cells at one level, trilinear, clamped to its slab and zero outside the grid.
-fn fetch_level(part: u32, position_in_grid: vec3f, level: f32) -> vec4f {
+// A part of the cells at a level, trilinear, clamped to its slab.
+fn fetch(part: u32, position_in_grid: vec3f, level: u32) -> vec4f {
     let extent = vec3f(grid.dimensions);
-    let half_cell = 0.5 * exp2(level);
+    let half_cell = 0.5 * exp2(f32(level));
     let inside = clamp(position_in_grid, vec3f(half_cell), extent - half_cell);
     let uvw = (inside + vec3f(slab_of(part)) * extent) / (extent * vec3f(1.0, 3.0, 3.0));
-    return textureSampleLevel(atlas, atlas_sampler, uvw, level);
-}
-
-// The same between two levels.
-fn fetch(part: u32, at: Footprint) -> vec4f {
-    return at.fine_weight * fetch_level(part, at.position_in_grid, at.fine)
-        + at.coarse_weight * fetch_level(part, at.position_in_grid, at.coarse);
+    return textureSampleLevel(atlas, atlas_sampler, uvw, f32(level));
 }
 
 // Radiance times coverage, and coverage, of a lobe seen along a direction: `along` and `across` are the
@@ -59,19 +53,35 @@ fn parts_facing(parts: u32, direction: vec3f) -> u32 {
     return facing;
 }
 
-// Radiance that leaves the surfaces around a point against `direction`, times their coverage, and the coverage.
-fn sample_volume(position_in_grid: vec3f, level: f32, direction: vec3f) -> vec4f {
-    let at = footprint_at(position_in_grid, level);
-    var parts = parts_facing(parts_near(at), direction);
+// A place in the volume where a sample may be taken: cheap to make, and enough to tell that nothing is there.
+struct Probe {
+    position_in_grid: vec3f,
+    level: u32,
+    // The parts that matter; 0: the sample would be zero.
+    parts: u32,
+}
+
+fn probe_volume(position_in_grid: vec3f, level: u32, direction: vec3f) -> Probe {
+    let parts = parts_facing(parts_near(position_in_grid, level), direction);
+    return Probe(position_in_grid, level, parts);
+}
+
+fn is_empty(probe: Probe) -> bool {
+    return probe.parts == 0u;
+}
+
+// Radiance that leaves the surfaces around a probe against `direction`, times their coverage, and the coverage.
+// The probe must not be empty.
+fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
+    var parts = probe.parts;
     var sum = vec4f(0.0);
     var tilt = vec4f(0.0);
     var tilted_axis = 3u;
-    while parts != 0u {
-        let part = firstTrailingBit(parts);
-        parts &= parts - 1u;
+    loop {
+        let part = min(firstTrailingBit(parts), PARTS - 1u);
         let axis = part / 3u;
         let kind = part % 3u;
-        let value = fetch(part, at);
+        let value = fetch(part, probe.position_in_grid, probe.level);
         if kind == TILT {
             tilt = value;
             tilted_axis = axis;
@@ -85,8 +95,13 @@ fn sample_volume(position_in_grid: vec3f, level: f32, direction: vec3f) -> vec4f
                 across_axis(direction, axis),
             );
         }
+        parts &= parts - 1u;
+        continuing {
+            break if parts == 0u;
+        }
     }
-    return sum;
+    // Everything scales with the border's weight, the vector areas included.
+    return sum * border_weight(probe.position_in_grid, probe.level);
 }
 
 // The same for one cell of a level, unfiltered.
