@@ -1,0 +1,93 @@
+//! Choices among a few names, each explained in the help.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use lumivox::Preset;
+use lumivox_render::{ShadowMethod, ToneMap, View};
+
+/// A parser that takes the names of `values` and returns the value, with a line of help for each.
+fn among<T: Copy + Send + Sync + 'static>(
+    values: &'static [T],
+    name_and_help: fn(T) -> (&'static str, &'static str),
+) -> impl TypedValueParser<Value = T> {
+    let names = values.iter().map(|value| {
+        let (name, help) = name_and_help(*value);
+        PossibleValue::new(name).help(help)
+    });
+    PossibleValuesParser::new(names).try_map(move |chosen| {
+        let found = values.iter().find(|value| name_and_help(**value).0 == chosen);
+        found.copied().ok_or("not one of the choices")
+    })
+}
+
+/// What the picture shows.
+pub fn view() -> impl TypedValueParser<Value = View> {
+    among(&View::ALL, |view| {
+        let help = match view {
+            View::Final => "all light",
+            View::Direct => "emission, and what lamps and sun send without a detour",
+            View::Indirect => "what came by way of other surfaces or from the environment",
+            View::Diffuse => "indirect light as a white diffuse surface would reflect it",
+            View::Specular => "indirect light that is reflected glossily",
+            View::Occlusion => "ambient visibility: 1 in the open, 0 where no sky is seen",
+            View::Shadow => "share of the lamps' and the sun's light that arrives",
+            View::Albedo => "share of light that is reflected diffusely; metals are black",
+            View::Normal => "shading normals; -1 to 1 along x, y, z as red, green, blue",
+            View::Depth => "distance from the camera; metres in OpenEXR, near is white in PNG",
+            View::Cost => "cone samples a pixel, from violet (none) to yellow (1024 and more)",
+            View::Voxels => "the voxels of one level (--level) as cubes, in their light",
+        };
+        (view.name(), help)
+    })
+}
+
+/// How much is spent on the cones.
+pub fn preset() -> impl TypedValueParser<Value = Preset> {
+    among(&[Preset::Fast, Preset::Balanced, Preset::High], |preset| {
+        let help = match preset {
+            Preset::Fast => "6 cones, one pixel in four",
+            Preset::Balanced => "6 cones, every pixel",
+            Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
+        };
+        (preset_name(preset), help)
+    })
+}
+
+/// The name of a preset, as on the command line.
+fn preset_name(preset: Preset) -> &'static str {
+    match preset {
+        Preset::Fast => "fast",
+        Preset::Balanced => "balanced",
+        Preset::High => "high",
+    }
+}
+
+/// The curve from radiance to the screen.
+pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
+    among(&ToneMap::ALL, |tone_map| {
+        let help = match tone_map {
+            ToneMap::Neutral => "Khronos PBR Neutral: colours stay, highlights are compressed",
+            ToneMap::Aces => "the ACES film curve: more contrast, hues shift in highlights",
+            ToneMap::Linear => "none: what is brighter than 1 is clipped",
+        };
+        (tone_map.name(), help)
+    })
+}
+
+/// How shadows are found.
+pub fn shadows() -> impl TypedValueParser<Value = ShadowMethod> {
+    among(&[ShadowMethod::Map, ShadowMethod::Cone], |method| {
+        let help = match method {
+            ShadowMethod::Map => "depth maps: sharp, exact to a texel",
+            ShadowMethod::Cone => "cones through the voxels: soft, as coarse as the voxels",
+        };
+        (shadows_name(method), help)
+    })
+}
+
+/// The name of a way to find shadows, as on the command line.
+pub fn shadows_name(method: ShadowMethod) -> &'static str {
+    match method {
+        ShadowMethod::Map => "map",
+        ShadowMethod::Cone => "cone",
+    }
+}

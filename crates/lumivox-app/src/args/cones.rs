@@ -1,0 +1,244 @@
+//! The settings of the cones: a preset, and changes to it.
+
+use std::ops::RangeInclusive;
+
+use clap::Args;
+use lumivox::{Preset, TraceResolution, TraceSettings};
+
+use super::{choices, number::number};
+
+/// What `TraceSettings::validate` allows; a test holds the two together.
+const VOXEL_PER_DIAMETER: RangeInclusive<f32> = 0.05..=1.0;
+const NORMAL_OFFSET_VOXELS: RangeInclusive<f32> = 0.0..=4.0;
+const STEP_PER_VOXEL: RangeInclusive<f32> = 0.25..=1.0;
+const MIN_TRANSMITTANCE: RangeInclusive<f32> = 0.0..=0.1;
+const SPECULAR_SHARE: RangeInclusive<f32> = 0.02..=1.0;
+/// 0, which is off, is allowed besides.
+const CLEARANCE: RangeInclusive<f32> = 0.1..=1.0;
+const OCCLUSION_DISTANCE_M: RangeInclusive<f32> = 0.0..=1e9;
+
+/// The cones.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Cones")]
+pub struct ConeArgs {
+    /// How much is spent on the cones
+    ///
+    /// All presets obey the same physics; they differ in noise, sharpness and cost. The options
+    /// below change single values of the preset.
+    #[arg(long, value_name = "NAME", value_parser = choices::preset(), default_value = "balanced")]
+    preset: Option<Preset>,
+
+    /// Diffuse cones a pixel and frame: 6, 9 or 12 [default: 6; preset high: 12]
+    ///
+    /// More: less noise and bias, at proportional cost.
+    #[arg(long, value_name = "CONES", value_parser = ["6", "9", "12"], hide_possible_values = true)]
+    cones: Option<String>,
+
+    /// Trace one pixel of each 2x2 block [default: off; preset fast: on]
+    ///
+    /// Each frame takes another one; the rest is filled in by depth and normal. A quarter of the
+    /// cost, softer at edges.
+    #[arg(long, conflicts_with = "full")]
+    half: bool,
+
+    /// Trace every pixel [default: on; preset fast: off]
+    #[arg(long)]
+    full: bool,
+
+    /// Sampled voxel's edge as a share of the cone's diameter, 0.05 to 1 [default: 0.25; preset
+    /// high: 0.125]
+    ///
+    /// Finer (lower): fewer leaks and less bias; the cost grows as the inverse.
+    #[arg(long, value_name = "SHARE", value_parser = number(VOXEL_PER_DIAMETER))]
+    #[arg(allow_negative_numbers = true)]
+    voxel_per_diameter: Option<f32>,
+
+    /// Growth of the sampled voxel's edge per metre travelled and per cosine against the normal, at
+    /// most: 0.1 to 1, or 0 for no bound [default: 0.333; preset high: 0]
+    ///
+    /// Cones that leave at a grazing angle then keep clear of the surface that they start from.
+    /// Lower: finer samples near the surface, at a higher cost.
+    #[arg(long, value_name = "RATIO", value_parser = clearance, allow_negative_numbers = true)]
+    clearance: Option<f32>,
+
+    /// Start of the cones above the surface in voxels, 0 to 4 [default: 0.75]
+    ///
+    /// Lower catches the own surface, higher passes over near detail.
+    #[arg(long, value_name = "VOXELS", value_parser = number(NORMAL_OFFSET_VOXELS))]
+    #[arg(allow_negative_numbers = true)]
+    normal_offset: Option<f32>,
+
+    /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1 [default: 1]
+    ///
+    /// Lower: less noise at a higher cost. The brightness does not depend on it.
+    #[arg(long, value_name = "SHARE", value_parser = number(STEP_PER_VOXEL))]
+    #[arg(allow_negative_numbers = true)]
+    step: Option<f32>,
+
+    /// Share of light below which a cone ends, 0 to 0.1 [default: 0.004]
+    ///
+    /// Higher is cheaper, and drops that share of what lies behind.
+    #[arg(long, value_name = "SHARE", value_parser = number(MIN_TRANSMITTANCE))]
+    #[arg(allow_negative_numbers = true)]
+    min_transmittance: Option<f32>,
+
+    /// Width of a glossy cone as a share of the lobe's solid angle, 0.02 to 1 [default: 0.25]
+    ///
+    /// Lower: sharper but noisier reflections; frames draw other directions, so that their mean is
+    /// the whole lobe.
+    #[arg(long, value_name = "SHARE", value_parser = number(SPECULAR_SHARE))]
+    #[arg(allow_negative_numbers = true)]
+    specular_share: Option<f32>,
+
+    /// Leave glossy reflections of indirect light out [default: off]
+    #[arg(long)]
+    no_specular: bool,
+
+    /// Reach of ambient occlusion in metres, 0 to 1e9 [default: unlimited]
+    ///
+    /// It changes `--view occlusion` alone, never the light.
+    #[arg(long, value_name = "METRES", value_parser = number(OCCLUSION_DISTANCE_M))]
+    #[arg(allow_negative_numbers = true)]
+    occlusion_distance: Option<f32>,
+}
+
+fn clearance(text: &str) -> Result<f32, super::Refused> {
+    match super::number::one(text)? {
+        0.0 => Ok(0.0),
+        value if CLEARANCE.contains(&value) => Ok(value),
+        _ => Err(super::Refused::OutOfRange(format!(
+            "it must be from {} to {}, or 0 for no bound",
+            CLEARANCE.start(),
+            CLEARANCE.end()
+        ))),
+    }
+}
+
+impl ConeArgs {
+    /// The preset's settings with the changes made to it.
+    pub fn settings(&self) -> TraceSettings {
+        let preset = TraceSettings::preset(self.preset.unwrap_or_default());
+        let resolution = match (self.half, self.full) {
+            (true, _) => TraceResolution::Half,
+            (_, true) => TraceResolution::Full,
+            _ => preset.resolution,
+        };
+        TraceSettings {
+            diffuse_cones: match self.cones.as_deref() {
+                Some("6") => 6,
+                Some("9") => 9,
+                Some("12") => 12,
+                _ => preset.diffuse_cones,
+            },
+            voxel_per_diameter: self.voxel_per_diameter.unwrap_or(preset.voxel_per_diameter),
+            clearance: self.clearance.unwrap_or(preset.clearance),
+            normal_offset_voxels: self.normal_offset.unwrap_or(preset.normal_offset_voxels),
+            step_per_voxel: self.step.unwrap_or(preset.step_per_voxel),
+            min_transmittance: self.min_transmittance.unwrap_or(preset.min_transmittance),
+            specular: preset.specular && !self.no_specular,
+            specular_share: self.specular_share.unwrap_or(preset.specular_share),
+            occlusion_distance_m: self.occlusion_distance.unwrap_or(preset.occlusion_distance_m),
+            resolution,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        cones: ConeArgs,
+    }
+
+    fn settings(line: &str) -> TraceSettings {
+        let words = ["test"].into_iter().chain(line.split_whitespace());
+        Line::try_parse_from(words).unwrap().cones.settings()
+    }
+
+    #[test]
+    fn presets_are_the_librarys() {
+        assert_eq!(settings(""), TraceSettings::default());
+        assert_eq!(settings("--preset fast"), TraceSettings::preset(Preset::Fast));
+        assert_eq!(settings("--preset high"), TraceSettings::preset(Preset::High));
+    }
+
+    #[test]
+    fn single_values_change_the_preset() {
+        let changed = settings("--preset high --cones 9 --half --no-specular --step 0.5");
+        let expected = TraceSettings {
+            diffuse_cones: 9,
+            resolution: TraceResolution::Half,
+            specular: false,
+            step_per_voxel: 0.5,
+            ..TraceSettings::preset(Preset::High)
+        };
+        assert_eq!(changed, expected);
+        assert_eq!(settings("--preset fast --full").resolution, TraceResolution::Full);
+        assert!(Line::try_parse_from(["test", "--half", "--full"]).is_err());
+        assert!(Line::try_parse_from(["test", "--cones", "7"]).is_err());
+    }
+
+    /// Sets one value of the settings.
+    type Set = fn(&mut TraceSettings, f32);
+
+    #[test]
+    fn ranges_are_the_librarys() {
+        let accepted = |set: Set, value: f32| {
+            let mut settings = TraceSettings::default();
+            set(&mut settings, value);
+            settings.validate().is_ok()
+        };
+        let cases: [(RangeInclusive<f32>, Set); 6] = [
+            (VOXEL_PER_DIAMETER, |s, v| s.voxel_per_diameter = v),
+            (NORMAL_OFFSET_VOXELS, |s, v| s.normal_offset_voxels = v),
+            (STEP_PER_VOXEL, |s, v| s.step_per_voxel = v),
+            (MIN_TRANSMITTANCE, |s, v| s.min_transmittance = v),
+            (SPECULAR_SHARE, |s, v| s.specular_share = v),
+            (CLEARANCE, |s, v| s.clearance = v),
+        ];
+        for (range, set) in cases {
+            let (low, high) = (*range.start(), *range.end());
+            assert!(accepted(set, low) && accepted(set, high), "{range:?}");
+            let (below, above) = (low - 0.01, high + 0.01);
+            assert!(!accepted(set, below) && !accepted(set, above), "{range:?}");
+        }
+        assert!(accepted(|s, v| s.clearance = v, 0.0));
+        assert_eq!(clearance("0"), Ok(0.0));
+        assert!(clearance("0.05").is_err());
+    }
+
+    #[test]
+    fn the_help_tells_the_presets_values() {
+        use clap::CommandFactory;
+        let command = Line::command();
+        let help_of = |id: &str| {
+            let argument = command.get_arguments().find(|a| a.get_id() == id).unwrap();
+            argument.get_help().unwrap().to_string()
+        };
+        let [balanced, fast, high] =
+            [Preset::Balanced, Preset::Fast, Preset::High].map(TraceSettings::preset);
+        let expect = |id: &str, text: String| {
+            assert!(help_of(id).contains(&text), "{}: {text}", help_of(id));
+        };
+        let (low, fine) = (balanced.diffuse_cones, high.diffuse_cones);
+        expect("cones", format!("[default: {low}; preset high: {fine}]"));
+        let (low, fine) = (balanced.voxel_per_diameter, high.voxel_per_diameter);
+        expect("voxel_per_diameter", format!("[default: {low}; preset high: {fine}]"));
+        let (low, fine) = (balanced.clearance, high.clearance);
+        expect("clearance", format!("[default: {low:.3}; preset high: {fine}]"));
+        expect("normal_offset", format!("[default: {}]", balanced.normal_offset_voxels));
+        expect("step", format!("[default: {}]", balanced.step_per_voxel));
+        expect("min_transmittance", format!("[default: {}]", balanced.min_transmittance));
+        expect("specular_share", format!("[default: {}]", balanced.specular_share));
+        assert!(balanced.occlusion_distance_m.is_infinite() && balanced.specular);
+        assert_eq!(
+            [fast, balanced, high].map(|preset| preset.resolution),
+            [TraceResolution::Half, TraceResolution::Full, TraceResolution::Full]
+        );
+    }
+}

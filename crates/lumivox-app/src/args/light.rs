@@ -1,0 +1,94 @@
+//! Light that the command line adds to a scene.
+
+use glam::{DVec3, Vec3};
+use lumivox_scene::{Light, LightKind};
+
+use super::Refused;
+use super::number::{in_range, list, some};
+
+/// Illuminance of the sun at noon, lux.
+const NOON_LUX: f32 = 100_000.0;
+/// Half the angle under which the sun is seen from the earth, rad.
+const SUN_ANGULAR_RADIUS_RAD: f32 = 0.004_65;
+/// Far above the sun (100 000 lux, 1.6e9 cd/m²), and far below where squares overflow.
+const BRIGHTEST: f32 = 1e10;
+
+const SUN_FORM: &str = "X,Y,Z or X,Y,Z,LUX, such as 0.3,1,0.5,50000";
+
+/// A sun: `X,Y,Z[,LUX]`, where the vector points from the scene towards the sun.
+pub fn sun(text: &str) -> Result<Light, Refused> {
+    let numbers = some(text, SUN_FORM)?;
+    let (&[x, y, z], rest) =
+        numbers.split_first_chunk().filter(|(_, rest)| rest.len() <= 1).ok_or_else(|| {
+            let count = numbers.len();
+            Refused::Malformed(format!("expected {SUN_FORM}, but there are {count} numbers"))
+        })?;
+    let illuminance_lux = match rest {
+        [] => NOON_LUX,
+        [lux, ..] => in_range(*lux, &(0.0..=BRIGHTEST), "the illuminance in lux")?,
+    };
+    // In f64, where the square of no f32 overflows or vanishes.
+    let towards_sun = Vec3::new(x, y, z).as_dvec3();
+    if towards_sun == DVec3::ZERO {
+        return Err(Refused::OutOfRange("the direction must not be 0,0,0".to_owned()));
+    }
+    Ok(Light {
+        name: "sun of the command line".to_owned(),
+        kind: LightKind::Directional {
+            illuminance_lux,
+            angular_radius_rad: SUN_ANGULAR_RADIUS_RAD,
+        },
+        direction: -towards_sun.normalize().as_vec3(),
+        ..Light::default()
+    })
+}
+
+/// The radiance of the surroundings: `R,G,B` in cd/m².
+pub fn environment(text: &str) -> Result<Vec3, Refused> {
+    let radiance = list::<3>(text, "R,G,B in cd/m², such as 800,1000,1300")?;
+    for (value, name) in radiance.into_iter().zip(["red", "green", "blue"]) {
+        in_range(value, &(0.0..=BRIGHTEST), name)?;
+    }
+    Ok(radiance.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sun_shines_from_where_it_is() {
+        let light = sun("0,2,0").unwrap();
+        assert_eq!(light.direction, Vec3::NEG_Y);
+        let LightKind::Directional { illuminance_lux, .. } = light.kind else {
+            panic!("a sun is directional")
+        };
+        assert_eq!(illuminance_lux, NOON_LUX);
+        let light = sun("1e-30,0,0,5").unwrap();
+        assert_eq!(light.direction, Vec3::NEG_X);
+        assert!(matches!(
+            light.kind,
+            LightKind::Directional { illuminance_lux, .. } if illuminance_lux == 5.0
+        ));
+        let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
+        scene.lights.push(sun("3e38,3e38,-3e38,1e10").unwrap());
+        scene.validate().unwrap();
+    }
+
+    #[test]
+    fn impossible_light_is_refused() {
+        for text in ["0,0,0", "0,1,0,-5", "0,1,0,1e11", "nan,1,0", "0,inf,0"] {
+            assert!(matches!(sun(text), Err(Refused::OutOfRange(_))), "{text}");
+        }
+        for text in ["", "1,2", "1,2,3,4,5", "up"] {
+            assert!(matches!(sun(text), Err(Refused::Malformed(_))), "{text}");
+        }
+        assert_eq!(environment("1,2,3"), Ok(Vec3::new(1.0, 2.0, 3.0)));
+        for text in ["-1,0,0", "0,0,nan", "0,1e11,0"] {
+            assert!(matches!(environment(text), Err(Refused::OutOfRange(_))), "{text}");
+        }
+        for text in ["", "1", "1,2", "1,2,3,4"] {
+            assert!(matches!(environment(text), Err(Refused::Malformed(_))), "{text}");
+        }
+    }
+}

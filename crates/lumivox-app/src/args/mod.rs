@@ -1,0 +1,35 @@
+//! What stands on the command line, value by value: each parser refuses by name and range.
+//!
+//! A value can be wrong in two ways. It may not be of the form asked for (`--size big`), which is a
+//! mistake of usage; or it may be of that form but out of range (`--size 0x0`), which is bad input.
+//! [`Refused`] keeps them apart, and the program's exit code says which it was.
+
+pub mod camera;
+pub mod choices;
+pub mod cones;
+pub mod light;
+pub mod number;
+pub mod output;
+pub mod scene;
+pub mod size;
+
+use std::fmt;
+
+/// Why a value of the command line is refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// It does not have the form asked for.
+    Malformed(String),
+    /// It has, but lies where it must not.
+    OutOfRange(String),
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Malformed(reason) | Self::OutOfRange(reason) => f.write_str(reason),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}

@@ -1,0 +1,95 @@
+//! Where the picture goes, checked before any work is done for it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use lumivox_render::ImageFormat;
+
+use crate::exit::Failure;
+
+/// Checks that a picture can be written to `file`: the format, the folder, and that files may be
+/// made in it.
+///
+/// # Errors
+/// A [`lumivox_render::RenderError::UnknownFormat`], or a [`Failure`] that names the file and what
+/// stands in the way.
+pub fn check(file: &Path) -> anyhow::Result<()> {
+    ImageFormat::from_path(file)?;
+    let folder = folder_of(file);
+    let refuse = |reason: &str, remedy: &str| -> anyhow::Result<()> {
+        bail!(Failure::output(format!("{}: {reason}; {remedy}", file.display())))
+    };
+    if file.is_dir() {
+        return refuse("a folder of that name is in the way", "choose another name");
+    }
+    match folder.metadata() {
+        Ok(metadata) if metadata.is_dir() => {}
+        Ok(_) => {
+            let reason = format!("{} is a file, not a folder", folder.display());
+            return refuse(&reason, "choose another folder");
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            let reason = format!("there is no folder {}", folder.display());
+            return refuse(&reason, "make it first, or choose another");
+        }
+        Err(error) => {
+            let reason = format!("the folder {} cannot be read: {error}", folder.display());
+            return refuse(&reason, "check the path and its permissions");
+        }
+    }
+    // Permissions have many sources; trying is the one sure way. The file goes when it is dropped.
+    if let Err(error) = tempfile::Builder::new().prefix(".lumivox-").tempfile_in(&folder) {
+        // The error itself names the temporary file, which nobody asked for.
+        let reason = io::Error::from(error.kind());
+        let reason = format!("no file can be made in {}: {reason}", folder.display());
+        return refuse(&reason, "check the folder's permissions, or choose another");
+    }
+    Ok(())
+}
+
+fn folder_of(file: &Path) -> PathBuf {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_good_place_is_left_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        check(&folder.path().join("picture.png")).unwrap();
+        check(&folder.path().join("picture.EXR")).unwrap();
+        assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+    }
+
+    #[test]
+    fn bad_places_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file.png");
+        std::fs::write(&file, "").unwrap();
+        std::fs::create_dir(folder.path().join("folder.png")).unwrap();
+        for (path, needle) in [
+            ("missing/a.png", "there is no folder"),
+            ("file.png/a.png", "is a file, not a folder"),
+            ("folder.png", "in the way"),
+            ("a.jpg", ".exr"),
+            ("a", ".png"),
+        ] {
+            let path = folder.path().join(path);
+            let error = check(&path).unwrap_err().to_string();
+            assert!(error.contains(needle), "{error}");
+            assert!(error.contains(&path.display().to_string()), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_bare_name_is_in_the_current_folder() {
+        assert_eq!(folder_of(Path::new("a.png")), Path::new("."));
+        assert_eq!(folder_of(Path::new("b/a.png")), Path::new("b"));
+    }
+}

@@ -1,0 +1,123 @@
+//! Which scene.
+
+use std::ffi::OsString;
+use std::fmt;
+use std::path::PathBuf;
+
+use lumivox_scene::{Scene, SceneError, builtin};
+
+use crate::exit::Failure;
+
+const PREFIX: &str = "builtin:";
+
+/// A scene, as the command line names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneSource {
+    /// One made in code.
+    Builtin(String),
+    /// A file.
+    File(PathBuf),
+}
+
+impl From<OsString> for SceneSource {
+    fn from(text: OsString) -> Self {
+        match text.to_str().and_then(|text| text.strip_prefix(PREFIX)) {
+            Some(name) => Self::Builtin(name.to_owned()),
+            None => Self::File(text.into()),
+        }
+    }
+}
+
+impl fmt::Display for SceneSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Builtin(name) => write!(f, "{PREFIX}{name}"),
+            Self::File(file) => file.display().fmt(f),
+        }
+    }
+}
+
+impl SceneSource {
+    /// Checks what is cheap to check: that there is such a scene at all.
+    ///
+    /// # Errors
+    /// When the name is unknown or the file is not there.
+    pub fn check(&self) -> anyhow::Result<()> {
+        match self {
+            Self::Builtin(name) if builtin::names().contains(&name.as_str()) => Ok(()),
+            Self::Builtin(name) => {
+                let known = builtin::names().to_vec();
+                Err(SceneError::UnknownBuiltin { name: name.clone(), known }.into())
+            }
+            Self::File(file) => match std::fs::metadata(file) {
+                Ok(metadata) if metadata.is_dir() => Err(Failure::input(format!(
+                    "{}: is a folder; give a .gltf or .glb file",
+                    file.display()
+                ))
+                .into()),
+                Ok(_) => Ok(()),
+                Err(_) if self.is_builtin_without_prefix() => {
+                    let file = file.display();
+                    Err(Failure::input(format!(
+                        "{file}: there is no such file; did you mean {PREFIX}{file}?"
+                    ))
+                    .into())
+                }
+                Err(source) => Err(SceneError::Read { file: file.clone(), source }.into()),
+            },
+        }
+    }
+
+    /// Makes or reads the scene.
+    ///
+    /// # Errors
+    /// As [`Scene::load`] and [`builtin::scene`].
+    pub fn load(&self) -> Result<Scene, SceneError> {
+        match self {
+            Self::Builtin(name) => builtin::scene(name),
+            Self::File(file) => Scene::load(file),
+        }
+    }
+
+    fn is_builtin_without_prefix(&self) -> bool {
+        matches!(self, Self::File(file)
+            if file.to_str().is_some_and(|name| builtin::names().contains(&name)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(text: &str) -> SceneSource {
+        OsString::from(text).into()
+    }
+
+    #[test]
+    fn the_prefix_tells_names_from_files() {
+        assert_eq!(source("builtin:cornell"), SceneSource::Builtin("cornell".to_owned()));
+        assert_eq!(source("a/b.glb"), SceneSource::File("a/b.glb".into()));
+        assert_eq!(source("builtin:cornell").to_string(), "builtin:cornell");
+    }
+
+    #[test]
+    fn every_builtin_scene_is_known() {
+        for name in builtin::names() {
+            let source = source(&format!("{PREFIX}{name}"));
+            source.check().unwrap();
+            assert_eq!(source.load().unwrap().name, *name);
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_is_named() {
+        let error = source("builtin:corn").check().unwrap_err().to_string();
+        assert!(error.contains("\"corn\"") && error.contains("cornell"), "{error}");
+        let error = source("cornell").check().unwrap_err().to_string();
+        assert!(error.contains("did you mean builtin:cornell?"), "{error}");
+        let error = source("no/such.glb").check().unwrap_err().to_string();
+        assert!(error.contains("no/such.glb"), "{error}");
+        let error = source("/").check().unwrap_err().to_string();
+        assert!(error.contains("is a folder"), "{error}");
+    }
+}

@@ -1,0 +1,300 @@
+//! The command line: commands, options, and their help.
+//!
+//! Each option states its unit, range and default; the tests below hold it to that.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use clap::{ArgAction, Args, Parser, Subcommand};
+use glam::{UVec2, Vec3};
+use lumivox::{Directionality, MAX_RESOLUTION};
+use lumivox_render::{Exposure, ShadowMethod, ToneMap, View};
+use lumivox_scene::Light;
+
+use crate::args::camera::{self, CameraChoice};
+use crate::args::cones::ConeArgs;
+use crate::args::scene::SceneSource;
+use crate::args::{choices, light, number, size};
+use crate::exit;
+
+const EXAMPLES: &str = "\
+Examples:
+  lumivox render builtin:cornell -o cornell.png
+  lumivox render hall.glb -o hall.exr --size 1920x1080 --preset high --frames 64
+  lumivox voxels builtin:atrium --resolution 256
+  lumivox info hall.glb
+  lumivox scenes
+
+Log: warnings go to stderr; -v adds notes, -vv details. The environment variable RUST_LOG overrules
+both (as in RUST_LOG=lumivox=trace).
+";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  The Cornell box, as a picture and as radiance in cd/m2:
+    lumivox render builtin:cornell -o cornell.png
+    lumivox render builtin:cornell -o cornell.exr
+
+  A hall of your own under sun and sky, finely:
+    lumivox render hall.glb -o hall.png --size 1920x1080 --resolution 256 --preset high \\
+        --sun 0.3,1,0.4,90000 --environment 2000,2600,3600
+
+  From a place of your choice, with a field of view of 60 degrees:
+    lumivox render hall.glb -o hall.png --camera 4,1.7,0,0,1.5,0,60
+
+  What the cones see, and what they cost:
+    lumivox render builtin:atrium -o voxels.png --view voxels --level 1
+    lumivox render builtin:atrium -o atrium.png -v
+";
+
+/// Global illumination by voxel cone tracing
+///
+/// Lumivox renders scenes with light that bounces: it turns the triangles into voxels, computes the
+/// light of the voxels, and gathers it by cones at every pixel. All of it runs on the GPU, in
+/// physical units.
+#[derive(Debug, Parser)]
+#[command(name = "lumivox", version, max_term_width = 100)]
+#[command(after_help = format!("{EXAMPLES}\n{}", exit::CODES))]
+pub struct Cli {
+    /// Say more: -v adds notes and, after rendering, tables of times and memory; -vv adds details
+    /// [default: warnings only]
+    #[arg(short, long, action = ArgAction::Count, global = true, help_heading = "Messages")]
+    pub verbose: u8,
+
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to a picture
+    #[command(after_long_help = format!("{RENDER_EXAMPLES}\n{}", exit::CODES))]
+    Render(Box<RenderArgs>),
+    /// Show the GPUs of this machine and what runs on them, or what is in a scene
+    #[command(after_help = "Examples:\n  lumivox info\n  lumivox info hall.glb --json")]
+    Info(InfoArgs),
+    /// Voxelize a scene, and show how many voxels it has, what memory and what time they take
+    #[command(
+        after_help = "Examples:\n  lumivox voxels builtin:atrium\n  lumivox voxels hall.glb \
+                            --resolution 256 --isotropic --json"
+    )]
+    Voxels(VoxelsArgs),
+    /// List the built-in scenes
+    Scenes,
+}
+
+/// A scene to work on.
+#[derive(Args, Debug)]
+pub struct SceneArg {
+    /// The scene: a .gltf or .glb file (glTF 2.0), or builtin:NAME
+    ///
+    /// `lumivox scenes` lists the built-in ones.
+    #[arg(value_name = "SCENE", value_parser = scene_source())]
+    pub scene: SceneSource,
+}
+
+fn scene_source() -> impl TypedValueParser<Value = SceneSource> {
+    OsStringValueParser::new().map(|text: OsString| SceneSource::from(text))
+}
+
+/// How voxels are made.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Voxels")]
+pub struct VoxelArgs {
+    /// Voxels along the scene's longest axis: a multiple of 8 from 16 to 1024
+    ///
+    /// Higher resolves finer detail and leaks less. Memory grows with the cube (165 MiB at 128 for a
+    /// cube-shaped scene; `lumivox info` tells what fits), time with the square.
+    #[arg(long, value_name = "VOXELS", value_parser = number::resolution)]
+    #[arg(default_value = "128", allow_negative_numbers = true)]
+    pub resolution: u32,
+
+    /// Shift of the grid against the scene in voxels, each from 0 to below 1
+    ///
+    /// Errors of voxels depend on where walls fall in the grid; measurements try several.
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::grid_offset)]
+    #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
+    pub grid_offset: Vec3,
+
+    /// Keep one radiance a voxel instead of one for each of six directions [default: off]
+    ///
+    /// A ninth of the memory; surfaces light and shadow themselves, thin walls leak.
+    #[arg(long)]
+    pub isotropic: bool,
+}
+
+impl VoxelArgs {
+    /// The library's word for it.
+    pub fn directionality(&self) -> Directionality {
+        if self.isotropic { Directionality::Isotropic } else { Directionality::SixLobes }
+    }
+}
+
+/// Which GPU.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "GPU")]
+pub struct GpuArgs {
+    /// Part of the GPU's name, in upper or lower case [default: the fastest kind there is]
+    ///
+    /// `lumivox info` lists them.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+
+    /// Use no more than WebGPU's default limits, as in a browser [default: off]
+    #[arg(long)]
+    pub portable: bool,
+}
+
+/// The arguments of `render`.
+#[derive(Args, Debug)]
+pub struct RenderArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// The picture's file: .png (8 bits a channel) or .exr (floats, in cd/m2) [required]
+    ///
+    /// A file of that name is replaced once the picture is complete, never half.
+    #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
+    pub output: PathBuf,
+
+    /// Width and height in pixels, each from 1 to 32768 (or less, as the GPU allows)
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, help_heading = "Picture")]
+    #[arg(default_value = "640x360", allow_hyphen_values = true)]
+    pub size: UVec2,
+
+    /// Frames that are averaged, 1 to 65536
+    ///
+    /// More: smoother edges and less noise, at proportional cost. One frame alone is jagged.
+    #[arg(long, value_name = "FRAMES", value_parser = number::whole(1..=65_536))]
+    #[arg(help_heading = "Picture", default_value = "16", allow_negative_numbers = true)]
+    pub frames: u32,
+
+    /// Where from: a camera's name or number, or position and target in metres [default: the
+    /// scene's first camera, else `framing`, a view of all of it]
+    ///
+    /// Numbers count from 0; `lumivox info SCENE` lists the cameras. PX,PY,PZ is the eye, TX,TY,TZ
+    /// what it looks at, and FOV the vertical field of view in degrees, 1 to 170 (default: 45).
+    #[arg(long, value_name = "NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]", value_parser = camera::camera)]
+    #[arg(help_heading = "Picture", allow_hyphen_values = true)]
+    pub camera: Option<CameraChoice>,
+
+    /// What the picture shows
+    ///
+    /// Views of light are exposed and tone mapped in PNG and in cd/m2 in OpenEXR. The others are
+    /// data: the quantity itself.
+    #[arg(long, value_name = "VIEW", value_parser = choices::view(), help_heading = "Picture")]
+    #[arg(default_value = "final")]
+    pub view: View,
+
+    /// Level of the voxels for `--view voxels`, 0 (finest) to the grid's coarsest
+    ///
+    /// Each level more has voxels of twice the edge.
+    #[arg(long, value_name = "LEVEL", value_parser = number::whole(0..=MAX_RESOLUTION.ilog2()))]
+    #[arg(help_heading = "Picture", default_value = "0", allow_negative_numbers = true)]
+    pub level: u32,
+
+    /// Exposure in stops, -64 to 64, or auto
+    ///
+    /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
+    /// average a middle grey. No effect on OpenEXR.
+    #[arg(long, value_name = "STOPS|auto", value_parser = number::exposure)]
+    #[arg(help_heading = "Picture", default_value = "auto", allow_hyphen_values = true)]
+    pub exposure: Exposure,
+
+    /// Curve from radiance to the screen's range, for PNG
+    #[arg(long, value_name = "NAME", value_parser = choices::tone_map())]
+    #[arg(help_heading = "Picture", default_value = "neutral")]
+    pub tone_map: ToneMap,
+
+    /// The voxels.
+    #[command(flatten)]
+    pub voxels: VoxelArgs,
+
+    /// Reflections of indirect light, 0 to 16
+    ///
+    /// 0 is direct light alone, 1 is light by way of one other surface. Each costs one more gather
+    /// in the voxels, once.
+    #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=16))]
+    #[arg(help_heading = "Light", default_value = "4", allow_negative_numbers = true)]
+    pub bounces: u32,
+
+    /// Add a sun that stands in the direction X,Y,Z, with LUX lux [default: none; LUX: 100000]
+    ///
+    /// The vector points from the scene to the sun (y is up), at any length: 0,1,0 is noon. LUX is
+    /// the illuminance of a surface that faces it, 0 to 1e10. It has the size of ours.
+    #[arg(long, value_name = "X,Y,Z[,LUX]", value_parser = light::sun, help_heading = "Light")]
+    #[arg(allow_hyphen_values = true)]
+    pub sun: Option<Light>,
+
+    /// Radiance of the surroundings in cd/m2, each from 0 to 1e10 [default: the scene's]
+    ///
+    /// It replaces the scene's own. A clear blue sky has about 2000,2600,3600.
+    #[arg(long, value_name = "R,G,B", value_parser = light::environment, help_heading = "Light")]
+    #[arg(allow_hyphen_values = true)]
+    pub environment: Option<Vec3>,
+
+    /// How shadows of lamps and sun are found
+    #[arg(long, value_name = "HOW", value_parser = choices::shadows(), help_heading = "Light")]
+    #[arg(default_value = "map")]
+    pub shadows: ShadowMethod,
+
+    /// Edge of a shadow map in texels, 16 to 32768 (or less, as the GPU allows)
+    ///
+    /// Higher: sharper shadows that begin nearer to their caster. Four bytes a texel; a point light
+    /// has six maps.
+    #[arg(long, value_name = "TEXELS", value_parser = number::whole(16..=size::LONGEST_EDGE))]
+    #[arg(help_heading = "Light", default_value = "1024", allow_negative_numbers = true)]
+    pub shadow_resolution: u32,
+
+    /// The cones.
+    #[command(flatten)]
+    pub cones: ConeArgs,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+
+    /// Print one JSON object instead of text, with times of all passes [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+}
+
+/// The arguments of `info`.
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    /// Describe this scene instead: a .gltf or .glb file, or builtin:NAME [default: describe the
+    /// machine]
+    #[arg(value_name = "SCENE", value_parser = scene_source())]
+    pub scene: Option<SceneSource>,
+
+    /// Print one JSON object instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+}
+
+/// The arguments of `voxels`.
+#[derive(Args, Debug)]
+pub struct VoxelsArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// The voxels.
+    #[command(flatten)]
+    pub voxels: VoxelArgs,
+
+    /// Print one JSON object instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,167 @@
+use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
+use lumivox_render::RenderSettings;
+
+use super::*;
+use crate::commands::render::settings;
+
+fn commands() -> Vec<Definition> {
+    let mut root = Cli::command();
+    root.build();
+    let commands: Vec<Definition> = root.get_subcommands().cloned().collect();
+    commands.into_iter().filter(|command| command.get_name() != "help").chain([root]).collect()
+}
+
+/// The arguments of our own making.
+fn arguments(command: &Definition) -> impl Iterator<Item = &Arg> {
+    command
+        .get_arguments()
+        .filter(|argument| !matches!(argument.get_id().as_str(), "help" | "version" | "verbose"))
+}
+
+#[test]
+fn the_definition_is_sound() {
+    Cli::command().debug_assert();
+}
+
+#[test]
+fn every_argument_has_help_and_a_default() {
+    for command in commands() {
+        for argument in arguments(&command) {
+            let name = format!("{} of {}", argument.get_id(), command.get_name());
+            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+            assert!(help.len() > 10, "{name} has no help");
+            let tells_default = !argument.get_default_values().is_empty()
+                || help.contains("[default: ")
+                || argument.is_required_set();
+            assert!(tells_default, "{name} tells no default: {help}");
+        }
+    }
+}
+
+#[test]
+fn every_value_has_a_unit_or_choices() {
+    const UNITS: [&str; 17] = [
+        "pixels",
+        "texels",
+        "voxels",
+        "metres",
+        "stops",
+        "lux",
+        "cd/m2",
+        "frames",
+        "cones",
+        "reflections",
+        "share",
+        "level",
+        "metre",
+        "name",
+        "file",
+        "number",
+        "builtin:name",
+    ];
+    for command in commands() {
+        for argument in arguments(&command) {
+            let takes_value = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
+            if !takes_value || !argument.get_possible_values().is_empty() {
+                continue;
+            }
+            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+            let help = help.to_lowercase();
+            assert!(
+                UNITS.iter().any(|unit| help.contains(unit)),
+                "{} of {} names no unit: {help}",
+                argument.get_id(),
+                command.get_name()
+            );
+        }
+    }
+}
+
+#[test]
+fn every_choice_is_explained() {
+    for command in commands() {
+        for argument in arguments(&command) {
+            if argument.get_action().takes_values() && !argument.is_hide_possible_values_set() {
+                for choice in argument.get_possible_values() {
+                    assert!(choice.get_help().is_some(), "{}", choice.get_name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_exit_codes_are_told() {
+    for line in ["0  all", "1  the GPU", "2  the command", "3  bad", "4  no", "5  the output"] {
+        assert!(Cli::command().render_long_help().to_string().contains(line), "{line}");
+    }
+}
+
+#[test]
+fn no_argument_gives_the_renderers_defaults() {
+    let line = ["lumivox", "render", "builtin:cornell", "-o", "a.png"];
+    let Some(Command::Render(args)) = Cli::try_parse_from(line).unwrap().command else {
+        panic!("a render command")
+    };
+    assert_eq!(settings(&args), RenderSettings::default());
+}
+
+#[test]
+fn arguments_reach_the_settings() {
+    let line = "lumivox render a.glb -o a.png --size 8x9 --resolution 64 --grid-offset 0,0.5,0 \
+                --isotropic --bounces 2 --frames 3 --view voxels --level 2 --exposure -1.5 \
+                --tone-map aces --shadows cone --shadow-resolution 64 --preset fast";
+    let Some(Command::Render(args)) = Cli::try_parse_from(line.split_whitespace()).unwrap().command
+    else {
+        panic!("a render command")
+    };
+    let expected = RenderSettings {
+        size: UVec2::new(8, 9),
+        resolution: 64,
+        grid_offset: Vec3::new(0.0, 0.5, 0.0),
+        directionality: Directionality::Isotropic,
+        trace: lumivox::TraceSettings::preset(lumivox::Preset::Fast),
+        bounces: 2,
+        frames: 3,
+        view: View::Voxels,
+        voxel_level: 2,
+        exposure: Exposure::Stops(-1.5),
+        tone_map: ToneMap::Aces,
+        shadows: ShadowMethod::Cone,
+        shadow_resolution: 64,
+        ..RenderSettings::default()
+    };
+    assert_eq!(settings(&args), expected);
+}
+
+#[test]
+fn the_ends_of_the_ranges_are_the_renderers() {
+    let limits = wgpu::Limits::default();
+    let valid = |option: &str, value: &str| {
+        let line = ["lumivox", "render", "a.glb", "-o", "a.png", option, value];
+        let parsed = Cli::try_parse_from(line).ok()?.command?;
+        let Command::Render(args) = parsed else { return None };
+        Some(settings(&args).validate(&limits).is_ok())
+    };
+    for (option, low, high) in [
+        ("--bounces", "0", "16"),
+        ("--frames", "1", "65536"),
+        ("--exposure", "-64", "64"),
+        ("--shadow-resolution", "16", "8192"),
+    ] {
+        assert_eq!(valid(option, low), Some(true), "{option} {low}");
+        assert_eq!(valid(option, high), Some(true), "{option} {high}");
+    }
+    for (option, value) in [
+        ("--bounces", "17"),
+        ("--frames", "0"),
+        ("--frames", "65537"),
+        ("--exposure", "65"),
+        ("--shadow-resolution", "15"),
+    ] {
+        assert_eq!(valid(option, value), None, "{option} {value}");
+    }
+    // What the GPU does not allow is left to it.
+    assert_eq!(valid("--shadow-resolution", "16384"), Some(false));
+    assert_eq!(valid("--size", "16384x1"), Some(false));
+}

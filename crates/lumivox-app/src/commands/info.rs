@@ -1,0 +1,27 @@
+//! `lumivox info`: what this machine can run, or what is in a scene.
+
+mod machine;
+mod scene;
+
+use indicatif::MultiProgress;
+
+use crate::cli::InfoArgs;
+use crate::progress::Progress;
+use crate::report::{print, print_json};
+
+/// Describes the scene if there is one, the machine otherwise.
+///
+/// # Errors
+/// When the scene cannot be read, or stdout not be written. A machine without a GPU is described,
+/// too.
+pub fn run(args: &InfoArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    let Some(source) = &args.scene else {
+        let report = machine::Report::new();
+        return if args.json { print_json(&report) } else { print(&report.text()) };
+    };
+    source.check()?;
+    let progress = Progress::start(bars, "loading");
+    let report = scene::Report::new(&source.load()?);
+    drop(progress);
+    if args.json { print_json(&report) } else { print(&report.text()) }
+}

@@ -1,0 +1,260 @@
+//! What this machine can run.
+//!
+//! How large a volume may be follows from the device's limits; whether the memory is there shows
+//! only when it is asked for, since graphics APIs do not tell how much there is. So the report gives
+//! both: the largest resolution that the limits allow, and what the usual resolutions take.
+
+use lumivox_render::{Gpu, GpuOptions, describe};
+use serde::Serialize;
+
+use crate::report::{AdapterReport, Table, bytes};
+
+/// What this machine can run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    version: &'static str,
+    /// The one that is taken if none is named; none if there is none.
+    default_adapter: Option<String>,
+    /// Best first.
+    adapters: Vec<Capabilities>,
+}
+
+/// What an adapter can do.
+#[derive(Clone, Debug, Serialize)]
+struct Capabilities {
+    #[serde(flatten)]
+    adapter: AdapterReport,
+    /// Why it does not run Lumivox; none if it does.
+    problem: Option<String>,
+    #[serde(flatten)]
+    device: Option<DeviceReport>,
+}
+
+/// What a device of an adapter can do.
+#[derive(Clone, Debug, Serialize)]
+struct DeviceReport {
+    max_buffer_bytes: u64,
+    max_storage_binding_bytes: u64,
+    max_texture_2d: u32,
+    max_texture_3d: u32,
+    /// How times of passes are taken.
+    timing: &'static str,
+    /// Whether shaders may compute in 16-bit floats. Lumivox stores them everywhere, and needs no
+    /// more.
+    shader_f16: bool,
+    /// The largest resolution of the dense volume for a cube-shaped scene, with its memory.
+    largest_volume: VolumeReport,
+    /// The usual resolutions within that.
+    volumes: Vec<VolumeReport>,
+}
+
+/// The dense volume of a cube-shaped scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct VolumeReport {
+    resolution: u32,
+    /// With six lobes.
+    bytes: u64,
+    /// Isotropic.
+    isotropic_bytes: u64,
+}
+
+impl Report {
+    /// Looks at every adapter.
+    pub fn new() -> Self {
+        let known = pollster::block_on(adapters());
+        let infos = pollster::block_on(Gpu::adapters());
+        let adapters: Vec<Capabilities> = infos
+            .iter()
+            .map(|info| {
+                let features = known
+                    .iter()
+                    .find(|adapter| adapter.get_info() == *info)
+                    .map(wgpu::Adapter::features)
+                    .unwrap_or_default();
+                Capabilities::new(info, features)
+            })
+            .collect();
+        let default_adapter = infos.first().map(|info| info.name.clone());
+        Self { version: env!("CARGO_PKG_VERSION"), default_adapter, adapters }
+    }
+
+    /// The report for people.
+    pub fn text(&self) -> String {
+        let mut text = format!("Lumivox {}\n", self.version);
+        if self.adapters.is_empty() {
+            text += "\nThere is no GPU adapter for Vulkan, Metal or Direct3D 12 here, so nothing \
+                     can be rendered. Install the GPU's driver, or a software driver (on Debian \
+                     and Ubuntu: mesa-vulkan-drivers).\n";
+        }
+        for (place, adapter) in self.adapters.iter().enumerate() {
+            text.push('\n');
+            text += &adapter.text(place == 0);
+        }
+        text
+    }
+}
+
+impl Capabilities {
+    fn new(info: &wgpu::AdapterInfo, features: wgpu::Features) -> Self {
+        // All of the description, so that no other adapter answers to it.
+        let options = GpuOptions { adapter: Some(describe(info)), portable: false };
+        let opened = pollster::block_on(Gpu::new(&options));
+        let (device, problem) = match opened {
+            Ok(gpu) => (Some(DeviceReport::new(&gpu, features)), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        Self { adapter: AdapterReport::new(info), problem, device }
+    }
+
+    fn text(&self, is_default: bool) -> String {
+        let mut text = self.adapter.description.clone();
+        text += if is_default { "  <- used unless --adapter names another\n" } else { "\n" };
+        let mut line = |name: &str, value: String| {
+            text += &format!("  {name:<23} {value}\n");
+        };
+        if let Some(problem) = &self.problem {
+            line("does not run Lumivox", problem.clone());
+        }
+        let Some(device) = &self.device else { return text };
+        line("largest buffer", bytes(device.max_buffer_bytes));
+        line("largest storage binding", bytes(device.max_storage_binding_bytes));
+        line("largest picture", format!("{0} x {0} pixels", device.max_texture_2d));
+        line("largest 3D texture", format!("{0} x {0} x {0} texels", device.max_texture_3d));
+        line("times of passes", device.timing.to_owned());
+        let half_floats = if device.shader_f16 { "yes" } else { "no" };
+        line("half floats in shaders", format!("{half_floats} (Lumivox does without)"));
+        let largest = device.largest_volume.resolution;
+        line(
+            "dense voxel volume",
+            format!("up to resolution {largest} by the limits; for a cube:"),
+        );
+        let mut table = Table::new(&["    resolution", "six lobes", "--isotropic"]);
+        for volume in &device.volumes {
+            table.row([
+                format!("    {}", volume.resolution),
+                bytes(volume.bytes),
+                bytes(volume.isotropic_bytes),
+            ]);
+        }
+        text + &table.text()
+    }
+}
+
+impl DeviceReport {
+    fn new(gpu: &Gpu, features: wgpu::Features) -> Self {
+        let limits = gpu.device.limits();
+        let timing = if gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            if gpu.is_software() {
+                "by the clock, pass by pass (its timestamps cannot be trusted)"
+            } else {
+                "by timestamps"
+            }
+        } else {
+            "by the clock, pass by pass (it has no timestamps)"
+        };
+        let largest = largest_resolution(&limits);
+        let usual = [64, 128, 256, 512, 1024].into_iter().filter(|&n| n <= largest);
+        Self {
+            max_buffer_bytes: limits.max_buffer_size,
+            max_storage_binding_bytes: limits.max_storage_buffer_binding_size,
+            max_texture_2d: limits.max_texture_dimension_2d,
+            max_texture_3d: limits.max_texture_dimension_3d,
+            timing,
+            shader_f16: features.contains(wgpu::Features::SHADER_F16),
+            largest_volume: VolumeReport::new(largest),
+            volumes: usual.map(VolumeReport::new).collect(),
+        }
+    }
+}
+
+impl VolumeReport {
+    fn new(resolution: u32) -> Self {
+        let cells = cells(resolution);
+        let masks = mask_bytes(resolution);
+        Self {
+            resolution,
+            bytes: cells * 8 * SLABS.pow(2) + masks,
+            isotropic_bytes: cells * 8 + masks,
+        }
+    }
+}
+
+/// The nine parts of a cell with six lobes stand in 3 x 3 slabs of one texture, 8 bytes each.
+const SLABS: u64 = 3;
+
+/// Cells of the levels of a cube's pyramid; the coarsest has at least four along an edge.
+fn edges(resolution: u32) -> impl Iterator<Item = u64> {
+    let levels = (resolution / 4).ilog2() + 1;
+    (0..levels).map(move |level| u64::from(resolution >> level))
+}
+
+fn cells(resolution: u32) -> u64 {
+    edges(resolution).map(|edge| edge.pow(3)).sum()
+}
+
+/// Two bytes a corner of each cell.
+fn mask_bytes(resolution: u32) -> u64 {
+    edges(resolution).map(|edge| (edge + 1).pow(3)).sum::<u64>() * 2
+}
+
+/// The largest resolution at which a cube's volume keeps to the limits.
+fn largest_resolution(limits: &wgpu::Limits) -> u32 {
+    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    (lumivox::MIN_RESOLUTION..=lumivox::MAX_RESOLUTION)
+        .step_by(8)
+        .take_while(|&resolution| {
+            u64::from(resolution) * SLABS <= u64::from(limits.max_texture_dimension_3d)
+                && mask_bytes(resolution) <= binding
+        })
+        .last()
+        .unwrap_or(0)
+}
+
+/// All adapters, for their features, which an open device does not tell.
+async fn adapters() -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    // OpenGL is not used, and probing for it prints errors on machines without a display.
+    let backends = wgpu::Backends::PRIMARY;
+    descriptor.backends = backends;
+    wgpu::Instance::new(descriptor).enumerate_adapters(backends).await
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The account of the library itself, on the smallest volumes.
+    #[test]
+    fn the_memory_is_what_the_library_allocates() {
+        use lumivox::{Directionality, Gi, GiConfig, Grid};
+        let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).unwrap();
+        for directionality in [Directionality::SixLobes, Directionality::Isotropic] {
+            let grid = Grid::fit(glam::Vec3::ZERO, glam::Vec3::ONE, 32, glam::Vec3::ZERO).unwrap();
+            assert_eq!(grid.dimensions, glam::UVec3::splat(32));
+            let config = GiConfig { grid, directionality };
+            let gi = Gi::new(&gpu.device, &gpu.queue, config).unwrap();
+            let memory = gi.memory();
+            let volume = memory.iter().filter(|(name, _)| name.starts_with("volume"));
+            let expected = VolumeReport::new(32);
+            let expected = match directionality {
+                Directionality::SixLobes => expected.bytes,
+                Directionality::Isotropic => expected.isotropic_bytes,
+            };
+            // The masks may be rounded up to whole words.
+            let sum = volume.map(|(_, bytes)| bytes).sum::<u64>();
+            assert!(sum.abs_diff(expected) < 16, "{memory:?}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn default_limits_hold_a_cube_of_384() {
+        assert_eq!(largest_resolution(&wgpu::Limits::default()), 384);
+        let large = wgpu::Limits {
+            max_texture_dimension_3d: 16_384,
+            max_storage_buffer_binding_size: 1 << 40,
+            max_buffer_size: 1 << 40,
+            ..wgpu::Limits::default()
+        };
+        assert_eq!(largest_resolution(&large), lumivox::MAX_RESOLUTION);
+    }
+}

@@ -1,0 +1,180 @@
+//! `lumivox voxels`: what the voxelization of a scene finds, and what it takes.
+
+use std::time::Instant;
+
+use indicatif::MultiProgress;
+use lumivox::gpu::Timing;
+use lumivox::{Gi, GiConfig, Grid, VoxelizeStats};
+use lumivox_render::{GpuScene, Lighting, radiance_unit};
+use lumivox_scene::Scene;
+use serde::Serialize;
+
+use super::open_gpu;
+use crate::cli::VoxelsArgs;
+use crate::progress::Progress;
+use crate::report::{
+    AdapterReport, GridReport, MemoryReport, SceneCounts, Table, Times, count, memory_table, print,
+    print_json, total_bytes,
+};
+
+/// Voxelizes and reports.
+///
+/// # Errors
+/// When the scene cannot be read, or its voxels do not fit the GPU.
+pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    args.scene.scene.check()?;
+    let progress = Progress::start(bars, "loading");
+    let gpu = open_gpu(&args.gpu)?;
+    let scene = args.scene.scene.load()?;
+    let bounds = scene.bounds();
+    let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
+    let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
+
+    progress.set("uploading", 0, 1);
+    let unit = radiance_unit(&scene, &Lighting::of(&scene));
+    let uploaded = GpuScene::new(&gpu, &scene, unit)?;
+    let config = GiConfig { grid, directionality: args.voxels.directionality() };
+    let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
+    gpu.wait("uploading the scene")?;
+
+    progress.set("voxelizing", 0, 1);
+    // First without taking times, which may slow the whole down, then with.
+    let start = Instant::now();
+    let voxelized = pollster::block_on(gi.voxelize(&uploaded.geometry, Timing::Off))?;
+    gpu.wait("voxelizing")?;
+    let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+    let timing = Timing::for_device(&gpu.device);
+    let timed = pollster::block_on(gi.voxelize(&uploaded.geometry, timing))?;
+    gpu.check("voxelizing")?;
+    drop(progress);
+
+    let report = Report::new(&scene, &gi, voxelized.stats, Times::new(&timed.times), wall_ms);
+    let report = Report { adapter: Some(AdapterReport::new(&gpu.adapter_info)), ..report };
+    if args.json {
+        return print_json(&report);
+    }
+    print(&report.text())
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Report {
+    scene: SceneCounts,
+    grid: GridReport,
+    /// Triangles given to the voxelizer.
+    triangles: u64,
+    /// Of those, the ones without an area.
+    skipped: u64,
+    /// Of those, the ones outside the grid.
+    outside: u64,
+    /// Tiles of triangles: the threads of each walk.
+    work_items: u64,
+    /// Pieces of triangles in voxels.
+    fragments: u64,
+    voxels: u32,
+    faces: u32,
+    levels: Vec<LevelReport>,
+    /// What stays on the GPU.
+    memory: Vec<MemoryReport>,
+    memory_bytes: u64,
+    /// What only the voxelization itself needs is in here besides.
+    voxelization_memory: Vec<MemoryReport>,
+    /// Of one voxelization as a whole, by the clock on the wall, without times being taken.
+    wall_ms: f64,
+    #[serde(flatten)]
+    times: Times,
+    adapter: Option<AdapterReport>,
+}
+
+/// One level of the pyramid.
+#[derive(Clone, Debug, Serialize)]
+struct LevelReport {
+    level: u32,
+    dimensions: [u32; 3],
+    /// The edge of a cell, m.
+    cell_size_m: f32,
+    /// Occupied cells.
+    nodes: u32,
+    /// Share of the cells that is occupied.
+    occupancy: f64,
+}
+
+impl Report {
+    fn new(scene: &Scene, gi: &Gi, stats: VoxelizeStats, times: Times, wall_ms: f64) -> Self {
+        let grid = gi.grid();
+        let named = |(name, bytes): (&'static str, u64)| MemoryReport { name: name.into(), bytes };
+        let memory: Vec<_> = gi.memory().into_iter().map(named).collect();
+        let level = |level: u32| {
+            let dimensions = grid.level_dimensions(level);
+            let nodes = gi.voxels().map_or(0, |voxels| voxels.level_nodes(level).len() as u32);
+            let cells = dimensions.as_u64vec3().element_product();
+            LevelReport {
+                level,
+                dimensions: dimensions.to_array(),
+                cell_size_m: grid.voxel_size_m * (1_u32 << level) as f32,
+                nodes,
+                occupancy: f64::from(nodes) / cells as f64,
+            }
+        };
+        let temporary = stats.bytes.into_iter();
+        Self {
+            scene: SceneCounts::new(scene),
+            grid: GridReport::new(grid),
+            triangles: stats.triangles,
+            skipped: stats.skipped,
+            outside: stats.outside,
+            work_items: stats.work_items,
+            fragments: stats.fragments,
+            voxels: stats.voxels,
+            faces: stats.faces,
+            levels: (0..grid.levels).map(level).collect(),
+            memory_bytes: total_bytes(&memory),
+            memory,
+            voxelization_memory: temporary
+                .map(|(name, bytes)| MemoryReport { name, bytes })
+                .collect(),
+            wall_ms,
+            times,
+            adapter: None,
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}\n\n", self.scene.name);
+        let mut table = Table::new(&["voxelization", ""]);
+        for (name, value) in [
+            ("triangles", self.triangles),
+            ("  without an area, skipped", self.skipped),
+            ("  outside the grid", self.outside),
+            ("tiles of triangles", self.work_items),
+            ("pieces of triangles in voxels", self.fragments),
+            ("voxels", self.voxels.into()),
+            ("faces of voxels", self.faces.into()),
+        ] {
+            table.row([name.to_owned(), count(value)]);
+        }
+        text += &table.text();
+
+        let mut table = Table::new(&["level", "cells", "edge in m", "occupied", "share"]);
+        for level in &self.levels {
+            let [x, y, z] = level.dimensions;
+            table.row([
+                level.level.to_string(),
+                format!("{x} x {y} x {z}"),
+                format!("{:.4}", level.cell_size_m),
+                count(level.nodes.into()),
+                format!("{:.2} %", level.occupancy * 100.0),
+            ]);
+        }
+        text.push('\n');
+        text += &table.text();
+        text.push('\n');
+        text += &memory_table(&self.memory);
+        text.push('\n');
+        text += &self.times.table("stage and pass");
+        text += &format!("\nOne voxelization takes {:.2} ms in all", self.wall_ms);
+        if let Some(adapter) = &self.adapter {
+            text += &format!(" on {}", adapter.description);
+        }
+        text + ".\n"
+    }
+}

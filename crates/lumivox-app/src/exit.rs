@@ -1,0 +1,210 @@
+//! How the program ends: exit codes, error messages, and what happens when it is at fault itself.
+
+use std::fmt;
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use lumivox::GiError;
+use lumivox_render::RenderError;
+use lumivox_scene::SceneError;
+
+use crate::args::Refused;
+
+/// What the exit code says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All went well.
+    Ok = 0,
+    /// The GPU failed, or Lumivox has a defect.
+    Internal = 1,
+    /// The command line cannot be understood.
+    Usage = 2,
+    /// A scene is broken, or a value out of range.
+    Input = 3,
+    /// No suitable GPU, or one that is too small.
+    Gpu = 4,
+    /// The output cannot be written.
+    Output = 5,
+}
+
+/// The exit codes, for the help.
+pub const CODES: &str = "\
+Exit codes:
+  0  all went well
+  1  the GPU failed, or Lumivox has a defect
+  2  the command line cannot be understood
+  3  bad input: a scene that cannot be read, or a value out of range
+  4  no suitable GPU, or more asked for than it can hold
+  5  the output cannot be written";
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// An error that the program finds itself, with its exit code.
+#[derive(Debug)]
+pub struct Failure {
+    exit: Exit,
+    message: String,
+}
+
+impl Failure {
+    /// Bad input.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self { exit: Exit::Input, message: message.into() }
+    }
+
+    /// An output that cannot be written.
+    pub fn output(message: impl Into<String>) -> Self {
+        Self { exit: Exit::Output, message: message.into() }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// The exit code for an error of a command.
+pub fn of_error(error: &anyhow::Error) -> Exit {
+    for cause in error.chain() {
+        if let Some(failure) = cause.downcast_ref::<Failure>() {
+            return failure.exit;
+        }
+        if cause.is::<SceneError>() {
+            return Exit::Input;
+        }
+        if let Some(error) = cause.downcast_ref::<RenderError>() {
+            return of_render_error(error);
+        }
+        if let Some(error) = cause.downcast_ref::<GiError>() {
+            return of_gi_error(error);
+        }
+    }
+    Exit::Internal
+}
+
+fn of_render_error(error: &RenderError) -> Exit {
+    match error {
+        RenderError::Adapter { .. }
+        | RenderError::NoDevice { .. }
+        | RenderError::Limit { .. }
+        | RenderError::OutOfMemory { .. } => Exit::Gpu,
+        RenderError::Setting { .. } | RenderError::UnknownFormat { .. } => Exit::Input,
+        RenderError::Write { .. } => Exit::Output,
+        RenderError::Gi(error) => of_gi_error(error),
+        _ => Exit::Internal,
+    }
+}
+
+fn of_gi_error(error: &GiError) -> Exit {
+    match error {
+        GiError::Limit { .. } => Exit::Gpu,
+        GiError::Setting { .. } | GiError::Geometry { .. } | GiError::NothingToVoxelize { .. } => {
+            Exit::Input
+        }
+        _ => Exit::Internal,
+    }
+}
+
+/// Prints what is wrong with the command line, or the help that was asked for.
+pub fn with_clap(error: &clap::Error) -> Exit {
+    // Help into a closed pipe is no mistake worth a word.
+    let _ = error.print();
+    let refused = std::error::Error::source(error).and_then(|e| e.downcast_ref::<Refused>());
+    match (error.use_stderr(), refused) {
+        (false, _) => Exit::Ok,
+        (true, Some(Refused::OutOfRange(_))) => Exit::Input,
+        (true, _) => Exit::Usage,
+    }
+}
+
+/// Prints an error: what happened, then its causes, a line each.
+pub fn with_error(error: &anyhow::Error) -> Exit {
+    let mut text = String::new();
+    let mut said = String::new();
+    for cause in error.chain() {
+        let line = one_line(&cause.to_string());
+        // Messages of the crates below tell their causes themselves.
+        if text.is_empty() {
+            text = format!("error: {line}\n");
+        } else if !said.contains(&line) {
+            text += &format!("  because: {line}\n");
+        }
+        said = line;
+    }
+    let _ = std::io::stderr().write_all(text.as_bytes());
+    of_error(error)
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Runs `work`; a panic in it becomes an apology and [`Exit::Internal`].
+///
+/// The stack is unwound first, so that temporary files go.
+pub fn guard(work: impl FnOnce() -> Exit + std::panic::UnwindSafe) -> Exit {
+    std::panic::set_hook(Box::new(|info| {
+        let reason = info.payload_as_str().unwrap_or("no reason given");
+        let place = info.location().map(|place| format!(" (at {place})")).unwrap_or_default();
+        let text = format!(
+            "error: {}{place}\nSorry, this is a defect of Lumivox. Please report it with this \
+             message and the command line.\n",
+            one_line(reason)
+        );
+        let _ = std::io::stderr().write_all(text.as_bytes());
+    }));
+    std::panic::catch_unwind(work).unwrap_or(Exit::Internal)
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context as _;
+
+    use super::*;
+
+    #[test]
+    fn errors_have_codes_through_any_context() {
+        let codes = |error: anyhow::Error| of_error(&error.context("in some command"));
+        let known = Vec::new();
+        let unknown = SceneError::UnknownBuiltin { name: String::new(), known };
+        assert_eq!(codes(unknown.into()), Exit::Input);
+        let limit = || GiError::Limit {
+            what: String::new(),
+            needed: 2,
+            unit: "bytes",
+            limit: "max_buffer_size",
+            available: 1,
+            remedy: String::new(),
+        };
+        assert_eq!(codes(limit().into()), Exit::Gpu);
+        assert_eq!(codes(RenderError::Gi(limit()).into()), Exit::Gpu);
+        let write = RenderError::Write { file: "a".into(), reason: String::new() };
+        assert_eq!(codes(write.into()), Exit::Output);
+        assert_eq!(codes(anyhow::anyhow!("who knows")), Exit::Internal);
+        assert_eq!(codes(Failure::output("full").into()), Exit::Output);
+        let nested: anyhow::Result<()> = Err(Failure::input("bad")).context("outer");
+        assert_eq!(codes(nested.unwrap_err()), Exit::Input);
+    }
+
+    #[test]
+    fn a_panic_becomes_an_exit_code() {
+        assert_eq!(guard(|| panic!("a test of the apology")), Exit::Internal);
+        assert_eq!(guard(|| Exit::Ok), Exit::Ok);
+        drop(std::panic::take_hook());
+    }
+
+    #[test]
+    fn messages_keep_to_a_line() {
+        assert_eq!(
+            one_line("Validation error\n\n  in this:\n\tthat"),
+            "Validation error in this: that"
+        );
+    }
+}

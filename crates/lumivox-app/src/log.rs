@@ -1,0 +1,80 @@
+//! The log on stderr, in the form of the program's other messages, and clear of the progress bar.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use indicatif::MultiProgress;
+use tracing::{Event, Level, Subscriber};
+use tracing_subscriber::EnvFilter;
+use tracing_subscriber::fmt::format::Writer;
+use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
+use tracing_subscriber::registry::LookupSpan;
+
+/// Starts the log. The environment variable `RUST_LOG` overrules `verbosity`. `tells_warnings` says
+/// that the command's output has the scene's warnings itself.
+pub fn start(verbosity: u8, tells_warnings: bool, bars: &MultiProgress) {
+    // wgpu's crates tell of drivers' quirks that the user can do nothing about. Of errors on the GPU
+    // the command's own error tells the first; what follows from it is for -v.
+    let default = match verbosity {
+        0 if tells_warnings => "error,lumivox_render::gpu=off",
+        0 => "warn,lumivox_render::gpu=off,wgpu_core=error,wgpu_hal=error,naga=error",
+        1 => "info,wgpu_core=warn,wgpu_hal=warn,naga=warn",
+        2 => "debug,wgpu_core=info,wgpu_hal=info,naga=info",
+        _ => "trace",
+    };
+    let asked = std::env::var(EnvFilter::DEFAULT_ENV).ok().filter(|text| !text.is_empty());
+    let filter = asked.map_or_else(|| Ok(EnvFilter::new(default)), EnvFilter::try_new);
+    let filter = filter.unwrap_or_else(|error| {
+        let _ = writeln!(io::stderr(), "warning: RUST_LOG cannot be understood: {error}");
+        EnvFilter::new(default)
+    });
+    let bars = bars.clone();
+    let started = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(move || BesideBars(bars.clone()))
+        .event_format(OneLine)
+        .try_init();
+    if let Err(error) = started {
+        let _ = writeln!(io::stderr(), "warning: there is no log: {error}");
+    }
+}
+
+/// `warning: message`; from debug on with the module that speaks.
+struct OneLine;
+
+impl<S, N> FormatEvent<S, N> for OneLine
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+    N: for<'a> FormatFields<'a> + 'static,
+{
+    fn format_event(
+        &self,
+        context: &FmtContext<'_, S, N>,
+        mut writer: Writer<'_>,
+        event: &Event<'_>,
+    ) -> fmt::Result {
+        let metadata = event.metadata();
+        match *metadata.level() {
+            Level::ERROR => write!(writer, "error: ")?,
+            Level::WARN => write!(writer, "warning: ")?,
+            Level::INFO => write!(writer, "info: ")?,
+            level => write!(writer, "{} ({}): ", level.as_str().to_lowercase(), metadata.target())?,
+        }
+        context.field_format().format_fields(writer.by_ref(), event)?;
+        writeln!(writer)
+    }
+}
+
+/// Writes to stderr with the bars out of the way.
+struct BesideBars(MultiProgress);
+
+impl Write for BesideBars {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.suspend(|| io::stderr().write_all(bytes))?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        io::stderr().flush()
+    }
+}

@@ -1,0 +1,208 @@
+//! Progress on stderr: a bar on a terminal, a line now and then elsewhere, nothing for short work.
+//!
+//! The work itself blocks for long, in drivers and loaders. So a thread of its own keeps what is
+//! shown up to date, and the work only tells it how far it is.
+
+use std::io::{IsTerminal as _, Write as _};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+
+/// Work shorter than this shows nothing.
+const SHOW_AFTER: Duration = Duration::from_secs(1);
+/// How often the bar is brought up to date.
+const REFRESH: Duration = Duration::from_millis(100);
+/// How often a line is written where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+/// Characters of a full bar.
+const BAR_WIDTH: usize = 24;
+/// A guess from less than this would jump about.
+const GUESS_AFTER: Duration = Duration::from_millis(500);
+
+/// Shows how far the work is until it is dropped.
+#[derive(Debug)]
+pub struct Progress {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Clone, Debug)]
+struct State {
+    stage: &'static str,
+    done: u32,
+    total: u32,
+    stage_start: Instant,
+    is_over: bool,
+}
+
+impl Progress {
+    /// Starts with a stage of one step.
+    pub fn start(bars: &MultiProgress, stage: &'static str) -> Self {
+        let state = State { stage, done: 0, total: 1, stage_start: Instant::now(), is_over: false };
+        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
+        let (seen, bars) = (shared.clone(), bars.clone());
+        // Without a thread (the system may refuse one) the work goes on, unseen.
+        let thread = std::thread::Builder::new().spawn(move || show(&seen, &bars)).ok();
+        Self { shared, thread }
+    }
+
+    /// Tells how far the work is: `done` steps of `total`.
+    pub fn set(&self, stage: &'static str, done: u32, total: u32) {
+        let mut state = self.shared.lock();
+        if state.stage != stage {
+            (state.stage, state.stage_start) = (stage, Instant::now());
+        }
+        (state.done, state.total) = (done, total);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.shared.lock().is_over = true;
+        self.shared.changed.notify_all();
+        if let Some(thread) = self.thread.take() {
+            // A panic in there has been told by the hook.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The thread: waits, looks, shows.
+fn show(shared: &Shared, bars: &MultiProgress) {
+    let start = Instant::now();
+    let has_terminal = std::io::stderr().is_terminal() && !bars.is_hidden();
+    let mut bar: Option<ProgressBar> = None;
+    let mut last_line = start;
+    let mut guard = shared.lock();
+    while !guard.is_over {
+        let waited = shared.changed.wait_timeout(guard, REFRESH);
+        guard = waited.unwrap_or_else(PoisonError::into_inner).0;
+        if guard.is_over || start.elapsed() < SHOW_AFTER {
+            continue;
+        }
+        let state = guard.clone();
+        drop(guard);
+        if has_terminal {
+            let bar = bar.get_or_insert_with(|| bars.add(new_bar()));
+            bar.set_message(state.words_with_bar());
+            bar.tick();
+        } else if last_line.elapsed() >= LINE_EVERY {
+            last_line = Instant::now();
+            let _ = writeln!(std::io::stderr(), "{}", state.words());
+        }
+        guard = shared.lock();
+    }
+    drop(guard);
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+}
+
+fn new_bar() -> ProgressBar {
+    // The bar is part of the message: set apart, they would be drawn one after the other.
+    let style = ProgressStyle::with_template("{spinner} {wide_msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_spinner())
+        .tick_chars("-\\|/ ");
+    // Hidden until it is added: it must not draw beside the others.
+    ProgressBar::with_draw_target(None, indicatif::ProgressDrawTarget::hidden()).with_style(style)
+}
+
+impl State {
+    /// A bar, where there are steps, and the words.
+    fn words_with_bar(&self) -> String {
+        if self.total <= 1 {
+            return self.words();
+        }
+        let full = (u64::from(self.done) * BAR_WIDTH as u64 / u64::from(self.total)) as usize;
+        let bar = "=".repeat(full.min(BAR_WIDTH));
+        format!("[{bar:<BAR_WIDTH$}] {}", self.words())
+    }
+
+    fn words(&self) -> String {
+        let elapsed = self.stage_start.elapsed();
+        let steps = match self.total {
+            0 | 1 => String::new(),
+            total => format!(" {}/{total}", self.done),
+        };
+        let left = match time_left(elapsed, self.done, self.total) {
+            Some(left) => format!(", about {} left", clock(left)),
+            None => String::new(),
+        };
+        format!("{}{steps}, {}{left}", self.stage, clock(elapsed))
+    }
+}
+
+/// The time that the rest takes if it goes on as it went so far; `None` while that is unknown.
+fn time_left(elapsed: Duration, done: u32, total: u32) -> Option<Duration> {
+    if done == 0 || total <= 1 || elapsed < GUESS_AFTER {
+        return None;
+    }
+    Some(elapsed.mul_f64(f64::from(total.saturating_sub(done)) / f64::from(done)))
+}
+
+/// `m:ss`, or `h:mm:ss`.
+fn clock(duration: Duration) -> String {
+    let seconds = duration.as_secs();
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if hours > 0 {
+        format!("{hours}:{minutes:02}:{seconds:02}")
+    } else {
+        format!("{minutes}:{seconds:02}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_is_guessed_from_what_was() {
+        let seconds = Duration::from_secs;
+        assert_eq!(time_left(seconds(10), 5, 16), Some(seconds(22)));
+        assert_eq!(time_left(seconds(10), 16, 16), Some(Duration::ZERO));
+        assert_eq!(time_left(seconds(10), 0, 16), None);
+        assert_eq!(time_left(seconds(10), 1, 1), None);
+        assert_eq!(time_left(Duration::from_millis(10), 1, 16), None);
+    }
+
+    #[test]
+    fn clocks_are_short() {
+        assert_eq!(clock(Duration::from_secs(7)), "0:07");
+        assert_eq!(clock(Duration::from_secs(754)), "12:34");
+        assert_eq!(clock(Duration::from_secs(3600 * 3 + 62)), "3:01:02");
+    }
+
+    #[test]
+    fn bars_grow_with_the_steps() {
+        let stage_start = Instant::now();
+        let state =
+            |done, total| State { stage: "frame", done, total, stage_start, is_over: false };
+        assert_eq!(state(0, 1).words_with_bar(), "frame, 0:00");
+        let half = format!("[{}{}] frame 8/16, 0:00", "=".repeat(12), " ".repeat(12));
+        assert_eq!(state(8, 16).words_with_bar(), half);
+        assert!(state(16, 16).words_with_bar().starts_with(&format!("[{}]", "=".repeat(24))));
+    }
+
+    #[test]
+    fn it_ends_at_once() {
+        let start = Instant::now();
+        let progress = Progress::start(&MultiProgress::new(), "testing");
+        progress.set("testing", 1, 2);
+        drop(progress);
+        assert!(start.elapsed() < SHOW_AFTER);
+    }
+}

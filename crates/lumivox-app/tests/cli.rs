@@ -1,0 +1,190 @@
+//! The program as its users meet it: help, lists, reports, pictures.
+
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
+
+mod common;
+
+use std::fs;
+
+use common::{CORNER, folder, glb, lumivox, names};
+
+/// Small enough for a software driver.
+const SMALL: &str = "--size 64x36 --frames 2 --resolution 32";
+
+#[test]
+fn without_arguments_it_shows_the_help() {
+    let folder = folder();
+    let bare = lumivox(folder.path(), "").expect_ok();
+    let asked = lumivox(folder.path(), "-h").expect_ok();
+    for run in [bare, asked] {
+        assert!(run.stdout.contains("Usage: lumivox"), "{}", run.stdout);
+        for word in ["render", "info", "voxels", "scenes", "Exit codes"] {
+            assert!(run.stdout.contains(word), "{word}");
+        }
+        assert_eq!(run.stderr, "");
+    }
+    let version = lumivox(folder.path(), "--version").expect_ok().stdout;
+    assert_eq!(version, format!("lumivox {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn every_command_has_help() {
+    let folder = folder();
+    for command in ["render", "info", "voxels", "scenes"] {
+        let long = lumivox(folder.path(), &format!("{command} --help")).expect_ok();
+        let asked = lumivox(folder.path(), &format!("help {command}")).expect_ok();
+        assert_eq!(long.stdout, asked.stdout);
+        assert!(long.stdout.contains(&format!("Usage: lumivox {command}")), "{}", long.stdout);
+        lumivox(folder.path(), &format!("{command} -h")).expect_ok();
+    }
+    let help = lumivox(folder.path(), "help render").expect_ok().stdout;
+    for text in [
+        "[default: 640x360]",
+        "[default: 128]",
+        "[default: 16]",
+        "[default: final]",
+        "[default: balanced]",
+        "- occlusion:",
+        "in pixels",
+        "with LUX lux",
+        "in metres",
+        "Examples:",
+        "Exit codes:",
+    ] {
+        assert!(help.contains(text), "{text} is missing in {help}");
+    }
+    assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+}
+
+#[test]
+fn the_scenes_are_listed() {
+    let folder = folder();
+    let list = lumivox(folder.path(), "scenes").expect_ok().stdout;
+    for name in ["cornell", "two-rooms", "atrium", "furnace", "panel", "spheres", "-rotated"] {
+        assert!(list.contains(name), "{name} is missing in {list}");
+    }
+}
+
+#[test]
+fn info_describes_the_machine() {
+    let folder = folder();
+    let text = lumivox(folder.path(), "info").expect_ok().stdout;
+    assert!(text.contains("largest storage binding"), "{text}");
+    let report = lumivox(folder.path(), "info --json").expect_ok().json();
+    let adapter = &report["adapters"][0];
+    assert_eq!(report["default_adapter"], adapter["name"]);
+    assert!(adapter["problem"].is_null(), "{adapter}");
+    assert!(adapter["largest_volume"]["resolution"].as_u64().unwrap() >= 128, "{adapter}");
+    assert!(adapter["max_texture_2d"].as_u64().unwrap() >= 8192, "{adapter}");
+}
+
+#[test]
+fn info_describes_a_scene() {
+    let folder = folder();
+    fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
+    let text = lumivox(folder.path(), "info corner.glb").expect_ok().stdout;
+    assert!(text.starts_with("corner\n"), "{text}");
+    let report = lumivox(folder.path(), "info corner.glb --json").expect_ok().json();
+    assert_eq!(report["triangles"], 4);
+    assert_eq!(report["bounds_max"], serde_json::json!([1.0, 2.0, 1.0]));
+    assert_eq!(report["lights"][0]["kind"], "point");
+    assert_eq!(report["lights"][0]["strength"], 100.0);
+    let report = lumivox(folder.path(), "info builtin:cornell --json").expect_ok().json();
+    assert!(report["cameras"][0]["vertical_fov_deg"].as_f64().unwrap() > 1.0);
+}
+
+#[test]
+fn voxels_are_counted() {
+    let folder = folder();
+    let line = "voxels builtin:cornell --resolution 32";
+    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
+    let voxels = report["voxels"].as_u64().unwrap();
+    assert!(voxels > 0 && report["faces"].as_u64().unwrap() >= voxels, "{report}");
+    assert_eq!(report["levels"][0]["nodes"].as_u64(), Some(voxels));
+    assert_eq!(report["triangles"], report["scene"]["triangles"]);
+    assert_eq!(report["skipped"], 0);
+    let memory = report["memory"].as_array().unwrap();
+    let sum: u64 = memory.iter().map(|part| part["bytes"].as_u64().unwrap()).sum();
+    assert_eq!(report["memory_bytes"].as_u64(), Some(sum));
+    assert!(report["stages"].as_array().unwrap().iter().all(|s| s["ms"].as_f64().unwrap() >= 0.0));
+    assert!(report["wall_ms"].as_f64().unwrap() > 0.0);
+    let text = lumivox(folder.path(), &format!("{line} --isotropic --grid-offset 0.5,0,0"));
+    let text = text.expect_ok().stdout;
+    for word in ["voxels", "faces", "level", "total", "stage", "One voxelization"] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+}
+
+#[test]
+fn a_picture_is_rendered_and_reported() {
+    let folder = folder();
+    let line = format!("render builtin:cornell -o a.png {SMALL} --json");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(names(folder.path()), ["a.png"]);
+    let png = fs::read(folder.path().join("a.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+    // Width and height, in the header chunk.
+    assert_eq!(png[16..24], [0, 0, 0, 64, 0, 0, 0, 36]);
+
+    assert_eq!(report["file"], "a.png");
+    assert_eq!(report["size"], serde_json::json!([64, 36]));
+    assert_eq!(report["scene"]["name"], "cornell");
+    assert_eq!(report["settings"]["frames"], 2);
+    assert_eq!(report["settings"]["resolution"], 32);
+    assert!(report["settings"]["occlusion_distance"].is_null());
+    assert!(report["voxels"].as_u64().unwrap() > 0, "{report}");
+    assert!(report["faces"].as_u64().unwrap() > 0, "{report}");
+    assert!(report["memory_bytes"].as_u64().unwrap() > 0, "{report}");
+    assert!(report["exposure"].as_f64().unwrap().is_finite(), "{report}");
+    assert!(report["seconds"]["total"].as_f64().unwrap() > 0.0, "{report}");
+    assert!(report["adapter"]["name"].as_str().is_some_and(|name| !name.is_empty()), "{report}");
+    let stages: Vec<_> = report["stages"].as_array().unwrap().iter().collect();
+    for name in ["voxelize", "G-buffer", "trace"] {
+        let stage = stages.iter().find(|stage| stage["stage"] == name);
+        assert!(stage.is_some_and(|stage| stage["ms"].as_f64().unwrap() > 0.0), "{name}: {report}");
+    }
+}
+
+#[test]
+fn two_runs_give_the_same_bytes() {
+    let folder = folder();
+    for extension in ["png", "exr"] {
+        let [first, second] = ["a", "b"].map(|name| {
+            let line = format!("render builtin:cornell -o {name}.{extension} {SMALL}");
+            let text = lumivox(folder.path(), &line).expect_ok().stdout;
+            assert!(text.starts_with(&format!("{name}.{extension}: 64x36")), "{text}");
+            fs::read(folder.path().join(format!("{name}.{extension}"))).unwrap()
+        });
+        assert!(first == second, "the two .{extension} files differ");
+    }
+    assert_eq!(names(folder.path()), ["a.exr", "a.png", "b.exr", "b.png"]);
+}
+
+#[test]
+fn a_file_is_rendered_under_every_kind_of_light() {
+    let folder = folder();
+    fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
+    fs::write(folder.path().join("a.png"), "an older file").unwrap();
+    let line = format!(
+        "render corner.glb -o a.png {SMALL} --sun 1,2,1,5000 --environment 10,20,30 \
+         --camera 1.5,1.5,3,0,0.5,0,50 --preset fast --shadows cone --exposure -8 -v"
+    );
+    let run = lumivox(folder.path(), &line).expect_ok();
+    assert!(run.stdout.contains("exposure -8"), "{}", run.stdout);
+    assert!(run.stdout.contains("2 lights"), "{}", run.stdout);
+    assert!(run.stdout.contains("stage and pass"), "{}", run.stdout);
+    assert!(run.stdout.contains("total"), "{}", run.stdout);
+    assert!(run.stderr.contains("info: running on"), "{}", run.stderr);
+    assert!(fs::read(folder.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn the_voxels_can_be_seen() {
+    let folder = folder();
+    let line = "render builtin:panel -o a.png --size 32x18 --frames 1 --resolution 16 \
+                --view voxels --level 1 --camera framing --isotropic --portable --json";
+    let report = lumivox(folder.path(), line).expect_ok().json();
+    assert_eq!(report["settings"]["view"], "voxels");
+    assert_eq!(report["settings"]["isotropic"], true);
+    assert_eq!(report["camera"]["name"], "framing");
+}

@@ -1,0 +1,129 @@
+//! The program as a process, and scenes to feed it.
+
+#![allow(dead_code, reason = "each file of tests uses a part")]
+
+use std::path::Path;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// How a run of the program ended.
+#[derive(Debug)]
+pub struct Run {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// Runs `lumivox` in `folder` with the words of `line`.
+pub fn lumivox(folder: &Path, line: &str) -> Run {
+    let output = cargo_bin_cmd!("lumivox")
+        .current_dir(folder)
+        .env_remove("RUST_LOG")
+        .args(line.split_whitespace())
+        .output()
+        .unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Run {
+        code: output.status.code().unwrap_or(-1),
+        stdout: text(output.stdout),
+        stderr: text(output.stderr),
+    }
+}
+
+impl Run {
+    /// The run, if it went well.
+    #[track_caller]
+    pub fn expect_ok(self) -> Self {
+        assert_eq!(self.code, 0, "{}", self.stderr);
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        self
+    }
+
+    /// The JSON on stdout.
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).unwrap()
+    }
+}
+
+pub fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+/// The names of all that is in a folder, hidden files included.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = folder.read_dir().unwrap();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// A `.glb` file of triangles between `positions`, three each, under a lamp.
+pub fn glb(positions: &[[f32; 3]]) -> Vec<u8> {
+    let bin: Vec<u8> = positions.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    let corner = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
+        let along = |axis: usize| positions.iter().map(move |position| position[axis]);
+        (0..3).map(|axis| along(axis).reduce(pick).unwrap_or(0.0)).collect()
+    };
+    let number = |value: f32| if value.is_finite() { json!(value) } else { json!(0) };
+    let bound = |pick| corner(pick).into_iter().map(number).collect::<Vec<_>>();
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [
+            { "mesh": 0 },
+            {
+                "translation": [0.2, 2, 0.3],
+                "extensions": { "KHR_lights_punctual": { "light": 0 } },
+            },
+        ],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{
+            "bufferView": 0, "componentType": 5126, "type": "VEC3",
+            "count": positions.len(), "min": bound(f32::min), "max": bound(f32::max),
+        }],
+        "bufferViews": [{ "buffer": 0, "byteLength": bin.len() }],
+        "buffers": [{ "byteLength": bin.len() }],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {
+            "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 100 }] },
+        },
+    });
+    container(&document.to_string(), &bin)
+}
+
+/// The container of glTF 2.0, section 4.4.
+pub fn container(json: &str, bin: &[u8]) -> Vec<u8> {
+    let mut chunks = Vec::new();
+    for (kind, padding, content) in [(b"JSON", b' ', json.as_bytes()), (b"BIN\0", 0, bin)] {
+        let padded = content.len().next_multiple_of(4);
+        chunks.extend_from_slice(&(padded as u32).to_le_bytes());
+        chunks.extend_from_slice(kind);
+        chunks.extend_from_slice(content);
+        chunks.resize(chunks.len() + padded - content.len(), padding);
+    }
+    let mut file = b"glTF\x02\0\0\0".to_vec();
+    file.extend_from_slice(&(12 + chunks.len() as u32).to_le_bytes());
+    file.extend_from_slice(&chunks);
+    file
+}
+
+/// A floor and a wall.
+pub const CORNER: [[f32; 3]; 12] = [
+    [-1.0, 0.0, -1.0],
+    [-1.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [-1.0, 0.0, -1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 0.0, -1.0],
+    [-1.0, 0.0, -1.0],
+    [1.0, 0.0, -1.0],
+    [1.0, 2.0, -1.0],
+    [-1.0, 0.0, -1.0],
+    [1.0, 2.0, -1.0],
+    [-1.0, 2.0, -1.0],
+];

@@ -1,0 +1,30 @@
+// The mean of all frames so far. Knows nothing of the grid: its own bindings are in group 0.
+
+struct AccumulateSettings {
+    // Frames in the mean so far.
+    frames: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+@group(0) @binding(0) var<uniform> accumulate_settings: AccumulateSettings;
+@group(0) @binding(1) var frame: texture_2d<f32>;
+@group(0) @binding(2) var old_mean: texture_2d<f32>;
+@group(0) @binding(3) var new_mean: texture_storage_2d<rgba32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = invocation.xy;
+    if any(pixel >= textureDimensions(frame)) {
+        return;
+    }
+    let value = textureLoad(frame, pixel, 0);
+    if accumulate_settings.frames == 0u {
+        textureStore(new_mean, pixel, value);
+        return;
+    }
+    let old = textureLoad(old_mean, pixel, 0);
+    let mean = old + (value - old) / f32(accumulate_settings.frames + 1u);
+    textureStore(new_mean, pixel, mean);
+}

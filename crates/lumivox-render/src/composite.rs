@@ -1,0 +1,102 @@
+//! One frame's picture from its parts, or a view of one of them.
+//!
+//! Outgoing radiance is emission, plus what lamps and sun send directly, plus albedo / pi times the
+//! gathered irradiance (less what the gloss reflects before it enters), plus what the glossy cones
+//! gathered. The background is the environment.
+
+use bytemuck::{Pod, Zeroable};
+use lumivox::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+};
+use lumivox::{GBuffer, Gi, Lights, TraceTargets};
+
+use crate::View;
+use crate::direct::DirectTargets;
+use crate::textures::ScreenTextures;
+
+/// Format of pictures before tone mapping: full floats, so that the mean over frames is exact.
+pub(crate) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// `CompositeSettings` of `composite.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct CompositeSettings {
+    pub(crate) shown: u32,
+    padding: [u32; 3],
+}
+
+/// Puts the parts of a picture together.
+#[derive(Debug)]
+pub struct CompositePass {
+    kernel: Kernel,
+    layout: wgpu::BindGroupLayout,
+    /// Stands in for the volume: bound as well, its textures would exceed the 16 of WebGPU.
+    nothing: wgpu::BindGroup,
+}
+
+/// One frame's picture.
+#[derive(Debug)]
+pub struct CompositeTargets {
+    /// Radiance or a quantity in rgb; in a 1 where there is a surface, 0 elsewhere.
+    pub picture: wgpu::TextureView,
+    settings: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl CompositePass {
+    /// Makes the pipeline.
+    ///
+    /// # Errors
+    /// When the shader does not link.
+    pub fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        gi: &Gi,
+    ) -> Result<Self, ShaderError> {
+        let layout = LayoutBuilder::compute().uniform();
+        let layout = (0..4)
+            .fold(layout, |layout, _| layout.texture_2d_unfilterable())
+            .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
+            .build(device, "composite");
+        let nothing = LayoutBuilder::compute().build(device, "nothing");
+        let groups = [&nothing, &layout, gi.lights_layout(), gi.gbuffer_layout()];
+        let kernel = Kernel::new(device, shaders, "render::composite", "main", &groups)?;
+        let nothing = BindGroupBuilder::new(&nothing).build(device, "nothing");
+        Ok(Self { kernel, layout, nothing })
+    }
+
+    pub(crate) fn targets(
+        &self,
+        device: &wgpu::Device,
+        textures: &mut ScreenTextures<'_>,
+        direct: &DirectTargets,
+        traced: &TraceTargets,
+    ) -> CompositeTargets {
+        let picture = textures.storage("picture", PICTURE_FORMAT);
+        let settings = uniform_buffer(device, "composite", &CompositeSettings::zeroed());
+        let group = BindGroupBuilder::new(&self.layout)
+            .buffer(&settings)
+            .view(&direct.diffuse)
+            .view(&direct.specular)
+            .view(&traced.irradiance)
+            .view(&traced.specular)
+            .view(&picture)
+            .build(device, "composite");
+        CompositeTargets { picture, settings, group }
+    }
+
+    /// Makes the picture. The view takes effect at the next submission: one frame per recorder.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder,
+        lights: &Lights,
+        gbuffer: &GBuffer,
+        targets: &CompositeTargets,
+        view: View,
+    ) {
+        let settings = CompositeSettings { shown: view as u32, padding: [0; 3] };
+        recorder.queue().write_buffer(&targets.settings, 0, bytemuck::bytes_of(&settings));
+        let groups = [&self.nothing, &targets.group, &lights.group, &gbuffer.group];
+        self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
+    }
+}

@@ -1,0 +1,111 @@
+// One frame's picture, or one view of it: radiance or a quantity in rgb, in a whether there is a surface.
+
+import package::constants::{
+    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_NORMAL,
+    VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR,
+};
+import package::light::lights::light_globals;
+import package::trace::brdf::{fresnel_schlick, PI};
+import package::trace::gbuffer::{
+    gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface, view, Surface,
+};
+
+struct CompositeSettings {
+    // One of VIEW_...
+    shown: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+@group(1) @binding(0) var<uniform> composite_settings: CompositeSettings;
+// Reflected radiance; visibility of the lights in a of the first.
+@group(1) @binding(1) var direct_diffuse: texture_2d<f32>;
+@group(1) @binding(2) var direct_specular: texture_2d<f32>;
+// Irradiance in rgb, openness in a.
+@group(1) @binding(3) var irradiance: texture_2d<f32>;
+// Reflected radiance in rgb, cone samples in a.
+@group(1) @binding(4) var specular: texture_2d<f32>;
+@group(1) @binding(5) var picture: texture_storage_2d<rgba32float, write>;
+
+fn direct_light(pixel: vec2u) -> vec3f {
+    return textureLoad(gbuffer_emission, pixel, 0).rgb
+        + textureLoad(direct_diffuse, pixel, 0).rgb
+        + textureLoad(direct_specular, pixel, 0).rgb;
+}
+
+fn indirect_light(pixel: vec2u, surface: Surface) -> vec3f {
+    let albedo = textureLoad(gbuffer_diffuse, pixel, 0).rgb;
+    let f0 = textureLoad(gbuffer_specular, pixel, 0).rgb;
+    let to_camera = normalize(view.position_in_world - surface.position_in_world);
+    let fresnel = fresnel_schlick(f0, saturate(dot(surface.shading_normal, to_camera)));
+    let diffuse = textureLoad(irradiance, pixel, 0).rgb * albedo / PI * (1.0 - fresnel);
+    return diffuse + textureLoad(specular, pixel, 0).rgb;
+}
+
+fn shade(pixel: vec2u, surface: Surface) -> vec3f {
+    switch composite_settings.shown {
+        case VIEW_DIRECT: {
+            return direct_light(pixel);
+        }
+        case VIEW_INDIRECT: {
+            return indirect_light(pixel, surface);
+        }
+        case VIEW_DIFFUSE: {
+            return textureLoad(irradiance, pixel, 0).rgb / PI;
+        }
+        case VIEW_SPECULAR: {
+            return textureLoad(specular, pixel, 0).rgb;
+        }
+        case VIEW_OCCLUSION: {
+            return vec3f(textureLoad(irradiance, pixel, 0).a);
+        }
+        case VIEW_SHADOW: {
+            return vec3f(textureLoad(direct_diffuse, pixel, 0).a);
+        }
+        case VIEW_ALBEDO: {
+            return textureLoad(gbuffer_diffuse, pixel, 0).rgb;
+        }
+        case VIEW_NORMAL: {
+            return surface.shading_normal;
+        }
+        case VIEW_DEPTH: {
+            return vec3f(distance(surface.position_in_world, view.position_in_world));
+        }
+        case VIEW_COST: {
+            return vec3f(textureLoad(specular, pixel, 0).a);
+        }
+        default: {
+            return direct_light(pixel) + indirect_light(pixel, surface);
+        }
+    }
+}
+
+// The sky is seen as what it is, light of its own, wherever emission is.
+fn shows_environment() -> bool {
+    switch composite_settings.shown {
+        case VIEW_INDIRECT, VIEW_DIFFUSE, VIEW_SPECULAR, VIEW_OCCLUSION, VIEW_SHADOW,
+            VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST: {
+            return false;
+        }
+        default: {
+            return true;
+        }
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = invocation.xy;
+    if any(pixel >= view.size) {
+        return;
+    }
+    let surface = load_surface(pixel);
+    if surface.depth > 0.0 {
+        textureStore(picture, pixel, vec4f(shade(pixel, surface), 1.0));
+    } else if shows_environment() {
+        textureStore(picture, pixel, vec4f(light_globals.environment, 0.0));
+    } else {
+        textureStore(picture, pixel, vec4f(0.0));
+    }
+}

@@ -1,0 +1,84 @@
+// Light that reaches the visible surfaces straight from the lamps and the sun.
+
+import package::light::lights::{incident_light, light_globals, lights};
+import package::light::visibility::light_visibility;
+import package::trace::brdf::{
+    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
+};
+import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_specular, load_surface, view};
+
+// Reflected radiance in rgb, visibility in a.
+@group(1) @binding(0) var direct_diffuse: texture_storage_2d<rgba16float, write>;
+// Reflected radiance in rgb.
+@group(1) @binding(1) var direct_specular: texture_storage_2d<rgba16float, write>;
+
+// The largest half float: a mirror's highlight may exceed it.
+const MAX_HALF: f32 = 65504.0;
+
+fn luminance(color: vec3f) -> f32 {
+    // ITU-R BT.709-6, section 3.2.
+    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// Positions pass through here because lavapipe (Mesa 22.3) crashes at the dispatch otherwise. Judging by where,
+// it follows the branches of the shadow cone back through the position to the camera's matrix, in search of
+// uniforms to compile in, and overruns its list of them; memory is where it stops.
+var<workgroup> positions: array<vec3f, 64>;
+
+@compute @workgroup_size(8, 8)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(local_invocation_index) local_index: u32,
+) {
+    let pixel = invocation.xy;
+    var surface = load_surface(min(pixel, view.size - 1u));
+    positions[local_index] = surface.position_in_world;
+    workgroupBarrier();
+    surface.position_in_world = positions[local_index];
+    if any(pixel >= view.size) {
+        return;
+    }
+    if surface.depth == 0.0 {
+        textureStore(direct_diffuse, pixel, vec4f(0.0));
+        textureStore(direct_specular, pixel, vec4f(0.0));
+        return;
+    }
+    let albedo = textureLoad(gbuffer_diffuse, pixel, 0).rgb;
+    let specular = textureLoad(gbuffer_specular, pixel, 0);
+    let alpha = alpha_from_roughness(specular.a);
+    let normal = surface.shading_normal;
+    let to_camera = normalize(view.position_in_world - surface.position_in_world);
+    // Never quite grazing: the visibility term is 0 / 0 there.
+    let n_dot_v = max(dot(normal, to_camera), 1e-4);
+
+    var diffuse = vec3f(0.0);
+    var glossy = vec3f(0.0);
+    var arriving = 0.0;
+    var sent = 0.0;
+    for (var index = 0u; index < light_globals.light_count; index++) {
+        let light = lights[index];
+        let incident = incident_light(light, surface.position_in_world);
+        let brightness = luminance(incident.irradiance);
+        sent += brightness;
+        let n_dot_l = dot(normal, incident.direction);
+        // The geometric normal decides, too: a bent normal must not catch light from behind the surface.
+        if brightness <= 0.0 || n_dot_l <= 0.0
+            || dot(surface.geometric_normal, incident.direction) <= 0.0 {
+            continue;
+        }
+        let visible = light_visibility(
+            light, incident, surface.position_in_world, surface.geometric_normal);
+        arriving += visible * brightness;
+        let irradiance = visible * n_dot_l * incident.irradiance;
+        let half_vector = normalize(incident.direction + to_camera);
+        let fresnel = fresnel_schlick(specular.rgb, dot(half_vector, to_camera));
+        // What the gloss reflects does not enter: glTF 2.0, appendix B.3.
+        diffuse += irradiance * (1.0 - fresnel) * albedo / PI;
+        glossy += irradiance * fresnel
+            * ggx_distribution(saturate(dot(normal, half_vector)), alpha)
+            * ggx_visibility(n_dot_v, n_dot_l, alpha);
+    }
+    let visibility = select(1.0, arriving / sent, sent > 0.0);
+    textureStore(direct_diffuse, pixel, vec4f(min(diffuse, vec3f(MAX_HALF)), visibility));
+    textureStore(direct_specular, pixel, vec4f(min(glossy, vec3f(MAX_HALF)), 1.0));
+}

@@ -1,0 +1,188 @@
+//! Finished pictures and their files.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use exr::prelude::{SpecificChannels, WritableImage as _};
+use glam::UVec2;
+use image::{ExtendedColorType, ImageEncoder as _};
+
+use crate::RenderError;
+
+/// A finished picture, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width and height in pixels.
+    pub size: UVec2,
+    /// Radiance in cd/m² or the quantity of a view, in rgb; in a the share of the pixel that shows a
+    /// surface.
+    pub hdr: Vec<[f32; 4]>,
+    /// What a screen shows: exposed, tone mapped, sRGB-encoded, opaque.
+    pub ldr: Vec<[u8; 4]>,
+}
+
+/// A file format for pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// 8 bits a channel, tone mapped.
+    Png,
+    /// `OpenEXR`: 32-bit floats, linear, in cd/m² (or the unit of a data view), not exposed.
+    Exr,
+}
+
+impl ImageFormat {
+    /// The format that a file's extension names; ask before rendering.
+    ///
+    /// # Errors
+    /// [`RenderError::UnknownFormat`] when it is neither `png` nor `exr`, in upper or lower case.
+    pub fn from_path(path: &Path) -> Result<Self, RenderError> {
+        let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
+        let extension = extension.unwrap_or_default();
+        match extension.to_ascii_lowercase().as_str() {
+            "png" => Ok(Self::Png),
+            "exr" => Ok(Self::Exr),
+            _ => Err(RenderError::UnknownFormat { file: path.to_owned(), extension }),
+        }
+    }
+}
+
+impl Picture {
+    /// Writes the picture in the format that the extension names.
+    ///
+    /// It is written under a temporary name in the same folder first and renamed at the end: whoever
+    /// looks finds the old picture or the whole new one.
+    ///
+    /// # Errors
+    /// [`RenderError::UnknownFormat`], and [`RenderError::Write`] when the file cannot be written; then
+    /// nothing is left behind.
+    pub fn write(&self, path: &Path) -> Result<(), RenderError> {
+        let format = ImageFormat::from_path(path)?;
+        let fail = |reason: String| RenderError::Write { file: path.to_owned(), reason };
+        let (temporary, file) = create_beside(path).map_err(|e| fail(e.to_string()))?;
+        let written = match format {
+            ImageFormat::Png => self.write_png(&file),
+            ImageFormat::Exr => self.write_exr(&file),
+        };
+        let finished = written
+            .and_then(|()| file.sync_all().map_err(|e| e.to_string()))
+            .and_then(|()| fs::rename(&temporary, path).map_err(|e| e.to_string()));
+        finished.map_err(|reason| {
+            // The first error is the one to tell; a file that cannot be removed either is a detail.
+            let _ = fs::remove_file(&temporary);
+            fail(reason)
+        })
+    }
+
+    fn write_png(&self, file: &File) -> Result<(), String> {
+        // No alpha: a picture of a room with holes where the sky is would be a surprise.
+        let rgb: Vec<u8> = self.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        let mut writer = BufWriter::new(file);
+        image::codecs::png::PngEncoder::new(&mut writer)
+            .write_image(&rgb, self.size.x, self.size.y, ExtendedColorType::Rgb8)
+            .map_err(|e| e.to_string())?;
+        std::io::Write::flush(&mut writer).map_err(|e| e.to_string())
+    }
+
+    fn write_exr(&self, file: &File) -> Result<(), String> {
+        let width = self.size.x as usize;
+        let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
+            let [r, g, b, _] = self.hdr[at.y() * width + at.x()];
+            (r, g, b)
+        });
+        let image = exr::image::Image::from_channels((width, self.size.y as usize), channels);
+        image.write().to_buffered(BufWriter::new(file)).map_err(|e| e.to_string())
+    }
+}
+
+/// A new file in the folder of `path`, with a name that nobody uses.
+fn create_beside(path: &Path) -> std::io::Result<(PathBuf, File)> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let process = std::process::id();
+    let mut attempt = 0;
+    loop {
+        let temporary = path.with_file_name(format!(".{name}.{process}-{attempt}.part"));
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            Ok(file) => return Ok((temporary, file)),
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists && attempt < 1000 => {
+                attempt += 1;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture() -> Picture {
+        let size = UVec2::new(3, 2);
+        let hdr = (0..6).map(|i| [i as f32 * 1000.5, 0.25, -1.0, 1.0]).collect();
+        let ldr = (0..6).map(|i| [i * 40, 255 - i, 7, 255]).collect();
+        Picture { size, hdr, ldr }
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("the folder");
+        let names =
+            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned());
+        names.collect()
+    }
+
+    #[test]
+    fn png_holds_the_screen_and_replaces_what_was_there() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("picture.PNG");
+        fs::write(&path, "an older picture").expect("writable");
+        picture().write(&path).expect("written");
+        assert_eq!(names(folder.path()), ["picture.PNG"]);
+        let bytes = fs::read(&path).expect("readable");
+        let decoded = image::load_from_memory(&bytes).expect("a PNG").to_rgb8();
+        assert_eq!(decoded.dimensions(), (3, 2));
+        let expected: Vec<u8> = picture().ldr.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        assert_eq!(decoded.into_raw(), expected);
+    }
+
+    #[test]
+    fn exr_holds_the_radiance_to_the_bit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("picture.exr");
+        picture().write(&path).expect("written");
+        assert_eq!(names(folder.path()), ["picture.exr"]);
+        let read = exr::prelude::read_first_rgba_layer_from_file(
+            &path,
+            |size, _| (size.width(), vec![[0.0_f32; 3]; size.area()]),
+            |(width, pixels), at, (r, g, b, _): (f32, f32, f32, f32)| {
+                pixels[at.y() * *width + at.x()] = [r, g, b];
+            },
+        )
+        .expect("an OpenEXR file");
+        let pixels = &read.layer_data.channel_data.pixels.1;
+        let expected: Vec<[f32; 3]> = picture().hdr.iter().map(|p| [p[0], p[1], p[2]]).collect();
+        assert_eq!(*pixels, expected);
+    }
+
+    #[test]
+    fn a_failure_names_the_file_and_leaves_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let missing = folder.path().join("missing").join("picture.png");
+        let error = picture().write(&missing).expect_err("no such folder");
+        assert!(error.to_string().contains("missing"), "{error}");
+        // A folder stands where the picture shall go: the rename fails at the very end.
+        let blocked = folder.path().join("picture.exr");
+        fs::create_dir(&blocked).expect("a folder");
+        let error = picture().write(&blocked).expect_err("a folder is in the way");
+        assert!(error.to_string().contains("picture.exr"), "{error}");
+        assert_eq!(names(folder.path()), ["picture.exr"]);
+    }
+
+    #[test]
+    fn other_formats_are_refused_by_name() {
+        for name in ["picture.jpg", "picture", "png"] {
+            let error = ImageFormat::from_path(Path::new(name)).expect_err("not written here");
+            let message = error.to_string();
+            assert!(message.contains(name) && message.contains(".png"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Rust's and WGSL's structs have the same layout, as naga reflects it, and every shader is valid: without
+//! a GPU.
+
+use std::mem::offset_of;
+
+use lumivox::gpu::ShaderLibrary;
+
+/// What `package::volume` may stand for; `Gi` mounts one of them, on a device only.
+const VOLUMES: [&str; 2] = [
+    include_str!("../../lumivox/src/volume/dense/six_lobes.wgsl"),
+    include_str!("../../lumivox/src/volume/dense/isotropic.wgsl"),
+];
+
+fn libraries() -> [ShaderLibrary; 2] {
+    VOLUMES.map(|volume| {
+        let mut library = crate::shaders::library(&lumivox::shaders::library());
+        library.add("volume", volume);
+        library
+    })
+}
+
+/// Asserts that a Rust struct has the size of a WGSL struct and each field the offset of the member of the
+/// same name; all members but padding must be listed.
+macro_rules! assert_layout {
+    ($library:expr, $module:literal, $name:literal, $rust:ty { $($field:ident),* $(,)? }) => {{
+        let layout = $library.struct_layout($module, $name).expect("the struct is there");
+        let rust = vec![$((stringify!($field).to_owned(), offset_of!($rust, $field) as u32)),*];
+        let is_padding = |name: &str| name.starts_with("padding");
+        let wgsl = layout.members.into_iter().filter(|(name, _)| !is_padding(name));
+        assert_eq!(wgsl.collect::<Vec<_>>(), rust, "offsets of {}", $name);
+        assert_eq!(layout.size as usize, size_of::<$rust>(), "size of {}", $name);
+    }};
+}
+
+#[test]
+fn structs_lie_in_memory_alike() {
+    use crate::accumulate::AccumulateSettings;
+    use crate::composite::CompositeSettings;
+    use crate::gbuffer_pass::RasterView;
+    use crate::shadow_maps::ShadowView;
+    use crate::tone_map::ToneMapSettings;
+    use crate::upload::{DrawRecord, MaterialRecord};
+    use crate::voxel_view::VoxelViewSettings;
+
+    let [library, _] = libraries();
+    assert_layout!(
+        library,
+        "render::accumulate",
+        "AccumulateSettings",
+        AccumulateSettings { frames }
+    );
+    assert_layout!(library, "render::composite", "CompositeSettings", CompositeSettings { shown });
+    assert_layout!(
+        library,
+        "render::gbuffer_pass",
+        "RasterView",
+        RasterView { clip_from_world, position_in_world }
+    );
+    assert_layout!(library, "render::shadow_maps", "ShadowView", ShadowView { clip_from_world });
+    assert_layout!(
+        library,
+        "render::tone_map",
+        "ToneMapSettings",
+        ToneMapSettings { encoding, curve, scale, offset }
+    );
+    assert_layout!(
+        library,
+        "render::draws",
+        "DrawRecord",
+        DrawRecord { world_from_local, normal_from_local }
+    );
+    assert_layout!(
+        library,
+        "render::material",
+        "Material",
+        MaterialRecord {
+            base_color,
+            emission,
+            normal_scale,
+            dielectric_f0,
+            roughness,
+            metallic,
+            has_normal_texture,
+            is_masked,
+        }
+    );
+    assert_layout!(
+        library,
+        "render::voxel_view",
+        "VoxelViewSettings",
+        VoxelViewSettings { level, pixel_slope }
+    );
+}
+
+#[test]
+fn every_shader_is_valid() {
+    for library in libraries() {
+        let mut entry_points = 0;
+        for path in library.paths().filter(|path| path.starts_with("render::")) {
+            let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
+            entry_points += module.entry_points.len();
+        }
+        // Five compute kernels; two vertex shaders and a fragment shader for shadows; one each for
+        // the G-buffer.
+        assert_eq!(entry_points, 10);
+    }
+}

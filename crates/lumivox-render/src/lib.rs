@@ -1,0 +1,55 @@
+//! A deferred renderer around the global illumination of `lumivox`: from a scene to a picture.
+//!
+//! ```no_run
+//! # async fn render() -> Result<(), Box<dyn std::error::Error>> {
+//! use lumivox_render::{Gpu, GpuOptions, RenderSettings, Renderer};
+//!
+//! let scene = lumivox_scene::builtin::scene("cornell")?;
+//! let gpu = Gpu::new(&GpuOptions::default()).await?;
+//! let settings = RenderSettings { frames: 32, ..RenderSettings::default() };
+//! let mut renderer = Renderer::new(&gpu, &scene, None, settings, &mut |_| {}).await?;
+//! let picture = renderer.render(&mut |_| {}).await?;
+//! picture.write("cornell.png".as_ref())?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A frame is a row of passes, each in its own module with its shader beside it: the G-buffer
+//! ([`gbuffer_pass`]), direct light ([`direct`]) with shadow maps ([`shadow_maps`]), the cones of
+//! `lumivox`, and the [`composite`], which [`accumulate`] averages over frames and [`tone_map`] brings
+//! to a screen.
+
+// Tests compare floats that must be equal to the bit.
+#![cfg_attr(test, allow(clippy::float_cmp))]
+
+pub mod accumulate;
+pub mod composite;
+pub mod direct;
+mod error;
+pub mod gbuffer_pass;
+mod gpu;
+mod image;
+mod memory;
+mod raster;
+mod readback;
+mod renderer;
+mod settings;
+pub mod shaders;
+pub mod shadow_maps;
+mod targets;
+mod textures;
+mod times;
+pub mod tone_map;
+mod upload;
+pub mod voxel_view;
+
+#[cfg(test)]
+mod layouts;
+
+pub use error::RenderError;
+pub use gpu::{Gpu, GpuOptions, describe};
+pub use image::{ImageFormat, Picture};
+pub use memory::MemoryUse;
+pub use renderer::{Progress, Renderer};
+pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
+pub use upload::{GpuScene, Lighting, radiance_unit};

@@ -1,0 +1,111 @@
+//! What the passes that rasterize share: vertex layouts, reversed depth, draws.
+
+use crate::upload::{SceneDraw, Shading, VertexBuffers};
+
+pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
+const TEXCOORD: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x2];
+const SHADING: [wgpu::VertexAttribute; 2] =
+    wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x4];
+
+const fn stream<T>(
+    attributes: &'static [wgpu::VertexAttribute],
+) -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<T>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes,
+    }
+}
+
+type Streams<const N: usize> = [Option<wgpu::VertexBufferLayout<'static>>; N];
+
+pub(crate) const POSITIONS_ONLY: Streams<1> = [Some(stream::<[f32; 3]>(&POSITION))];
+pub(crate) const POSITIONS_AND_TEXCOORDS: Streams<2> =
+    [Some(stream::<[f32; 3]>(&POSITION)), Some(stream::<[f32; 2]>(&TEXCOORD))];
+pub(crate) const ALL_STREAMS: Streams<3> = [
+    Some(stream::<[f32; 3]>(&POSITION)),
+    Some(stream::<[f32; 2]>(&TEXCOORD)),
+    Some(stream::<Shading>(&SHADING)),
+];
+
+/// A pipeline that draws triangles against a reversed depth buffer: what is nearer is greater.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RasterPipeline<'a> {
+    pub(crate) label: &'a str,
+    pub(crate) module: &'a wgpu::ShaderModule,
+    pub(crate) vertex: &'a str,
+    pub(crate) fragment: Option<&'a str>,
+    pub(crate) targets: &'a [Option<wgpu::ColorTargetState>],
+    pub(crate) vertex_buffers: &'a [Option<wgpu::VertexBufferLayout<'static>>],
+    pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
+    pub(crate) cull_mode: Option<wgpu::Face>,
+}
+
+impl RasterPipeline<'_> {
+    pub(crate) fn create(self, device: &wgpu::Device) -> wgpu::RenderPipeline {
+        let groups: Vec<_> = self.groups.iter().map(|group| Some(*group)).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(self.label),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(self.label),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: self.module,
+                entry_point: Some(self.vertex),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: self.vertex_buffers,
+            },
+            primitive: wgpu::PrimitiveState {
+                front_face: wgpu::FrontFace::Ccw,
+                cull_mode: self.cull_mode,
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: self.fragment.map(|entry| wgpu::FragmentState {
+                module: self.module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: self.targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// A depth target, cleared to infinitely far.
+pub(crate) fn depth_attachment(
+    view: &wgpu::TextureView,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load: wgpu::LoadOp::Clear(0.0),
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+/// Draws a run of triangles; the shader finds its record by the instance's index, `number`.
+pub(crate) fn draw(
+    pass: &mut wgpu::RenderPass<'_>,
+    batch: &VertexBuffers,
+    draw: &SceneDraw,
+    number: u32,
+) {
+    pass.set_index_buffer(batch.indices.slice(..), wgpu::IndexFormat::Uint32);
+    pass.draw_indexed(draw.indices.clone(), draw.base_vertex, number..number + 1);
+}

@@ -1,0 +1,352 @@
+//! Everything that can be set about a rendering, in one type: units, ranges, defaults.
+
+use glam::{UVec2, Vec3};
+use lumivox::gpu::Timing;
+use lumivox::{Directionality, TraceSettings};
+
+use crate::RenderError;
+
+/// What the picture shows.
+///
+/// Views of light (`Final` to `Specular`) are exposed and tone mapped, and hold cd/m² in OpenEXR.
+/// The others are data: they bypass both, and OpenEXR holds the quantity itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum View {
+    /// All light: `Direct` + `Indirect`.
+    #[default]
+    Final,
+    /// Emission and the light that lamps and sun send to the surface without a detour.
+    Direct,
+    /// Light that came by way of other surfaces or from the environment, reflected by this one.
+    Indirect,
+    /// Indirect light as a white diffuse surface would reflect it: irradiance / pi, without albedo.
+    Diffuse,
+    /// Indirect light that the surface reflects glossily.
+    Specular,
+    /// Ambient visibility: 1 where the surface sees nothing but sky, 0 where it sees none.
+    Occlusion,
+    /// The share of the lamps' and the sun's light that is not blocked, weighted by luminance; a
+    /// surface that faces away from a light blocks it itself. 1 without lights.
+    Shadow,
+    /// Diffuse albedo. Metals have none: they are black.
+    Albedo,
+    /// Shading normal in the world, with -1 to 1 of x, y and z shown as 0 to 255 in red, green, blue.
+    Normal,
+    /// Distance from the camera in metres; white is near, black as far as the scene's farthest corner.
+    Depth,
+    /// Cone samples taken for the pixel, as colours from dark violet (0) over green to yellow
+    /// ([`COST_SCALE_SAMPLES`] and above).
+    Cost,
+    /// The voxels of one level as cubes, in the light that they hold.
+    Voxels,
+}
+
+/// The number of cone samples at the upper end of [`View::Cost`]'s colours.
+pub const COST_SCALE_SAMPLES: f32 = 512.0;
+
+impl View {
+    /// All views.
+    pub const ALL: [Self; 12] = [
+        Self::Final,
+        Self::Direct,
+        Self::Indirect,
+        Self::Diffuse,
+        Self::Specular,
+        Self::Occlusion,
+        Self::Shadow,
+        Self::Albedo,
+        Self::Normal,
+        Self::Depth,
+        Self::Cost,
+        Self::Voxels,
+    ];
+
+    /// The view's name in lower case, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Final => "final",
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
+            Self::Diffuse => "diffuse",
+            Self::Specular => "specular",
+            Self::Occlusion => "occlusion",
+            Self::Shadow => "shadow",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+            Self::Cost => "cost",
+            Self::Voxels => "voxels",
+        }
+    }
+
+    /// The constant of the shaders that stands for the view; its value is `self as u32`.
+    pub(crate) fn constant(self) -> &'static str {
+        match self {
+            Self::Final => "VIEW_FINAL",
+            Self::Direct => "VIEW_DIRECT",
+            Self::Indirect => "VIEW_INDIRECT",
+            Self::Diffuse => "VIEW_DIFFUSE",
+            Self::Specular => "VIEW_SPECULAR",
+            Self::Occlusion => "VIEW_OCCLUSION",
+            Self::Shadow => "VIEW_SHADOW",
+            Self::Albedo => "VIEW_ALBEDO",
+            Self::Normal => "VIEW_NORMAL",
+            Self::Depth => "VIEW_DEPTH",
+            Self::Cost => "VIEW_COST",
+            Self::Voxels => "VIEW_VOXELS",
+        }
+    }
+
+    /// Whether the values are radiances, to be exposed and tone mapped.
+    pub fn is_light(self) -> bool {
+        use View::{Diffuse, Direct, Final, Indirect, Specular, Voxels};
+        matches!(self, Final | Direct | Indirect | Diffuse | Specular | Voxels)
+    }
+
+    /// Whether the analytic lights are needed.
+    pub(crate) fn needs_direct(self) -> bool {
+        matches!(self, Self::Final | Self::Direct | Self::Shadow)
+    }
+
+    /// Whether cones are needed, given the number of bounces.
+    pub(crate) fn needs_cones(self, bounces: u32) -> bool {
+        let light = matches!(self, Self::Final | Self::Indirect | Self::Diffuse | Self::Specular);
+        matches!(self, Self::Occlusion | Self::Cost) || (light && bounces > 0)
+    }
+}
+
+/// How radiance becomes brightness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Exposure {
+    /// The geometric mean of the picture's luminance becomes 0.18, a middle grey (Reinhard et al.
+    /// 2002, section 3.1). Pixels without a surface, and those that are black, do not count.
+    #[default]
+    Auto,
+    /// Radiance in cd/m² times 2 to the power of this many stops is the value that is tone mapped.
+    Stops(f32),
+}
+
+/// The curve from exposed radiance to the range of a screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum ToneMap {
+    /// Khronos PBR Neutral (2024): keeps the hue and saturation of what is darker than white, and
+    /// compresses and desaturates highlights alone.
+    #[default]
+    Neutral,
+    /// Narkowicz's fit (2015) of the ACES film curve: more contrast, highlights shift in hue.
+    Aces,
+    /// None: what is above 1 is clipped.
+    Linear,
+}
+
+impl ToneMap {
+    /// All curves.
+    pub const ALL: [Self; 3] = [Self::Neutral, Self::Aces, Self::Linear];
+
+    /// The curve's name in lower case, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Neutral => "neutral",
+            Self::Aces => "aces",
+            Self::Linear => "linear",
+        }
+    }
+
+    /// The constant of the shaders that stands for the curve; its value is `self as u32`.
+    pub(crate) fn constant(self) -> &'static str {
+        match self {
+            Self::Neutral => "TONE_MAP_NEUTRAL",
+            Self::Aces => "TONE_MAP_ACES",
+            Self::Linear => "TONE_MAP_LINEAR",
+        }
+    }
+}
+
+/// How shadows of lamps and sun are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShadowMethod {
+    /// By depth maps: sharp, and exact to a texel. Lights that find no room in them use cones.
+    #[default]
+    Map,
+    /// By cones through the voxels, as wide as the source: soft, and as coarse as the voxels.
+    Cone,
+}
+
+/// Parameters of a rendering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Width and height in pixels, at least 1, at most the device's `max_texture_dimension_2d`.
+    /// Default: 640 x 360. Cost and memory (about 120 bytes) are per pixel.
+    pub size: UVec2,
+    /// Voxels along the scene's longest axis, a multiple of 8 from 16 to 1024. Default: 128. Higher
+    /// resolves finer detail and leaks less; memory and time for voxels grow with its square.
+    pub resolution: u32,
+    /// Shift of the voxel grid in voxels, each at least 0 and below 1. Default: 0. Errors depend on
+    /// where walls fall in the grid, so measurements try several.
+    pub grid_offset: Vec3,
+    /// Whether voxels keep a radiance for each direction. Default: six lobes.
+    pub directionality: Directionality,
+    /// The cones.
+    pub trace: TraceSettings,
+    /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
+    /// light alone, 1 is light over one other surface. Default: 4. Each costs one gather in the
+    /// voxels, once.
+    pub bounces: u32,
+    /// Frames that are averaged, 1 to 65 536. Default: 16. More: smoother edges and less noise, at
+    /// proportional cost. A single frame has no anti-aliasing.
+    pub frames: u32,
+    /// What the picture shows.
+    pub view: View,
+    /// The level of the voxels that [`View::Voxels`] shows: 0 (the default) is the finest, each one
+    /// more has cubes of twice the size.
+    pub voxel_level: u32,
+    /// How radiance becomes brightness. Default: automatic.
+    pub exposure: Exposure,
+    /// The curve to the screen's range. Default: neutral.
+    pub tone_map: ToneMap,
+    /// How shadows are found. Default: maps.
+    pub shadows: ShadowMethod,
+    /// Edge of a shadow map in texels, 16 to the device's `max_texture_dimension_2d`. Default: 1024.
+    /// Higher: sharper shadows that begin nearer to their caster; four bytes a texel, six maps for a
+    /// point light.
+    pub shadow_resolution: u32,
+    /// How times of the stages are taken. Default: not at all.
+    pub timing: Timing,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            size: UVec2::new(640, 360),
+            resolution: 128,
+            grid_offset: Vec3::ZERO,
+            directionality: Directionality::default(),
+            trace: TraceSettings::default(),
+            bounces: 4,
+            frames: 16,
+            view: View::default(),
+            voxel_level: 0,
+            exposure: Exposure::default(),
+            tone_map: ToneMap::default(),
+            shadows: ShadowMethod::default(),
+            shadow_resolution: 1024,
+            timing: Timing::Off,
+        }
+    }
+}
+
+/// The most bounces: with an albedo of 0.9, a seventeenth would still add 2 % of the light.
+const MAX_BOUNCES: u32 = 16;
+/// The most frames: their running mean in `f32` still moves by a 65 536th.
+const MAX_FRAMES: u32 = 65_536;
+/// Beyond this, f32 overflows.
+const MAX_STOPS: f32 = 64.0;
+const MIN_SHADOW_RESOLUTION: u32 = 16;
+
+impl RenderSettings {
+    /// Checks every value against its range and the device's limits. What belongs to the voxel grid
+    /// (`resolution`, `grid_offset`) is checked where the grid is fitted to the scene.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] or [`RenderError::Limit`], naming the first one that is out of range,
+    /// and [`RenderError::Gi`] for the cones' settings.
+    pub fn validate(&self, limits: &wgpu::Limits) -> Result<(), RenderError> {
+        validate_size(self.size, limits)?;
+        let in_range = |name, value: u32, low: u32, high: u32| {
+            if (low..=high).contains(&value) {
+                return Ok(());
+            }
+            let expected = format!("from {low} to {high}");
+            Err(RenderError::Setting { name, value: value.to_string(), expected })
+        };
+        in_range("bounces", self.bounces, 0, MAX_BOUNCES)?;
+        in_range("frames", self.frames, 1, MAX_FRAMES)?;
+        let most = limits.max_texture_dimension_2d;
+        in_range("shadow resolution", self.shadow_resolution, MIN_SHADOW_RESOLUTION, most)?;
+        if let Exposure::Stops(stops) = self.exposure
+            && (stops.is_nan() || stops.abs() > MAX_STOPS)
+        {
+            return Err(RenderError::Setting {
+                name: "exposure",
+                value: stops.to_string(),
+                expected: "from -64 to 64 stops".to_owned(),
+            });
+        }
+        Ok(self.trace.validate()?)
+    }
+}
+
+fn validate_size(size: UVec2, limits: &wgpu::Limits) -> Result<(), RenderError> {
+    let most = limits.max_texture_dimension_2d;
+    if size.min_element() == 0 {
+        return Err(RenderError::Setting {
+            name: "size",
+            value: format!("{}x{}", size.x, size.y),
+            expected: format!("at least 1x1 and at most {most}x{most} pixels"),
+        });
+    }
+    if size.max_element() > most {
+        return Err(RenderError::Limit {
+            what: format!("a picture of {}x{}", size.x, size.y),
+            needed: size.max_element().into(),
+            unit: "pixels along an edge",
+            limit: "max_texture_dimension_2d",
+            available: most.into(),
+            remedy: format!("ask for at most {most}x{most}"),
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error_of(settings: &RenderSettings) -> RenderError {
+        settings.validate(&wgpu::Limits::default()).expect_err("out of range")
+    }
+
+    #[test]
+    fn the_defaults_are_valid() {
+        RenderSettings::default().validate(&wgpu::Limits::default()).expect("valid");
+    }
+
+    #[test]
+    fn impossible_sizes_name_the_limit() {
+        let nothing = RenderSettings { size: UVec2::ZERO, ..Default::default() };
+        assert!(matches!(error_of(&nothing), RenderError::Setting { name: "size", .. }));
+        let huge = RenderSettings { size: UVec2::splat(100_000), ..Default::default() };
+        let error = error_of(&huge);
+        assert!(
+            matches!(error, RenderError::Limit { limit: "max_texture_dimension_2d", .. }),
+            "{error}"
+        );
+        assert!(error.to_string().contains("100000x100000"), "{error}");
+        assert!(error.to_string().contains("at most 8192x8192"), "{error}");
+    }
+
+    #[test]
+    fn other_settings_are_checked() {
+        let cases = [
+            RenderSettings { bounces: 17, ..Default::default() },
+            RenderSettings { frames: 0, ..Default::default() },
+            RenderSettings { shadow_resolution: 8, ..Default::default() },
+            RenderSettings { exposure: Exposure::Stops(f32::NAN), ..Default::default() },
+        ];
+        for settings in cases {
+            assert!(matches!(error_of(&settings), RenderError::Setting { .. }), "{settings:?}");
+        }
+    }
+
+    #[test]
+    fn codes_are_the_position_in_all() {
+        for (index, view) in View::ALL.into_iter().enumerate() {
+            assert_eq!(view as usize, index);
+        }
+        for (index, tone_map) in ToneMap::ALL.into_iter().enumerate() {
+            assert_eq!(tone_map as usize, index);
+        }
+    }
+}

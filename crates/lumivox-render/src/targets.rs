@@ -1,0 +1,111 @@
+//! What belongs to one size of picture: textures, and the passes that are bound to them.
+
+use glam::{Mat4, UVec2};
+use lumivox::gpu::ShaderLibrary;
+use lumivox::{GBuffer, Gi, TraceResolution, TraceTargets};
+
+use crate::accumulate::AccumulatePass;
+use crate::composite::{CompositePass, CompositeTargets};
+use crate::direct::{DirectPass, DirectTargets};
+use crate::gbuffer_pass::GBufferTargets;
+use crate::textures::ScreenTextures;
+use crate::tone_map::ToneMapPass;
+use crate::voxel_view::VoxelViewPass;
+use crate::{Gpu, RenderError};
+
+/// All that has the picture's size.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub(crate) gbuffer_textures: GBufferTargets,
+    pub(crate) gbuffer: GBuffer,
+    pub(crate) direct: DirectTargets,
+    pub(crate) traced: TraceTargets,
+    pub(crate) composite: CompositeTargets,
+    pub(crate) voxel_view: VoxelViewPass,
+    pub(crate) accumulate: AccumulatePass,
+    pub(crate) tone_map: ToneMapPass,
+    /// Of the textures of this crate and of the cones'.
+    pub(crate) bytes: u64,
+}
+
+/// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
+/// resolution 16 + 20 / 4), picture and mean 48, screen 4.
+const BYTES_PER_PIXEL: u64 = 116;
+
+impl Targets {
+    /// Makes everything.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`] when the device has not the memory, and when a shader does not link.
+    pub(crate) async fn new(
+        gpu: &Gpu,
+        shaders: &ShaderLibrary,
+        gi: &Gi,
+        passes: (&DirectPass, &CompositePass),
+        size: UVec2,
+        resolution: TraceResolution,
+    ) -> Result<Self, RenderError> {
+        let needed = u64::from(size.x) * u64::from(size.y) * BYTES_PER_PIXEL;
+        let too_large = || RenderError::OutOfMemory {
+            what: format!("a picture of {}x{}", size.x, size.y),
+            needed_mib: needed >> 20,
+            remedy: "ask for a smaller picture",
+        };
+        // Software drivers hand out memory that they do not have, and the system then ends the process.
+        if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {
+            return Err(too_large());
+        }
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let targets = Self::create(gpu, shaders, gi, passes, size, resolution);
+        if scope.pop().await.is_some() {
+            return Err(too_large());
+        }
+        targets
+    }
+
+    fn create(
+        gpu: &Gpu,
+        shaders: &ShaderLibrary,
+        gi: &Gi,
+        (direct, composite): (&DirectPass, &CompositePass),
+        size: UVec2,
+        resolution: TraceResolution,
+    ) -> Result<Self, RenderError> {
+        let device = &gpu.device;
+        let mut textures = ScreenTextures::new(device, size);
+        let gbuffer_textures = GBufferTargets::new(&mut textures);
+        let view = lumivox::View {
+            clip_from_world: Mat4::IDENTITY,
+            position: glam::Vec3::ZERO,
+            size,
+            frame: 0,
+        };
+        let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
+        let direct = direct.targets(device, &mut textures);
+        let traced = gi.targets(size, resolution);
+        let composite = composite.targets(device, &mut textures, &direct, &traced);
+        let voxel_view = VoxelViewPass::new(device, shaders, gi, &composite)?;
+        let accumulate =
+            AccumulatePass::new(device, shaders, &mut textures, size, &composite.picture)?;
+        let tone_map = ToneMapPass::new(device, shaders, &mut textures, size)?;
+        let bytes = textures.bytes + traced.memory();
+        Ok(Self {
+            gbuffer_textures,
+            gbuffer,
+            direct,
+            traced,
+            composite,
+            voxel_view,
+            accumulate,
+            tone_map,
+            bytes,
+        })
+    }
+}
+
+/// Bytes of main memory that are free for use; `None` where the system does not tell.
+fn available_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
+}

@@ -1,0 +1,62 @@
+//! Screen-sized textures.
+
+use glam::UVec2;
+
+/// Textures of one picture's size, with their memory summed up.
+#[derive(Debug)]
+pub(crate) struct ScreenTextures<'a> {
+    device: &'a wgpu::Device,
+    size: UVec2,
+    /// Bytes of all textures made so far.
+    pub(crate) bytes: u64,
+}
+
+impl<'a> ScreenTextures<'a> {
+    pub(crate) fn new(device: &'a wgpu::Device, size: UVec2) -> Self {
+        Self { device, size, bytes: 0 }
+    }
+
+    /// A texture that passes write as `usage` says, and that later ones read.
+    pub(crate) fn create(
+        &mut self,
+        label: &str,
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        let texel_bytes = format.block_copy_size(None).unwrap_or(4);
+        self.bytes += u64::from(self.size.x) * u64::from(self.size.y) * u64::from(texel_bytes);
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: extent(self.size),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: usage | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    }
+
+    /// A view of a texture that a compute pass writes.
+    pub(crate) fn storage(
+        &mut self,
+        label: &str,
+        format: wgpu::TextureFormat,
+    ) -> wgpu::TextureView {
+        view(&self.create(label, format, wgpu::TextureUsages::STORAGE_BINDING))
+    }
+
+    /// A view of a texture that a render pass draws into.
+    pub(crate) fn target(&mut self, label: &str, format: wgpu::TextureFormat) -> wgpu::TextureView {
+        view(&self.create(label, format, wgpu::TextureUsages::RENDER_ATTACHMENT))
+    }
+}
+
+/// All of a texture.
+pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+pub(crate) fn extent(size: UVec2) -> wgpu::Extent3d {
+    wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 }
+}

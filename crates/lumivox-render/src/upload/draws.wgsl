@@ -1,0 +1,9 @@
+// The draws of a scene: binding 1 of group 0 of the passes that rasterize; the instance index is the draw's.
+
+struct DrawRecord {
+    world_from_local: mat4x4f,
+    // Inverse transpose of the linear part, for normals.
+    normal_from_local: mat4x4f,
+}
+
+@group(0) @binding(1) var<storage, read> draws: array<DrawRecord>;

@@ -1,0 +1,196 @@
+//! Meshes packed into few vertex and index buffers, none larger than a storage binding may be.
+//!
+//! The rasterizer and the voxelizer read the same buffers: positions (12 bytes a vertex), texture
+//! coordinates (8) and indices (4) are bound as storage by the voxelizer; normals and tangents (28)
+//! feed the rasterizer alone. A mesh is stored once, however many instances show it.
+
+use std::collections::HashMap;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use lumivox_scene::Mesh;
+
+/// What only the rasterizer reads of a vertex.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Shading {
+    pub(crate) normal: [f32; 3],
+    pub(crate) tangent: [f32; 4],
+}
+
+/// The content of one batch's buffers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Batch {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) texcoords: Vec<[f32; 2]>,
+    pub(crate) shading: Vec<Shading>,
+    pub(crate) indices: Vec<u32>,
+}
+
+/// How much a batch may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BatchLimits {
+    pub(crate) vertices: usize,
+    pub(crate) indices: usize,
+}
+
+/// A run of a batch's triangles: a mesh, or a part of one that fits into no single batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Piece {
+    pub(crate) batch: usize,
+    pub(crate) first_index: u32,
+    pub(crate) index_count: u32,
+    pub(crate) base_vertex: u32,
+}
+
+impl BatchLimits {
+    /// What fits into one storage binding and one buffer of a device.
+    pub(crate) fn of_device(limits: &wgpu::Limits) -> Self {
+        let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let by_shading = limits.max_buffer_size / size_of::<Shading>() as u64;
+        // `base_vertex` of a draw is an `i32`.
+        let vertices = (binding / size_of::<[f32; 3]>() as u64).min(by_shading).min(1 << 31) - 1;
+        // Whole triangles, counted by a `u32`.
+        let indices = (binding / size_of::<u32>() as u64).min(u64::from(u32::MAX)) / 3 * 3;
+        Self { vertices: vertices as usize, indices: indices as usize }
+    }
+}
+
+/// Packs `meshes`; the result has the batches, and for each mesh its pieces.
+pub(crate) fn pack(meshes: &[Mesh], limits: BatchLimits) -> (Vec<Batch>, Vec<Vec<Piece>>) {
+    let mut batches = vec![Batch::default()];
+    let pieces = meshes
+        .iter()
+        .map(|mesh| {
+            let fits =
+                mesh.positions.len() <= limits.vertices && mesh.indices.len() <= limits.indices;
+            if fits {
+                let vertices: Vec<usize> = (0..mesh.positions.len()).collect();
+                return vec![append(&mut batches, mesh, &vertices, &mesh.indices, limits)];
+            }
+            split(mesh, limits)
+                .into_iter()
+                .map(|(vertices, indices)| append(&mut batches, mesh, &vertices, &indices, limits))
+                .collect()
+        })
+        .collect();
+    (batches, pieces)
+}
+
+/// Appends chosen vertices of a mesh, and triangles among them, to the last batch or a new one.
+fn append(
+    batches: &mut Vec<Batch>,
+    mesh: &Mesh,
+    vertices: &[usize],
+    indices: &[u32],
+    limits: BatchLimits,
+) -> Piece {
+    let is_full = batches.last().is_none_or(|batch| {
+        batch.positions.len() + vertices.len() > limits.vertices
+            || batch.indices.len() + indices.len() > limits.indices
+    });
+    if is_full {
+        batches.push(Batch::default());
+    }
+    let last = batches.len() - 1;
+    let batch = &mut batches[last];
+    let piece = Piece {
+        batch: last,
+        first_index: batch.indices.len() as u32,
+        index_count: indices.len() as u32,
+        base_vertex: batch.positions.len() as u32,
+    };
+    for &vertex in vertices {
+        batch.positions.push(mesh.positions[vertex].to_array());
+        let texcoord = mesh.uvs.get(vertex).copied().unwrap_or(Vec2::ZERO);
+        batch.texcoords.push(texcoord.to_array());
+        let normal = mesh.normals.get(vertex).copied().unwrap_or(Vec3::Y);
+        let tangent = mesh.tangents.get(vertex).copied();
+        let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector().extend(1.0));
+        batch.shading.push(Shading { normal: normal.to_array(), tangent: tangent.to_array() });
+    }
+    batch.indices.extend_from_slice(indices);
+    piece
+}
+
+/// Cuts a mesh into parts that each fit: the mesh's vertices in each, and triangles of those.
+fn split(mesh: &Mesh, limits: BatchLimits) -> Vec<(Vec<usize>, Vec<u32>)> {
+    let mut parts = Vec::new();
+    let mut vertices: Vec<usize> = Vec::new();
+    let mut indices: Vec<u32> = Vec::new();
+    let mut places: HashMap<usize, u32> = HashMap::new();
+    for triangle in mesh.triangles() {
+        if vertices.len() + 3 > limits.vertices || indices.len() + 3 > limits.indices {
+            parts.push((std::mem::take(&mut vertices), std::mem::take(&mut indices)));
+            places.clear();
+        }
+        for vertex in triangle {
+            let place = *places.entry(vertex).or_insert_with(|| {
+                vertices.push(vertex);
+                vertices.len() as u32 - 1
+            });
+            indices.push(place);
+        }
+    }
+    if !indices.is_empty() {
+        parts.push((vertices, indices));
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of `n` triangles between `n + 2` vertices.
+    fn strip(n: u32) -> Mesh {
+        Mesh {
+            positions: (0..n + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect(),
+            uvs: (0..n + 2).map(|i| Vec2::new(i as f32, 0.0)).collect(),
+            indices: (0..n).flat_map(|i| [i, i + 1, i + 2]).collect(),
+            ..Mesh::default()
+        }
+    }
+
+    /// The corners of all triangles of a mesh, as they are read from the batches.
+    fn corners(batches: &[Batch], pieces: &[Piece]) -> Vec<[f32; 3]> {
+        pieces
+            .iter()
+            .flat_map(|piece| {
+                let batch = &batches[piece.batch];
+                let first = piece.first_index as usize;
+                batch.indices[first..first + piece.index_count as usize]
+                    .iter()
+                    .map(|index| batch.positions[(index + piece.base_vertex) as usize])
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_triangle_survives_packing_and_no_batch_is_too_large() {
+        let meshes = [strip(2), strip(40), strip(5)];
+        let whole = BatchLimits { vertices: 1000, indices: 3000 };
+        let limits = BatchLimits { vertices: 10, indices: 21 };
+        let (one, reference) = pack(&meshes, whole);
+        assert_eq!(one.len(), 1);
+        let (batches, pieces) = pack(&meshes, limits);
+        for batch in &batches {
+            assert!(batch.positions.len() <= limits.vertices);
+            assert!(batch.indices.len() <= limits.indices);
+            assert_eq!(batch.positions.len(), batch.texcoords.len());
+            assert_eq!(batch.positions.len(), batch.shading.len());
+        }
+        for (split, whole) in pieces.iter().zip(&reference) {
+            assert_eq!(corners(&batches, split), corners(&one, whole));
+        }
+    }
+
+    #[test]
+    fn batches_fit_the_default_limits() {
+        let limits = wgpu::Limits::default();
+        let batch = BatchLimits::of_device(&limits);
+        assert!(batch.vertices as u64 * 28 <= limits.max_buffer_size);
+        assert!(batch.vertices as u64 * 12 <= limits.max_storage_buffer_binding_size);
+        assert!(batch.indices as u64 * 4 <= limits.max_storage_buffer_binding_size);
+    }
+}

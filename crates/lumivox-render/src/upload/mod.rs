@@ -1,0 +1,226 @@
+//! A scene on the GPU: buffers that rasterizer and voxelizer share, materials, lights.
+
+mod geometry;
+mod lights;
+mod materials;
+mod mips;
+mod units;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+use lumivox::{Draw, Geometry, GeometryBatch};
+use lumivox_scene::{Bounds, Scene};
+use wgpu::util::DeviceExt as _;
+
+pub(crate) use geometry::Shading;
+pub use lights::Lighting;
+#[cfg(test)]
+pub(crate) use materials::MaterialRecord;
+pub(crate) use materials::{GpuMaterial, Presence, material_layout};
+pub use units::radiance_unit;
+
+use crate::memory::MemoryUse;
+use crate::{Gpu, RenderError};
+use geometry::{BatchLimits, pack};
+use materials::MaterialUpload;
+
+/// `DrawRecord` of `draws.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct DrawRecord {
+    pub(crate) world_from_local: Mat4,
+    pub(crate) normal_from_local: Mat4,
+}
+
+/// The vertex buffers of one batch.
+#[derive(Debug)]
+pub(crate) struct VertexBuffers {
+    pub(crate) positions: wgpu::Buffer,
+    pub(crate) texcoords: wgpu::Buffer,
+    pub(crate) shading: wgpu::Buffer,
+    pub(crate) indices: wgpu::Buffer,
+}
+
+/// A run of triangles with one material and one transform; its number is its place in `draws`.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneDraw {
+    pub(crate) batch: usize,
+    pub(crate) indices: std::ops::Range<u32>,
+    pub(crate) base_vertex: i32,
+    pub(crate) material: usize,
+    /// In the world.
+    pub(crate) bounds: Bounds,
+}
+
+/// A scene, uploaded.
+#[derive(Debug)]
+pub struct GpuScene {
+    /// The scene's triangles as the voxelizer reads them: the same buffers that are drawn from.
+    pub geometry: Geometry,
+    /// The box around all of it.
+    pub bounds: Bounds,
+    /// All radiances on the GPU are multiples of this, in cd/m².
+    pub radiance_unit: f32,
+    pub(crate) batches: Vec<VertexBuffers>,
+    pub(crate) draws: Vec<SceneDraw>,
+    pub(crate) draw_records: wgpu::Buffer,
+    pub(crate) materials: Vec<GpuMaterial>,
+    pub(crate) material_layout: wgpu::BindGroupLayout,
+    pub(crate) memory: Vec<MemoryUse>,
+}
+
+impl GpuScene {
+    /// Uploads a valid scene (see [`Scene::validate`]).
+    ///
+    /// `radiance_unit` is what one stands for in emission, cd/m²; [`radiance_unit`] chooses it.
+    /// Textures get their mips here, on all cores of the CPU.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] when the scene has more instances than the device can bind.
+    pub fn new(gpu: &Gpu, scene: &Scene, radiance_unit: f32) -> Result<Self, RenderError> {
+        let limits = gpu.device.limits();
+        let material_layout = material_layout(&gpu.device);
+        let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, &material_layout);
+        let (materials, surfaces): (Vec<_>, Vec<_>) =
+            scene.materials.iter().map(|material| upload.upload(material)).unzip();
+        let texture_bytes = upload.texture_bytes;
+
+        let (packed, pieces) = pack(&scene.meshes, BatchLimits::of_device(&limits));
+        let batches: Vec<VertexBuffers> =
+            packed.iter().map(|batch| VertexBuffers::new(&gpu.device, batch)).collect();
+        let mut geometry = Geometry {
+            batches: batches.iter().map(VertexBuffers::for_voxels).collect(),
+            materials: surfaces,
+        };
+        let mut draws = Vec::new();
+        let mut records = Vec::new();
+        for instance in &scene.instances {
+            let material = &materials[instance.material];
+            if material.presence == Presence::Absent {
+                continue;
+            }
+            let mesh = &scene.meshes[instance.mesh];
+            let bounds = Bounds::from_points(
+                mesh.positions.iter().map(|p| instance.world_from_local.transform_point3(*p)),
+            );
+            for piece in &pieces[instance.mesh] {
+                draws.push(SceneDraw {
+                    batch: piece.batch,
+                    indices: piece.first_index..piece.first_index + piece.index_count,
+                    base_vertex: piece.base_vertex as i32,
+                    material: instance.material,
+                    bounds,
+                });
+                records.push(DrawRecord::new(instance.world_from_local));
+                if material.is_solid {
+                    geometry.batches[piece.batch].draws.push(Draw {
+                        first_index: piece.first_index,
+                        index_count: piece.index_count,
+                        base_vertex: piece.base_vertex,
+                        material: instance.material as u32,
+                        world_from_local: instance.world_from_local,
+                    });
+                }
+            }
+        }
+        let draw_bytes = records.len() as u64 * size_of::<DrawRecord>() as u64;
+        if draw_bytes > limits.max_storage_buffer_binding_size {
+            return Err(RenderError::Limit {
+                what: format!("the transforms of {} instances", records.len()),
+                needed: draw_bytes,
+                unit: "bytes",
+                limit: "max_storage_buffer_binding_size",
+                available: limits.max_storage_buffer_binding_size,
+                remedy: "join meshes that share a material".to_owned(),
+            });
+        }
+        let memory = vec![
+            MemoryUse::new("vertices and indices", batches.iter().map(VertexBuffers::bytes).sum()),
+            MemoryUse::new("textures", texture_bytes),
+            MemoryUse::new("instances", draw_bytes),
+        ];
+        Ok(Self {
+            geometry,
+            bounds: scene.bounds(),
+            radiance_unit,
+            batches,
+            draws,
+            draw_records: lumivox::gpu::upload(&gpu.device, "draws", &records),
+            materials,
+            material_layout,
+            memory,
+        })
+    }
+
+    /// The draws that stop light, for shadows, with their numbers.
+    pub(crate) fn casters(&self) -> impl Iterator<Item = (u32, &SceneDraw)> {
+        let draws = self.draws.iter().enumerate();
+        draws
+            .filter(|(_, draw)| self.materials[draw.material].is_solid)
+            .map(|(number, draw)| (number as u32, draw))
+    }
+}
+
+impl DrawRecord {
+    fn new(world_from_local: Mat4) -> Self {
+        // With the determinant's sign: a mirror must not turn normals inwards.
+        let linear = glam::Mat3::from_mat4(world_from_local);
+        let normal_from_local = Mat4::from_mat3(linear.inverse().transpose());
+        Self { world_from_local, normal_from_local }
+    }
+}
+
+impl VertexBuffers {
+    fn new(device: &wgpu::Device, batch: &geometry::Batch) -> Self {
+        let buffer = |label, contents: &[u8], usage| {
+            // A scene of no visible triangles still needs buffers to bind.
+            let contents = if contents.is_empty() { &[0; 16] } else { contents };
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
+        };
+        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
+        let storage = wgpu::BufferUsages::STORAGE;
+        let cast = bytemuck::cast_slice::<[f32; 3], u8>;
+        Self {
+            positions: buffer("positions", cast(&batch.positions), vertex | storage),
+            texcoords: buffer(
+                "texture coordinates",
+                bytemuck::cast_slice(&batch.texcoords),
+                vertex | storage,
+            ),
+            shading: buffer("normals", bytemuck::cast_slice(&batch.shading), vertex),
+            indices: buffer("indices", bytemuck::cast_slice(&batch.indices), index | storage),
+        }
+    }
+
+    fn for_voxels(&self) -> GeometryBatch {
+        GeometryBatch {
+            positions: self.positions.clone(),
+            texcoords: Some(self.texcoords.clone()),
+            indices: self.indices.clone(),
+            draws: Vec::new(),
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        [&self.positions, &self.texcoords, &self.shading, &self.indices]
+            .map(wgpu::Buffer::size)
+            .iter()
+            .sum()
+    }
+}
+
+/// The eight corners of a box.
+pub(crate) fn corners(bounds: Bounds) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        let pick = |bit: usize, low: f32, high: f32| if corner & bit == 0 { low } else { high };
+        Vec3::new(
+            pick(1, bounds.min.x, bounds.max.x),
+            pick(2, bounds.min.y, bounds.max.y),
+            pick(4, bounds.min.z, bounds.max.z),
+        )
+    })
+}

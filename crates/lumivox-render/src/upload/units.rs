@@ -1,0 +1,80 @@
+//! The unit of radiance on the GPU.
+//!
+//! Voxels and G-buffer hold radiance in half floats, from 6e-5 (with all bits; down to 6e-8 with
+//! fewer) to 65 504. A sunlit street has 30 000 cd/m² with highlights far above, a room at night a
+//! thousandth; so everything that shines is divided by a unit at upload, and the picture multiplied
+//! by it at the end. The unit is a power of two: both steps are then exact.
+
+use std::f32::consts::PI;
+
+use lumivox_scene::{LightKind, Scene};
+
+use super::Lighting;
+
+/// Where the brightest expected radiance shall come to lie: a factor of 64 below the largest half
+/// float, for highlights and for surfaces near a lamp, and 24 powers of two above the smallest number
+/// with all bits.
+const BRIGHTEST: f32 = 1024.0;
+
+/// A lamp's irradiance grows without bounds towards it. It counts as seen from this share of the
+/// scene's radius; what is nearer finds room in the headroom, up to an eighth of that distance.
+const NEAREST: f32 = 1.0 / 16.0;
+
+/// The unit for a scene, in cd/m².
+///
+/// It is the power of two that brings the largest of emission, environment and irradiance / pi of the
+/// lights (on a white surface that faces them) to between 512 and 1024.
+pub fn radiance_unit(scene: &Scene, lighting: &Lighting) -> f32 {
+    let nearest_m = scene.bounds().radius_m() * NEAREST;
+    let lights = lighting.lights.iter().map(|light| {
+        let color = light.color.max_element();
+        let irradiance = match light.kind {
+            LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
+            LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+                intensity_cd / nearest_m.max(light.radius_m).powi(2)
+            }
+        };
+        color * irradiance / PI
+    });
+    let emission = scene.materials.iter().map(|material| material.emissive.max_element());
+    let brightest = lights
+        .chain(emission)
+        .chain([lighting.environment.max_element()])
+        .filter(|radiance| radiance.is_finite())
+        .fold(0.0, f32::max);
+    if brightest <= 0.0 {
+        return 1.0;
+    }
+    // Kept to where the unit and its inverse are normal floats.
+    (brightest / BRIGHTEST).log2().ceil().clamp(-100.0, 100.0).exp2()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn the_brightest_comes_to_lie_where_it_shall() {
+        let unit_of = |radiance: f32| {
+            let environment = Vec3::new(0.0, radiance, 0.0);
+            radiance_unit(&Scene::default(), &Lighting { lights: Vec::new(), environment })
+        };
+        for radiance in [1e-6_f32, 0.3, 1.0, 1000.0, 1024.0, 3e9] {
+            let unit = unit_of(radiance);
+            let scaled = radiance / unit;
+            assert!(scaled > 0.5 * BRIGHTEST && scaled <= BRIGHTEST, "{radiance}: {scaled}");
+            assert_eq!(unit.log2().fract(), 0.0);
+        }
+        assert_eq!(unit_of(0.0), 1.0);
+    }
+
+    #[test]
+    fn built_in_scenes_stay_far_from_the_limits() {
+        for name in lumivox_scene::builtin::names() {
+            let scene = lumivox_scene::builtin::scene(name).expect("a built-in scene");
+            let unit = radiance_unit(&scene, &Lighting::of(&scene));
+            assert!((1e-4..1e4).contains(&unit), "{name}: {unit}");
+        }
+    }
+}
