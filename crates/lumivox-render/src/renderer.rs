@@ -91,8 +91,14 @@ impl Renderer {
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
         let (lights, shadow_bytes) =
             bind_lights(gpu, &mut recorder, &shaders, &scene, &lighting, &gi, &settings)?;
+        if settings.timing != Timing::Off {
+            // Drivers compile a kernel at its first use, which is no part of a stage's time.
+            let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
+            gi.light(&mut first_use, &lights, settings.bounces.min(2), &settings.trace)?;
+            first_use.submit();
+        }
         recorder.stage("light");
-        gi.light(&mut recorder, &lights, settings.bounces);
+        gi.light(&mut recorder, &lights, settings.bounces, &settings.trace)?;
         times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });

@@ -126,10 +126,22 @@ impl Gi {
     ///
     /// `bounces` counts gathers of light, the one that [`Self::trace`] does on screen included: 0 leaves
     /// indirect light out, 1 is one bounce of the lights (and the direct light of emissive surfaces and of
-    /// the environment, which arrives by gathers), each more adds one. Work grows in proportion.
-    pub fn light(&mut self, recorder: &mut Recorder, lights: &Lights, bounces: u32) {
+    /// the environment, which arrives by gathers), each more adds one. Work grows in proportion. The gathers
+    /// of the voxels use the diffuse cones of `settings`.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when a setting is out of range.
+    pub fn light(
+        &mut self,
+        recorder: &mut Recorder,
+        lights: &Lights,
+        bounces: u32,
+        settings: &TraceSettings,
+    ) -> Result<(), GiError> {
+        settings.validate()?;
         self.bounces = bounces;
-        self.lighting.run(recorder, &self.volume, lights, bounces.saturating_sub(1));
+        self.lighting.run(recorder, &self.volume, lights, bounces.saturating_sub(1), settings);
+        Ok(())
     }
 
     /// Textures for [`Self::trace`] to write to.

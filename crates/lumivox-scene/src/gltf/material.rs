@@ -31,7 +31,11 @@ impl Loader<'_> {
         self.notes.warn(format!(
             "meshes without a material are shown matte grey with an albedo of {NO_MATERIAL_ALBEDO}"
         ));
-        Material::diffuse("no material", Vec3::splat(NO_MATERIAL_ALBEDO))
+        // Such files are mostly bare geometry, wound as it came: seen from both sides nothing is missing.
+        Material {
+            double_sided: true,
+            ..Material::diffuse("no material", Vec3::splat(NO_MATERIAL_ALBEDO))
+        }
     }
 
     fn convert(&mut self, material: &gltf::Material<'_>) -> Result<Material, SceneError> {

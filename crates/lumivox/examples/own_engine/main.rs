@@ -70,7 +70,8 @@ async fn render() -> Result<Vec<u8>, Failure> {
     let lamp = Light { source: lamp, shadow: Shadow::Cone };
     let lights = gi.bind_lights(&[lamp], Vec3::ZERO, None);
     let mut recorder = Recorder::new(&device, &queue);
-    gi.light(&mut recorder, &lights, 4);
+    let settings = TraceSettings::default();
+    gi.light(&mut recorder, &lights, 4, &settings)?;
     recorder.submit();
 
     // The camera and the G-buffer.
@@ -83,7 +84,6 @@ async fn render() -> Result<Vec<u8>, Failure> {
         ) * glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.0, 1.0, 0.0), Vec3::Y);
     let mut view = View { clip_from_world, position, size: SIZE, frame: 0 };
     let gbuffer = gi.bind_gbuffer(raster.views(), view);
-    let settings = TraceSettings::default();
     let targets = gi.targets(SIZE, settings.resolution);
 
     // The engine's shading kernel, linked against Lumivox's shader modules.

@@ -89,18 +89,12 @@ impl Lighting {
         let kernel = |module, layout| {
             Kernel::new(device, shaders, module, "main", &[globals, layout, lights])
         };
-        let cones = TraceSettings::default();
-        let settings = BounceSettings {
-            cones: cones.cones(1.0),
-            cone_count: cones.diffuse_cones,
-            padding: [0; 3],
-        };
         Ok(Self {
             direct: kernel("light::direct", &direct_layout)?,
             bounce: kernel("light::bounce", &bounce_layout)?,
             direct_layout,
             bounce_layout,
-            settings: uniform_buffer(device, "bounce settings", &settings),
+            settings: uniform_buffer(device, "bounce settings", &BounceSettings::zeroed()),
             faces: None,
         })
     }
@@ -133,10 +127,19 @@ impl Lighting {
         volume: &Volume,
         lights: &Lights,
         gathers: u32,
+        settings: &TraceSettings,
     ) {
         let Some(faces) = &self.faces else {
             return;
         };
+        let bounce_settings = BounceSettings {
+            // Occlusion is not read, so its distance needs no unit.
+            cones: settings.cones(1.0),
+            cone_count: settings.diffuse_cones,
+            padding: [0; 3],
+        };
+        let bytes = bytemuck::bytes_of(&bounce_settings);
+        recorder.queue().write_buffer(&self.settings, 0, bytes);
         recorder.stage("light");
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
         if lights.has_cone_shadows {

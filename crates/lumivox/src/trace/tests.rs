@@ -165,7 +165,7 @@ fn march_equals_its_twin() {
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);
     let mut recorder = Recorder::new(&device, &queue);
-    gi.light(&mut recorder, &lights, 2);
+    gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
 
     let cones = cones(&grid);
     let mut shaders = gi.shaders().clone();

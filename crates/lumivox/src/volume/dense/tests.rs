@@ -8,7 +8,7 @@ use crate::gpu::{Recorder, Timing};
 use crate::testing::{busy_room, device, read, read_level};
 use crate::volume::Volume;
 use crate::voxels::{FaceRecord, NodeRecord};
-use crate::{Gi, GiConfig, Grid};
+use crate::{Gi, GiConfig, Grid, TraceSettings};
 
 /// A level of the pyramid, read back: lobes (rgb premultiplied, opacity) and tilts.
 pub(crate) struct Level {
@@ -37,7 +37,7 @@ fn lit_room(resolution: u32, directionality: Directionality) -> (wgpu::Device, w
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);
     let mut recorder = Recorder::new(&device, &queue);
-    gi.light(&mut recorder, &lights, 2);
+    gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
     recorder.submit();
     (device, queue, gi)
 }
@@ -186,7 +186,7 @@ fn a_new_list_leaves_nothing_of_the_old_one() {
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);
     let mut recorder = Recorder::new(&device, &queue);
-    gi.light(&mut recorder, &lights, 2);
+    gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
     recorder.submit();
 
     let mut fresh = Gi::new(
@@ -197,7 +197,7 @@ fn a_new_list_leaves_nothing_of_the_old_one() {
     .expect("a device");
     pollster::block_on(fresh.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let mut recorder = Recorder::new(&device, &queue);
-    fresh.light(&mut recorder, &lights, 2);
+    fresh.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
     recorder.submit();
 
     let reused = read_levels(&device, &queue, &gi);
