@@ -75,7 +75,7 @@ pub struct ConeArgs {
     #[arg(allow_negative_numbers = true)]
     step: Option<f32>,
 
-    /// Share of light below which a cone ends, 0 to 0.1 [default: 0.004]
+    /// Share of light below which a cone ends, 0 to 0.1 [default: 0.03]
     ///
     /// Higher is cheaper, and drops that share of what lies behind.
     #[arg(long, value_name = "SHARE", value_parser = number(MIN_TRANSMITTANCE))]

@@ -121,12 +121,10 @@ impl<T> Future for Receiver<T> {
         context: &mut std::task::Context<'_>,
     ) -> std::task::Poll<T> {
         let mut slot = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        match slot.value.take() {
-            Some(value) => std::task::Poll::Ready(value),
-            None => {
-                slot.waker = Some(context.waker().clone());
-                std::task::Poll::Pending
-            }
+        if let Some(value) = slot.value.take() {
+            return std::task::Poll::Ready(value);
         }
+        slot.waker = Some(context.waker().clone());
+        std::task::Poll::Pending
     }
 }

@@ -23,7 +23,7 @@ struct ScanParams {
 #[derive(Debug)]
 pub struct Scan {
     layout: wgpu::BindGroupLayout,
-    scan: Kernel,
+    blocks: Kernel,
     add: Kernel,
 }
 
@@ -39,7 +39,7 @@ impl Scan {
             .storage_mut()
             .build(device, "gpu::scan");
         Ok(Self {
-            scan: Kernel::new(device, shaders, "gpu::scan", "scan", &[&layout])?,
+            blocks: Kernel::new(device, shaders, "gpu::scan", "scan", &[&layout])?,
             add: Kernel::new(device, shaders, "gpu::scan", "add", &[&layout])?,
             layout,
         })
@@ -63,7 +63,7 @@ impl Scan {
             .buffer(&totals)
             .build(&device, "gpu::scan");
         let threads = u64::from(blocks) * u64::from(SCAN_WORKGROUP_SIZE);
-        self.scan.run_linear(recorder, &[&group], threads);
+        self.blocks.run_linear(recorder, &[&group], threads);
         if blocks > 1 {
             self.run(recorder, &totals, blocks);
             self.add.run_linear(recorder, &[&group], threads);

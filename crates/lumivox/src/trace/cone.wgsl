@@ -120,6 +120,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
         }
     }
     if traced.transmittance < settings.min_transmittance {
+        traced.radiance /= 1.0 - traced.transmittance;
         traced.transmittance = 0.0;
     }
     if traced.openness < 0.0 {

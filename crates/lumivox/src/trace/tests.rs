@@ -115,6 +115,7 @@ impl VolumeTwin {
                 radiance += seen.truncate() * (taken / seen.w);
                 transmittance -= taken;
                 if transmittance < settings.min_transmittance {
+                    radiance /= 1.0 - transmittance;
                     transmittance = 0.0;
                     break;
                 }
@@ -182,20 +183,22 @@ fn march_equals_its_twin() {
 
     let traced: Vec<Vec4> = read(&device, &queue, &output, cones.len());
     let twin = VolumeTwin { grid, levels: read_levels(&device, &queue, &gi) };
-    let settings = TraceSettings::default();
-    let (mut blocked, mut open) = (0, 0);
+    // As in CONES_WGSL.
+    let settings = TraceSettings { min_transmittance: 0.004, ..TraceSettings::default() };
+    let (mut blocked, mut open, mut worst) = (0, 0, 0.0_f32);
     for (cone, traced) in cones.iter().zip(&traced) {
         let expected = twin.trace(cone, &settings);
-        // The driver's filter weights have 8 bits, and a cone takes up to 50 samples: set on lavapipe, where
-        // the worst of these cones differs by 0.4 %.
+        // Worst on lavapipe: 1e-5. Other GPUs filter with weights of 8 bits, over up to 50 samples a cone.
         let error = (*traced - expected).abs().max_element();
         assert!(
-            error < 0.02 * (1.0 + expected.max_element()),
+            error < 0.01 * (1.0 + expected.max_element()),
             "{cone:?}: {traced}, not {expected}"
         );
-        blocked += usize::from(expected.w == 0.0);
-        open += usize::from(expected.w == 1.0);
+        blocked += usize::from(expected.w <= 0.0);
+        open += usize::from(expected.w >= 1.0);
+        worst = worst.max(error);
     }
+    println!("worst error of a cone: {worst}");
     assert!(
         blocked > 50 && open > 5,
         "the cones are too much alike: {blocked} blocked, {open} open"

@@ -135,16 +135,16 @@ fn filter_twin(finer: &Level, cell: UVec3, lobe: usize) -> ([f32; 4], [f32; 2]) 
         low[v] += column >> 1;
         let mut high = low;
         high[axis] += 1;
-        let (near, far) = if lobe % 2 == 0 { (high, low) } else { (low, high) };
+        let (near, far) = if lobe.is_multiple_of(2) { (high, low) } else { (low, high) };
         let (near, far) = (finer.index(near), finer.index(far));
         let (n, f) = (finer.lobes[lobe][near], finer.lobes[lobe][far]);
         let share = if f[3] > 0.0 { f[3].min(1.0 - n[3]) / f[3] } else { 0.0 };
         for i in 0..4 {
             sum[i] += 0.25 * (n[i] + share * f[i]);
         }
-        for i in 0..2 {
-            tilt[i] += 0.25
-                * (finer.tilts[axis][near][side + i] + share * finer.tilts[axis][far][side + i]);
+        for (i, tilt) in tilt.iter_mut().enumerate() {
+            let parts = &finer.tilts[axis];
+            *tilt += 0.25 * (parts[near][side + i] + share * parts[far][side + i]);
         }
     }
     (sum, tilt)
