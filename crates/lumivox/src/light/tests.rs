@@ -100,12 +100,12 @@ fn furnace_converges_to_its_closed_form() {
         increase = mean - last;
         last = mean;
     }
-    // A gather with six cones at 64 voxels misses 9 % (a share of each cone slips through, most of it near the
-    // corners), which the bounces add up: e / (1 - 0.91 r) = 1.84. The high preset misses less.
+    // A gather at 64 voxels misses 2 % (oblique walls are sampled unevenly, and near corners cones start inside
+    // the neighbour's voxels), which the bounces add up: e / (1 - 0.98 r) = 1.96.
     let high = bench.light_with(&[], Vec3::ZERO, 10, Preset::High).mean(|_| true);
     println!("furnace: {last}, high {high}, of 2");
-    assert!((1.81..2.02).contains(&last), "the furnace glows with {last}, not 2");
-    assert!((1.86..2.02).contains(&high), "with the high preset it glows with {high}, not 2");
+    assert!((1.94..2.02).contains(&last), "the furnace glows with {last}, not 2");
+    assert!((1.94..2.02).contains(&high), "with the high preset it glows with {high}, not 2");
 }
 
 /// E = L / 2 pi * sum of (a / sqrt(1 + a^2) * atan(b / sqrt(1 + a^2)) + ...) for each quarter of a rectangle
@@ -230,8 +230,8 @@ fn a_thin_wall_keeps_the_dark_room_dark() {
         println!("offset {offset}: leak {:.2} %", 100.0 * dark_room / lit_room);
         worst = worst.max(dark_room / lit_room);
     }
-    // The prototype leaks 1.9 % with these six cones and one gather; a second one carries it on.
-    assert!(worst < 0.04, "the dark room has {worst} of the lit one's light");
+    // 0.5 to 1.0 % where this was set (lavapipe).
+    assert!(worst < 0.015, "the dark room has {worst} of the lit one's light");
 }
 
 #[test]

@@ -3,10 +3,13 @@
 // The cone is marched in steps of the size of the cells that it reads: at distance t, about
 // v = max(1, growth * t). Levels come in powers of two, so the one to read is drawn: log2(v) is rounded up or
 // down by a number that each cone draws once, so that the mean over cones and frames is what interpolation
-// between the levels gives, for half the look-ups. Steps are as long as the cells that were drawn: then the
-// filter's weights along the cone, and a wall's coverage with them, add up to exactly one at every level. For
-// the same reason the last step of a level counts by half: the tent of a coarse cell is the sum of three fine
-// ones, weighted 1/2, 1 and 1/2.
+// between the levels gives, for half the look-ups. Steps are as long as the cells: then the filter's weights
+// along the cone, and a wall's coverage with them, add up to one at every level.
+//
+// A cone goes on to a coarser level only where neither level has anything near. From level to level a wall
+// moves by half a cell, since it stands in the middle of its cell; a change of level within the wall's reach
+// would count parts of it twice or not at all, and what is missing is a leak (12 % of the light of a closed
+// box with a growth of 0.2, against 1.7 % so).
 //
 // A cell of edge c that covers the share a of its cross-section takes da = min(a * step / c, T) of the
 // transmittance T that is left and adds its radiance for it. The sum is additive, like the pyramid: coverage
@@ -84,11 +87,9 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
             let near = clamp(cone.growth * distance, 1.0, largest_cell);
             let wanted = clamp(cone.growth * (distance + 0.5 * near), 1.0, largest_cell);
             let wanted_level = min(u32(log2(wanted) + cone.level_offset), grid.levels - 1u);
-            let is_last = wanted_level > level;
             cell = exp2(f32(level));
-            let step = settings.step_per_voxel * cell;
-            let middle = distance + 0.5 * step;
-            length = select(step, 0.5 * step, is_last);
+            length = settings.step_per_voxel * cell;
+            let middle = distance + 0.5 * length;
             let position = cone.origin_in_grid + cone.direction * middle;
             // Outside the grid the cells at its border are still felt for half a cell.
             let margin = min(cell, 0.5 * side);
@@ -99,7 +100,10 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
             }
             probe = probe_volume(position, level, cone.direction);
             distance += length;
-            level += u32(is_last);
+            if wanted_level > level && is_empty(probe) {
+                let coarser = probe_volume(position, level + 1u, cone.direction);
+                level += u32(is_empty(coarser));
+            }
             traced.samples += u32(is_inside);
             continuing {
                 break if !(is_inside && is_empty(probe));

@@ -5,7 +5,7 @@ use crate::GiError;
 /// How much is spent on the cones. All presets obey the same physics; they differ in noise and sharpness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
-    /// 6 diffuse cones at half resolution, voxels of a quarter of the cone's diameter.
+    /// 6 diffuse cones at half resolution, voxels of half the cone's diameter.
     Fast,
     /// 6 diffuse cones at full resolution, voxels of a quarter of the cone's diameter.
     #[default]
@@ -88,7 +88,12 @@ impl TraceSettings {
             resolution: TraceResolution::Full,
         };
         match preset {
-            Preset::Fast => Self { resolution: TraceResolution::Half, ..balanced },
+            Preset::Fast => Self {
+                voxel_per_diameter: 0.5,
+                clearance: 0.5,
+                resolution: TraceResolution::Half,
+                ..balanced
+            },
             Preset::Balanced => balanced,
             Preset::High => {
                 Self { diffuse_cones: 12, voxel_per_diameter: 0.125, clearance: 0.0, ..balanced }

@@ -87,6 +87,35 @@ impl VolumeTwin {
         sum
     }
 
+    /// Whether none of the 2x2x2 cells of a look-up has a lobe that may face against the direction: one whose
+    /// axis does, or a tilted one (or its opposite) where the direction leans more across the axis than along.
+    fn is_empty(&self, position: Vec3, level: u32, direction: Vec3) -> bool {
+        let cells = &self.levels[level as usize];
+        let dimensions = cells.dimensions.as_ivec3();
+        let corner = (position / (1 << level) as f32 - 0.5).floor().as_ivec3();
+        let (mut present, mut tilted) = ([false; 6], [false; 3]);
+        for i in 0..8 {
+            let at = corner + glam::IVec3::new(i & 1, (i >> 1) & 1, i >> 2);
+            if at.cmplt(glam::IVec3::ZERO).any() || at.cmpge(dimensions).any() {
+                continue;
+            }
+            let index = ((at.z * dimensions.y + at.y) * dimensions.x + at.x) as usize;
+            for (lobe, present) in present.iter_mut().enumerate() {
+                *present |= cells.lobes[lobe][index][3] > 0.0;
+                // What survives rounding to 8 bits counts as tilted.
+                let tilt = Vec4::from_array(cells.tilts[lobe / 2][index]).abs().max_element();
+                tilted[lobe / 2] |= tilt > 0.5 / 127.0;
+            }
+        }
+        (0..6).all(|lobe| {
+            let axis = lobe / 2;
+            let along = direction[axis];
+            let across = direction.abs().element_sum() - along.abs();
+            let faces = (along < 0.0) == (lobe % 2 == 0);
+            !present[lobe] || !(faces || (tilted[axis] && along.abs() < across))
+        })
+    }
+
     /// `trace_cone`, loop for loop.
     fn trace(&self, cone: &ConeIn, settings: &TraceSettings) -> Vec4 {
         let (origin, direction) = (Vec3::from(cone.origin), Vec3::from(cone.direction));
@@ -102,16 +131,14 @@ impl VolumeTwin {
             let wanted = ((wanted.log2() + cone.level_offset) as u32).min(self.grid.levels - 1);
             let cell = (1 << level) as f32;
             let middle = distance + 0.5 * cell;
-            let length = if wanted > level { 0.5 * cell } else { cell };
             let position = origin + direction * middle;
             let margin = cell.min(0.5 * side);
             if position.cmplt(Vec3::splat(-margin)).any() || position.cmpgt(extent + margin).any() {
                 break;
             }
             let seen = self.sample(position, level, direction);
-            level += u32::from(wanted > level);
             if seen.w > 0.0 {
-                let taken = (seen.w * length.min(reach - distance) / cell).min(transmittance);
+                let taken = (seen.w * cell.min(reach - distance) / cell).min(transmittance);
                 radiance += seen.truncate() * (taken / seen.w);
                 transmittance -= taken;
                 if transmittance < settings.min_transmittance {
@@ -120,7 +147,11 @@ impl VolumeTwin {
                     break;
                 }
             }
-            distance += length;
+            distance += cell;
+            let is_empty = |level| self.is_empty(position, level, direction);
+            if wanted > level && is_empty(level) && is_empty(level + 1) {
+                level += 1;
+            }
         }
         radiance.extend(transmittance)
     }
