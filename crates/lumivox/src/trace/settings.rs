@@ -45,8 +45,9 @@ pub struct TraceSettings {
     /// Growth of the sampled voxels, per metre travelled and per cosine against the normal, at most: the
     /// footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to 1; default 1/3.
     pub clearance: f32,
-    /// Where cones start: distance above the surface along its normal, in voxels, 0 to 4; default 0.75. Lower
-    /// catches the own surface, higher passes over near detail.
+    /// Where cones start: distance above the surface along its normal, in voxels, 0 to 4; default 1, the reach
+    /// of the finest level's filter. Lower, and a cone sees what is behind a thin wall in the wall's own voxel;
+    /// higher, and it passes over near detail.
     pub normal_offset_voxels: f32,
     /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1. Opacity is
     /// corrected for it, so that it changes cost and noise, not brightness.
@@ -79,7 +80,7 @@ impl TraceSettings {
             diffuse_cones: 6,
             voxel_per_diameter: 0.25,
             clearance: 1.0 / 3.0,
-            normal_offset_voxels: 0.75,
+            normal_offset_voxels: 1.0,
             step_per_voxel: 1.0,
             min_transmittance: 0.03,
             specular: true,
