@@ -202,7 +202,7 @@ pub fn lights_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 /// Lights, environment and shadow maps bound for the shaders.
 #[derive(Debug)]
 pub struct Lights {
-    /// The bind group, of the layout [`lights_layout`].
+    /// The bind group, of the layout [`crate::Gi::lights_layout`].
     pub group: wgpu::BindGroup,
     /// How many lights there are.
     pub count: u32,

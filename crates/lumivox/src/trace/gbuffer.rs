@@ -48,7 +48,7 @@ pub struct GBufferViews<'a> {
 /// A G-buffer bound for the shaders (group 3).
 #[derive(Debug)]
 pub struct GBuffer {
-    /// The bind group, of the layout [`gbuffer_layout`].
+    /// The bind group, of the layout [`crate::Gi::gbuffer_layout`].
     pub group: wgpu::BindGroup,
     /// The picture's width and height in pixels.
     pub size: UVec2,
