@@ -30,7 +30,7 @@ pub(crate) struct CompositeSettings {
 pub struct CompositePass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    /// Stands in for the volume: bound as well, its textures would exceed the 16 of WebGPU.
+    /// Stands in for group 0: a picture is put together without the volume.
     nothing: wgpu::BindGroup,
 }
 

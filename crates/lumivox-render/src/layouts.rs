@@ -3,20 +3,13 @@
 
 use std::mem::offset_of;
 
+use lumivox::Directionality;
 use lumivox::gpu::ShaderLibrary;
-
-/// What `package::volume` may stand for; `Gi` mounts one of them, on a device only.
-const VOLUMES: [&str; 2] = [
-    include_str!("../../lumivox/src/volume/dense/six_lobes.wgsl"),
-    include_str!("../../lumivox/src/volume/dense/isotropic.wgsl"),
-];
+use lumivox::shaders::library_with_volume;
 
 fn libraries() -> [ShaderLibrary; 2] {
-    VOLUMES.map(|volume| {
-        let mut library = crate::shaders::library(&lumivox::shaders::library());
-        library.add("volume", volume);
-        library
-    })
+    [Directionality::SixLobes, Directionality::Isotropic]
+        .map(|volume| crate::shaders::library(&library_with_volume(volume)))
 }
 
 /// Asserts that a Rust struct has the size of a WGSL struct and each field the offset of the member of the

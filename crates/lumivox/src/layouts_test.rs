@@ -3,16 +3,12 @@
 use crate::gpu::{ShaderLibrary, assert_layout};
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
-use crate::volume::{MaskLevels, NodeRange, mount};
+use crate::volume::{MaskLevels, NodeRange};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, shaders};
 
 fn libraries() -> [ShaderLibrary; 2] {
-    [Directionality::SixLobes, Directionality::Isotropic].map(|directionality| {
-        let mut library = shaders::library();
-        mount(&mut library, directionality);
-        library
-    })
+    [Directionality::SixLobes, Directionality::Isotropic].map(shaders::library_with_volume)
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The shader modules of this crate.
 
+use crate::Directionality;
 use crate::gpu::ShaderLibrary;
 
 /// Modules that belong to no stage.
@@ -41,5 +42,12 @@ pub fn library() -> ShaderLibrary {
         .constant_u32("SHADOW_NONE", crate::light::SHADOW_NONE)
         .constant_u32("SHADOW_MAP", crate::light::SHADOW_MAP)
         .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE);
+    library
+}
+
+/// As [`library`], with the dense volume as `package::volume`: to link or check shaders without a device.
+pub fn library_with_volume(directionality: Directionality) -> ShaderLibrary {
+    let mut library = library();
+    crate::volume::mount(&mut library, directionality);
     library
 }

@@ -46,15 +46,16 @@ pub struct ConeArgs {
     full: bool,
 
     /// Sampled voxel's edge as a share of the cone's diameter, 0.05 to 1 [default: 0.25; preset
-    /// high: 0.125]
+    /// fast: 0.5; preset high: 0.125]
     ///
-    /// Finer (lower): fewer leaks and less bias; the cost grows as the inverse.
+    /// Finer (lower): sharper indirect light, at a higher cost.
     #[arg(long, value_name = "SHARE", value_parser = number(VOXEL_PER_DIAMETER))]
     #[arg(allow_negative_numbers = true)]
     voxel_per_diameter: Option<f32>,
 
     /// Growth of the sampled voxel's edge per metre travelled and per cosine against the normal, at
-    /// most: 0.1 to 1, or 0 for no bound [default: 0.333; preset high: 0]
+    /// most: 0.1 to 1, or 0 for no bound [default: 0.333; preset fast: 0.5; preset
+    /// high: 0]
     ///
     /// Cones that leave at a grazing angle then keep clear of the surface that they start from.
     /// Lower: finer samples near the surface, at a higher cost.
@@ -63,7 +64,7 @@ pub struct ConeArgs {
 
     /// Start of the cones above the surface in voxels, 0 to 4 [default: 1]
     ///
-    /// Lower catches the own surface, higher passes over near detail.
+    /// Lower sees what is behind a wall thinner than a voxel, higher passes over near detail.
     #[arg(long, value_name = "VOXELS", value_parser = number(NORMAL_OFFSET_VOXELS))]
     #[arg(allow_negative_numbers = true)]
     normal_offset: Option<f32>,
@@ -77,7 +78,7 @@ pub struct ConeArgs {
 
     /// Share of light below which a cone ends, 0 to 0.1 [default: 0.03]
     ///
-    /// Higher is cheaper, and drops that share of what lies behind.
+    /// Higher is cheaper; what is left is taken to look like what the cone met.
     #[arg(long, value_name = "SHARE", value_parser = number(MIN_TRANSMITTANCE))]
     #[arg(allow_negative_numbers = true)]
     min_transmittance: Option<f32>,
@@ -227,10 +228,12 @@ mod tests {
         };
         let (low, fine) = (balanced.diffuse_cones, high.diffuse_cones);
         expect("cones", format!("[default: {low}; preset high: {fine}]"));
-        let (low, fine) = (balanced.voxel_per_diameter, high.voxel_per_diameter);
-        expect("voxel_per_diameter", format!("[default: {low}; preset high: {fine}]"));
-        let (low, fine) = (balanced.clearance, high.clearance);
-        expect("clearance", format!("[default: {low:.3}; preset high: {fine}]"));
+        let [coarse, low, fine] = [fast, balanced, high].map(|p| p.voxel_per_diameter);
+        let text = format!("[default: {low}; preset fast: {coarse}; preset high: {fine}]");
+        expect("voxel_per_diameter", text);
+        let [coarse, low, fine] = [fast, balanced, high].map(|p| p.clearance);
+        let text = format!("[default: {low:.3}; preset fast: {coarse}; preset high: {fine}]");
+        expect("clearance", text);
         expect("normal_offset", format!("[default: {}]", balanced.normal_offset_voxels));
         expect("step", format!("[default: {}]", balanced.step_per_voxel));
         expect("min_transmittance", format!("[default: {}]", balanced.min_transmittance));

@@ -89,9 +89,6 @@ pub(crate) struct Tracer {
     diffuse_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
     upsample_layout: wgpu::BindGroupLayout,
-    /// Stands in for the lights where there are none to bind: with their shadow map the upsampling would have
-    /// 17 sampled textures, one more than WebGPU grants.
-    nothing: wgpu::BindGroup,
 }
 
 /// The textures that cones are traced into, for one size of picture.
@@ -139,15 +136,13 @@ impl Tracer {
             .storage_texture(d2, OUTPUT_FORMAT)
             .storage_texture(d2, OUTPUT_FORMAT)
             .build(device, "upsample");
-        let nothing = LayoutBuilder::compute().build(device, "nothing");
-        let kernel = |module, layout, lights| {
+        let kernel = |module, layout| {
             Kernel::new(device, shaders, module, "main", &[globals, layout, lights, gbuffer])
         };
         Ok(Self {
-            diffuse: kernel("trace::diffuse", &diffuse_layout, lights)?,
-            specular: kernel("trace::specular", &specular_layout, lights)?,
-            upsample: kernel("trace::upsample", &upsample_layout, &nothing)?,
-            nothing: BindGroupBuilder::new(&nothing).build(device, "nothing"),
+            diffuse: kernel("trace::diffuse", &diffuse_layout)?,
+            specular: kernel("trace::specular", &specular_layout)?,
+            upsample: kernel("trace::upsample", &upsample_layout)?,
             diffuse_layout,
             specular_layout,
             upsample_layout,
@@ -229,8 +224,7 @@ impl Tracer {
         self.specular.run(recorder, &group(&targets.specular_group), [x, y, 1]);
         if let Some(upsample) = &targets.upsample_group {
             let UVec2 { x, y } = targets.size;
-            let groups = [bound.globals, upsample, &self.nothing, &bound.gbuffer.group];
-            self.upsample.run(recorder, &groups, [x, y, 1]);
+            self.upsample.run(recorder, &group(upsample), [x, y, 1]);
         }
     }
 }

@@ -12,8 +12,9 @@ use crate::{GiError, Grid};
 
 use dense::DenseVolume;
 pub use dense::Directionality;
+pub(crate) use dense::mount;
 #[cfg(test)]
-pub(crate) use dense::{Level, MaskLevels, NodeRange, mount, read_levels};
+pub(crate) use dense::{Level, MaskLevels, NodeRange, read_levels};
 
 /// The shader modules of all volumes but for the one that `package::volume` stands for.
 pub(crate) const MODULES: &[(&str, &str)] = dense::MODULES;
