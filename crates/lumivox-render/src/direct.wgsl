@@ -20,24 +20,13 @@ fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// Positions pass through here because lavapipe (Mesa 22.3) crashes at the dispatch otherwise. Judging by where,
-// it follows the branches of the shadow cone back through the position to the camera's matrix, in search of
-// uniforms to compile in, and overruns its list of them; memory is where it stops.
-var<workgroup> positions: array<vec3f, 64>;
-
 @compute @workgroup_size(8, 8)
-fn main(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(local_invocation_index) local_index: u32,
-) {
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;
-    var surface = load_surface(min(pixel, view.size - 1u));
-    positions[local_index] = surface.position_in_world;
-    workgroupBarrier();
-    surface.position_in_world = positions[local_index];
     if any(pixel >= view.size) {
         return;
     }
+    let surface = load_surface(pixel);
     if surface.depth == 0.0 {
         textureStore(direct_diffuse, pixel, vec4f(0.0));
         textureStore(direct_specular, pixel, vec4f(0.0));
