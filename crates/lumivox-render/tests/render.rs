@@ -55,6 +55,7 @@ fn square(height_m: f32) -> Mesh {
         uvs: corners.map(|(x, z)| 0.5 + 0.5 * Vec2::new(x, z)).to_vec(),
         tangents: vec![Vec3::X.extend(1.0); 4],
         indices: vec![0, 1, 2, 0, 2, 3],
+        ..Mesh::default()
     }
 }
 
@@ -96,7 +97,7 @@ fn with_half_a_roof(mut scene: Scene) -> Scene {
     material.alpha = AlphaMode::Mask { cutoff: 0.5 };
     material.double_sided = true;
     if let Shading::MetallicRoughness(shading) = &mut material.shading {
-        shading.base_color_texture = Some(TextureRef { texture: 0 });
+        shading.base_color_texture = Some(TextureRef::new(0));
     }
     scene.meshes.push(square(1.0));
     scene.materials.push(material);

@@ -26,12 +26,14 @@
 
 pub mod builtin;
 mod error;
-mod gltf;
+mod load;
 mod model;
 mod validate;
 
 pub use error::SceneError;
+pub use load::{LoadOptions, LoadProgress, MemoryBudget};
 pub use model::{
-    AlphaMode, Bounds, Camera, Environment, Filter, Instance, Light, LightKind, LoadNotes,
-    Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Texture, TextureRef, Wrap,
+    AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
+    LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,
+    Texture, TextureRef, Transmission, Unlit, Wrap,
 };

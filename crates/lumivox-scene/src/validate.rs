@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use glam::{Mat4, Vec3};
 
 use crate::{
-    Camera, Instance, Light, LightKind, Material, Mesh, Scene, SceneError, Shading, Texture,
+    Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene, SceneError, Shading,
+    Texture,
 };
 
 impl Scene {
@@ -47,7 +48,7 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
     for camera in &scene.cameras {
         check.camera(camera)?;
     }
-    check.not_negative("the environment's radiance", &scene.environment.radiance.to_array())?;
+    check.environment(&scene.environment)?;
 
     check.extent(scene)?;
     drop_flattened_instances(scene);
@@ -116,6 +117,11 @@ fn drop_degenerate(mesh: &mut Mesh) -> usize {
     (before - write) / 3
 }
 
+/// The length of a list that may be left out.
+fn or_all(length: usize, all: usize) -> usize {
+    if length == 0 { all } else { length }
+}
+
 struct Check<'a> {
     file: &'a Path,
 }
@@ -181,6 +187,8 @@ impl Check<'_> {
             ("normals", mesh.normals.len()),
             ("texture coordinates", mesh.uvs.len()),
             ("tangents", mesh.tangents.len()),
+            ("second texture coordinates", or_all(mesh.uvs1.len(), count)),
+            ("colours", or_all(mesh.colors.len(), count)),
         ] {
             if length != count {
                 let part = format!("mesh \"{name}\", the number of {what}");
@@ -202,6 +210,15 @@ impl Check<'_> {
             self.finite(|| part("normal"), &mesh.normals[i].to_array())?;
             self.finite(|| part("texture coordinate"), &mesh.uvs[i].to_array())?;
             self.finite(|| part("tangent"), &mesh.tangents[i].to_array())?;
+            if let Some(uv) = mesh.uvs1.get(i) {
+                self.finite(|| part("second texture coordinate"), &uv.to_array())?;
+            }
+            // Most are right: the message is made for the wrong ones alone.
+            if let Some(color) = mesh.colors.get(i)
+                && color.to_array().iter().any(|c| !(0.0..=1.0).contains(c))
+            {
+                self.unit(&part("colour"), &color.to_array())?;
+            }
             let normal = mesh.normals[i].as_dvec3();
             let length = normal.length();
             if length == 0.0 {
@@ -243,6 +260,10 @@ impl Check<'_> {
         let part = |what: &str| format!("material \"{}\", its {what}", material.name);
         for reference in material.textures() {
             self.index(|| part("texture"), reference.texture, textures, "textures")?;
+            self.finite(|| part("texture transform"), &reference.transform.to_cols_array())?;
+            let expected = "0 or 1";
+            let set = reference.uv_set as f32;
+            self.range(&part("set of texture coordinates"), set, set <= 1.0, expected)?;
         }
         self.not_negative(&part("emission"), &material.emissive.to_array())?;
         self.finite(|| part("normal scale"), &[material.normal_scale])?;
@@ -250,20 +271,28 @@ impl Check<'_> {
             // A cutoff above 1 is legal and hides everything.
             self.not_negative(&part("alpha cutoff"), &[cutoff])?;
         }
+        let coat = &material.clearcoat;
+        self.unit(&part("clearcoat"), &[coat.strength, coat.roughness])?;
+        self.unit(&part("sheen colour"), &material.sheen.color.to_array())?;
+        self.unit(&part("sheen roughness"), &[material.sheen.roughness])?;
+        self.unit(&part("transmission"), &[material.transmission.factor])?;
         match &material.shading {
             Shading::MetallicRoughness(m) => {
                 self.unit(&part("base colour"), &m.base_color.to_array())?;
                 self.unit(&part("metallic"), &[m.metallic])?;
                 self.unit(&part("roughness"), &[m.roughness])?;
                 self.unit(&part("specular"), &[m.specular])?;
+                self.not_negative(&part("specular colour"), &m.specular_color.to_array())?;
                 let fits = m.ior >= 1.0 || m.ior == 0.0;
                 self.range(&part("index of refraction"), m.ior, fits, "at least 1, or 0")
             }
             Shading::Phong(p) => {
                 self.unit(&part("diffuse colour"), &p.diffuse.to_array())?;
+                self.unit(&part("opacity"), &[p.opacity])?;
                 self.unit(&part("specular colour"), &p.specular.to_array())?;
                 self.range(&part("shininess"), p.shininess, p.shininess >= 0.0, "at least 0")
             }
+            Shading::Unlit(u) => self.unit(&part("colour"), &u.color.to_array()),
         }
     }
 
@@ -336,6 +365,19 @@ impl Check<'_> {
         let fits = fov > 0.0 && fov < std::f32::consts::PI;
         self.range(&part("vertical field of view"), fov, fits, "above 0 and below pi radians")?;
         self.range(&part("near plane"), camera.near_m, camera.near_m > 0.0, "above 0")
+    }
+
+    fn environment(&self, environment: &Environment) -> Result<(), SceneError> {
+        self.not_negative("the environment's radiance", &environment.radiance.to_array())?;
+        self.finite(|| "the environment's rotation".to_owned(), &[environment.rotation_rad])?;
+        let Some(map) = &environment.map else { return Ok(()) };
+        let part = format!("the environment map \"{}\"", map.name);
+        let texels = u64::from(map.width) * u64::from(map.height);
+        if texels == 0 || map.rgb.len() as u64 != texels {
+            let value = format!("{} texels for {} x {}", map.rgb.len(), map.width, map.height);
+            return Err(self.out_of_range(&format!("{part}, its size"), value, "all, at least 1"));
+        }
+        map.rgb.iter().try_for_each(|texel| self.not_negative(&part, texel))
     }
 
     /// There are triangles, and they span a finite box that is no point.

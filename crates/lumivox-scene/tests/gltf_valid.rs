@@ -17,7 +17,7 @@ use serde_json::json;
 fn shading(scene: &Scene, material: usize) -> MetallicRoughness {
     match scene.materials[material].shading {
         Shading::MetallicRoughness(shading) => shading,
-        Shading::Phong(_) => panic!("glTF has no Phong"),
+        other => panic!("not metallic-roughness: {other:?}"),
     }
 }
 

@@ -88,6 +88,11 @@ fn record(material: &Material, radiance_unit: f32) -> MaterialRecord {
             metallic: 0.0,
             ..common
         },
+        Shading::Unlit(u) => MaterialRecord {
+            base_color: u.color.truncate().extend(1.0).to_array(),
+            roughness: 1.0,
+            ..common
+        },
     }
 }
 
@@ -97,7 +102,8 @@ fn base_of(material: &Material) -> (Vec4, Option<TextureRef>, Option<TextureRef>
         Shading::MetallicRoughness(m) => {
             (m.base_color, m.base_color_texture, m.metallic_roughness_texture)
         }
-        Shading::Phong(p) => (p.diffuse.extend(1.0), p.diffuse_texture, None),
+        Shading::Phong(p) => (p.diffuse.extend(p.opacity), p.diffuse_texture, None),
+        Shading::Unlit(u) => (u.color, u.color_texture, None),
     }
 }
 

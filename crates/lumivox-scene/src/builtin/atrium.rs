@@ -43,7 +43,8 @@ pub(super) fn scene() -> Scene {
         direction: Vec3::new(0.30, -1.0, 0.36).normalize(),
         ..Light::default()
     });
-    scene.environment = Environment { radiance: Vec3::new(2000.0, 2800.0, 4000.0) };
+    scene.environment =
+        Environment { radiance: Vec3::new(2000.0, 2800.0, 4000.0), ..Environment::default() };
 
     scene.cameras.push(Camera {
         name: "along the hall".to_owned(),

@@ -105,7 +105,7 @@ pub(super) fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> us
             minify: Filter::Linear,
         },
     });
-    let texture = TextureRef { texture: scene.textures.len() - 1 };
+    let texture = TextureRef::new(scene.textures.len() - 1);
     let mut checkered = Material::diffuse(name, Vec3::ONE);
     if let Shading::MetallicRoughness(shading) = &mut checkered.shading {
         shading.base_color_texture = Some(texture);

@@ -37,6 +37,7 @@ pub(super) fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
         uvs: vec![Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO],
         tangents: vec![u.normalize().extend(1.0); 4],
         indices: vec![0, 1, 2, 0, 2, 3],
+        ..Mesh::default()
     }
 }
 

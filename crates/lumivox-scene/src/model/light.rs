@@ -1,5 +1,7 @@
 //! Lights and the surroundings.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 /// A light that direct lighting evaluates analytically. It is not visible itself: a lamp that
@@ -70,9 +72,31 @@ pub enum LightKind {
     },
 }
 
-/// What rays see that leave the scene: the same radiance in every direction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What rays see that leave the scene.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Environment {
-    /// Radiance in cd/m². Default: zero, a black surrounding; a clear blue sky has about 3000.
+    /// Radiance in cd/m², the same in every direction; where there is a map, what its texels are
+    /// multiplied by. Default: zero, a black surrounding; a clear blue sky has about 3000.
     pub radiance: Vec3,
+    /// A picture of the surroundings. Default: none.
+    pub map: Option<Arc<EnvironmentMap>>,
+    /// Turns the map about the y axis, in radians, counter-clockwise seen from above. Default: 0.
+    pub rotation_rad: f32,
+}
+
+/// A picture of all directions: equirectangular, that is, longitude by latitude.
+///
+/// The texel in the middle of the picture lies in the direction -z; from there columns go to the
+/// right (+x), rows go down from +y at the top edge to -y at the bottom edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentMap {
+    /// A name for lists and messages.
+    pub name: String,
+    /// Width in texels, at least 1; 360 degrees.
+    pub width: u32,
+    /// Height in texels, at least 1; 180 degrees.
+    pub height: u32,
+    /// Linear RGB, at least 0, row by row from the top; `width * height` texels. Radiance in cd/m²
+    /// where [`Environment::radiance`] is 1.
+    pub rgb: Vec<[f32; 3]>,
 }

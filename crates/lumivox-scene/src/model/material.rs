@@ -26,6 +26,12 @@ pub struct Material {
     /// Whether the back side is a surface, too, with the normal turned round. Default: no; then
     /// what lies behind is seen through the back.
     pub double_sided: bool,
+    /// A layer of varnish. Default: none.
+    pub clearcoat: Clearcoat,
+    /// The velvet of cloth. Default: none.
+    pub sheen: Sheen,
+    /// Light that goes through as through a pane of glass. Default: none.
+    pub transmission: Transmission,
 }
 
 impl Default for Material {
@@ -39,6 +45,9 @@ impl Default for Material {
             normal_scale: 1.0,
             alpha: AlphaMode::Opaque,
             double_sided: false,
+            clearcoat: Clearcoat::default(),
+            sheen: Sheen::default(),
+            transmission: Transmission::default(),
         }
     }
 }
@@ -61,11 +70,19 @@ impl Material {
 
     /// The textures that this material names, in no particular order.
     pub fn textures(&self) -> impl Iterator<Item = TextureRef> {
-        let [first, second] = match &self.shading {
-            Shading::MetallicRoughness(m) => [m.base_color_texture, m.metallic_roughness_texture],
-            Shading::Phong(p) => [p.diffuse_texture, None],
+        let shading = match &self.shading {
+            Shading::MetallicRoughness(m) => {
+                [m.base_color_texture, m.metallic_roughness_texture, m.specular_texture]
+            }
+            Shading::Phong(p) => [p.diffuse_texture, p.specular_texture, None],
+            Shading::Unlit(u) => [u.color_texture, None, None],
         };
-        [first, second, self.emissive_texture, self.normal_texture].into_iter().flatten()
+        let layers = [self.clearcoat.texture, self.sheen.texture, self.transmission.texture];
+        shading
+            .into_iter()
+            .chain(layers)
+            .chain([self.emissive_texture, self.normal_texture])
+            .flatten()
     }
 }
 
@@ -76,6 +93,8 @@ pub enum Shading {
     MetallicRoughness(MetallicRoughness),
     /// Phong's (1975) model, for scenes made for it.
     Phong(Phong),
+    /// Shown as it is, whatever the light (`KHR_materials_unlit`): scans with their light baked in.
+    Unlit(Unlit),
 }
 
 impl Default for Shading {
@@ -99,11 +118,18 @@ pub struct MetallicRoughness {
     pub roughness: f32,
     /// Data texture (linear) that multiplies roughness by its green and metallic by its blue.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Scales the dielectric's reflectance at normal incidence, 0 to 1 (the factor of
-    /// `KHR_materials_specular`). Default: 1; 0 leaves pure Lambert.
+    /// Scales the dielectric's reflectance, 0 to 1 (the factor of `KHR_materials_specular`).
+    /// Default: 1; 0 leaves pure Lambert.
     pub specular: f32,
+    /// Linear RGB, at least 0, that multiplies the dielectric's reflectance at normal incidence; the
+    /// product is limited to 1 (the colour of `KHR_materials_specular`). Default: white.
+    pub specular_color: Vec3,
+    /// Texture that multiplies `specular_color` by its colour (sRGB-encoded) and `specular` by its
+    /// alpha.
+    pub specular_texture: Option<TextureRef>,
     /// Index of refraction of the dielectric, at least 1 (`KHR_materials_ior`). Default: 1.5, a
-    /// reflectance of 4 % at normal incidence.
+    /// reflectance of 4 % at normal incidence. 0 stands for a reflectance of 1, which leaves it to
+    /// `specular_color` alone.
     pub ior: f32,
 }
 
@@ -116,6 +142,8 @@ impl Default for MetallicRoughness {
             roughness: 1.0,
             metallic_roughness_texture: None,
             specular: 1.0,
+            specular_color: Vec3::ONE,
+            specular_texture: None,
             ior: 1.5,
         }
     }
@@ -126,18 +154,77 @@ impl Default for MetallicRoughness {
 pub struct Phong {
     /// Diffuse albedo, linear RGB from 0 to 1. Default: white.
     pub diffuse: Vec3,
-    /// Colour texture (sRGB-encoded) that multiplies `diffuse`.
+    /// Colour texture (sRGB-encoded, linear alpha) that multiplies `diffuse` and `opacity`.
     pub diffuse_texture: Option<TextureRef>,
+    /// The alpha of the surface, 0 to 1, for [`Material::alpha`]. Default: 1.
+    pub opacity: f32,
     /// Colour of the lobe, linear RGB from 0 to 1. Default: zero.
     pub specular: Vec3,
+    /// Colour texture (sRGB-encoded) that multiplies `specular`.
+    pub specular_texture: Option<TextureRef>,
     /// Exponent of the lobe, at least 1; higher is sharper. Default: 16.
     pub shininess: f32,
 }
 
 impl Default for Phong {
     fn default() -> Self {
-        Self { diffuse: Vec3::ONE, diffuse_texture: None, specular: Vec3::ZERO, shininess: 16.0 }
+        Self {
+            diffuse: Vec3::ONE,
+            diffuse_texture: None,
+            opacity: 1.0,
+            specular: Vec3::ZERO,
+            specular_texture: None,
+            shininess: 16.0,
+        }
     }
+}
+
+/// A surface that shows its colour and takes no light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unlit {
+    /// Linear RGB and alpha, each 0 to 1. Default: white, opaque.
+    pub color: Vec4,
+    /// Colour texture (sRGB-encoded, linear alpha) that multiplies `color`.
+    pub color_texture: Option<TextureRef>,
+}
+
+impl Default for Unlit {
+    fn default() -> Self {
+        Self { color: Vec4::ONE, color_texture: None }
+    }
+}
+
+/// A thin, clear layer of an index of refraction of 1.5 on top (`KHR_materials_clearcoat`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clearcoat {
+    /// How much of the surface it covers, 0 (the default) to 1.
+    pub strength: f32,
+    /// Its perceptual roughness, 0 (the default) to 1.
+    pub roughness: f32,
+    /// Data texture (linear) that multiplies `strength` by its red and `roughness` by its green.
+    pub texture: Option<TextureRef>,
+}
+
+/// Light scattered by the fibres of cloth, most where it is seen at a grazing angle
+/// (`KHR_materials_sheen`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sheen {
+    /// Linear RGB from 0 (the default: none) to 1.
+    pub color: Vec3,
+    /// Perceptual roughness of the fibres, 0 (the default) to 1.
+    pub roughness: f32,
+    /// Texture that multiplies `color` by its colour (sRGB-encoded) and `roughness` by its alpha.
+    pub texture: Option<TextureRef>,
+}
+
+/// Light that passes an infinitely thin surface without being bent (`KHR_materials_transmission`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Transmission {
+    /// The share of the light that is not reflected which passes, tinted by the base colour, instead
+    /// of being reflected diffusely; 0 (the default) to 1.
+    pub factor: f32,
+    /// Data texture (linear) that multiplies `factor` by its red.
+    pub texture: Option<TextureRef>,
 }
 
 /// What the alpha of the base colour means (glTF 2.0, section 3.9.4).
@@ -163,7 +250,7 @@ mod tests {
     fn lists_the_textures_in_use() {
         let mut material = Material::diffuse("wall", Vec3::splat(0.5));
         assert_eq!(material.textures().count(), 0);
-        material.normal_texture = Some(TextureRef { texture: 3 });
-        assert_eq!(material.textures().collect::<Vec<_>>(), [TextureRef { texture: 3 }]);
+        material.normal_texture = Some(TextureRef::new(3));
+        assert_eq!(material.textures().collect::<Vec<_>>(), [TextureRef::new(3)]);
     }
 }

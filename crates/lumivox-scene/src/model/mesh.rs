@@ -4,8 +4,8 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// Indexed triangles in local space.
 ///
-/// `normals`, `uvs` and `tangents` have one entry per position. Three indices make a triangle,
-/// counter-clockwise seen from its front.
+/// `normals`, `uvs` and `tangents` have one entry per position; `uvs1` and `colors` have as many or
+/// none. Three indices make a triangle, counter-clockwise seen from its front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// A name for lists and messages.
@@ -16,6 +16,11 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates; (0, 0) is the upper left corner of the image, v grows downwards.
     pub uvs: Vec<Vec2>,
+    /// A second set of texture coordinates; empty where there is none.
+    pub uvs1: Vec<Vec2>,
+    /// Linear RGB and alpha, each 0 to 1, that multiply the material's base colour (or diffuse
+    /// colour); empty stands for white.
+    pub colors: Vec<Vec4>,
     /// Unit tangents along growing u, orthogonal to the normal; w is the sign of the bitangent
     /// `w * cross(normal, tangent)` (glTF 2.0, section 3.7.2.1). `MikkTSpace` where the material
     /// has a normal texture, otherwise any orthogonal direction.

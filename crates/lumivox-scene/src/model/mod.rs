@@ -10,8 +10,10 @@ mod texture;
 
 pub use bounds::Bounds;
 pub use camera::Camera;
-pub use light::{Environment, Light, LightKind};
-pub use material::{AlphaMode, Material, MetallicRoughness, Phong, Shading};
+pub use light::{Environment, EnvironmentMap, Light, LightKind};
+pub use material::{
+    AlphaMode, Clearcoat, Material, MetallicRoughness, Phong, Shading, Sheen, Transmission, Unlit,
+};
 pub use mesh::{Instance, Mesh};
 pub use scene::{LoadNotes, Scene};
 pub use texture::{Filter, Sampler, Texture, TextureRef, Wrap};

@@ -1,11 +1,8 @@
 //! The whole.
 
-use std::path::Path;
-
 use glam::Mat4;
 
 use super::{Bounds, Camera, Environment, Instance, Light, Material, Mesh, Texture};
-use crate::SceneError;
 
 /// Everything that a renderer needs to know of a world.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,25 +37,6 @@ pub struct LoadNotes {
 }
 
 impl Scene {
-    /// Reads a scene from a `.gltf` or `.glb` file (glTF 2.0), and validates it.
-    ///
-    /// What the file uses beyond this crate's reach becomes a warning in [`Scene::notes`] and in
-    /// the log.
-    ///
-    /// # Errors
-    /// [`SceneError`] when the file's extension is unknown, the file or one that it names cannot
-    /// be read, its content breaks the format, it requires an unsupported extension, or
-    /// [`Scene::validate`] finds fault. Never panics, whatever the bytes.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
-        let path = path.as_ref();
-        let extension =
-            path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-        match extension.as_str() {
-            "gltf" | "glb" => crate::gltf::load(path),
-            _ => Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
-        }
-    }
-
     /// The smallest box around all instances in world space; [`Bounds::EMPTY`] without triangles.
     pub fn bounds(&self) -> Bounds {
         let mut bounds = Bounds::EMPTY;

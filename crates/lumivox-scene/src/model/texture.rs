@@ -1,10 +1,25 @@
 //! Images and how they are sampled.
 
-/// Names one of [`Scene::textures`](super::Scene::textures).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+use glam::Affine2;
+
+/// Names one of [`Scene::textures`](super::Scene::textures), and where on it a vertex lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {
     /// Index into [`Scene::textures`](super::Scene::textures).
     pub texture: usize,
+    /// Which of a mesh's texture coordinates to use: 0 is [`Mesh::uvs`](super::Mesh::uvs), 1 is
+    /// [`Mesh::uvs1`](super::Mesh::uvs1) (and `uvs` where a mesh has no second set). Default: 0.
+    pub uv_set: u32,
+    /// From the mesh's coordinates to the image's (`KHR_texture_transform`). Default: none.
+    pub transform: Affine2,
+}
+
+impl TextureRef {
+    /// A texture at a mesh's own first coordinates.
+    #[must_use]
+    pub fn new(texture: usize) -> Self {
+        Self { texture, uv_set: 0, transform: Affine2::IDENTITY }
+    }
 }
 
 /// An image of 8 bits a channel. Whether the values are sRGB-encoded (colours) or linear (data,

@@ -15,6 +15,7 @@ fn triangle() -> Scene {
             uvs: vec![Vec2::ZERO; 3],
             tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
             indices: vec![0, 1, 2],
+            ..Mesh::default()
         }],
         instances: vec![Instance {
             name: "instance".to_owned(),
@@ -67,7 +68,7 @@ fn indices_beyond_the_end_are_named() {
     assert!(fault(|s| s.meshes[0].indices[2] = 3).contains("there are only 3 vertices"));
     assert!(fault(|s| s.instances[0].mesh = 1).contains("meshes"));
     assert!(fault(|s| s.instances[0].material = 9).contains("materials"));
-    let texture = Some(TextureRef { texture: 0 });
+    let texture = Some(TextureRef::new(0));
     assert!(fault(|s| s.materials[0].normal_texture = texture).contains("0 textures"));
 }
 

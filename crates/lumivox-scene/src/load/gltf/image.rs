@@ -6,7 +6,8 @@ use gltf::texture::{MagFilter, MinFilter, WrappingMode};
 use image::error::ImageFormatHint;
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::{Loader, name_or_index, uri};
+use super::{Loader, name_or_index};
+use crate::load::files;
 use crate::{Filter, Sampler, SceneError, Texture, TextureRef, Wrap};
 
 /// The longest edge in texels: what common GPUs take.
@@ -30,7 +31,7 @@ impl Loader<'_> {
         let sampler = texture.sampler();
         let key = (source.index(), sampler.index());
         if let Some(&texture) = self.textures.get(&key) {
-            return Ok(Some(TextureRef { texture }));
+            return Ok(Some(TextureRef::new(texture)));
         }
         let sampler = Sampler {
             wrap_u: wrap(sampler.wrap_s()),
@@ -62,7 +63,7 @@ impl Loader<'_> {
         self.scene.textures.push(loaded);
         let texture = self.scene.textures.len() - 1;
         self.textures.insert(key, texture);
-        Ok(Some(TextureRef { texture }))
+        Ok(Some(TextureRef::new(texture)))
     }
 
     fn decode(&mut self, index: usize) -> Result<Texture, SceneError> {
@@ -72,12 +73,12 @@ impl Loader<'_> {
         // Its name, or that of its file: what a user can find.
         let file_name = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
         let name = name_or_index(json.name.as_deref().or(file_name), "image", index);
-        let part = format!("image \"{}\"", uri::shorten(&name));
+        let part = format!("image \"{}\"", files::shorten(&name));
         let external;
         let bytes = match (json.buffer_view, &json.uri) {
             (Some(view), _) => self.view(view.value())?,
             (None, Some(uri)) => {
-                external = uri::read(self.file, &part, uri)?;
+                external = files::read_uri(self.file, &part, uri, self.reach)?;
                 &external
             }
             (None, None) => {

@@ -103,6 +103,7 @@ impl Loader<'_> {
             uvs: uvs.into_iter().map(Vec2::from_array).collect(),
             tangents: Vec::new(),
             indices,
+            ..Mesh::default()
         };
         match normals {
             Some(normals) => {

@@ -11,32 +11,15 @@ mod image;
 mod material;
 mod node;
 mod primitive;
-mod tangents;
-mod uri;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use gltf::json::Root;
 
+use super::files::{self, Reach};
+use super::{LoadOptions, Notes, tangents};
 use crate::{Scene, SceneError};
-
-/// Warnings, each once.
-#[derive(Default)]
-struct Notes {
-    warnings: Vec<String>,
-}
-
-impl Notes {
-    /// The most that is kept: a hostile file could ask for millions.
-    const MOST: usize = 100;
-
-    fn warn(&mut self, warning: String) {
-        if self.warnings.len() < Self::MOST && !self.warnings.contains(&warning) {
-            self.warnings.push(warning);
-        }
-    }
-}
 
 /// How much memory a scene may take, whatever its file claims. Generous for real scenes: a small
 /// file can refer to the same data many times over.
@@ -55,6 +38,7 @@ impl Default for Budget {
 /// The state of loading one file.
 struct Loader<'a> {
     file: &'a Path,
+    reach: Reach,
     document: &'a gltf::Document,
     buffers: &'a [Vec<u8>],
     scene: Scene,
@@ -68,33 +52,25 @@ struct Loader<'a> {
     textures: HashMap<(usize, Option<usize>), usize>,
 }
 
-pub(crate) fn load(file: &Path) -> Result<Scene, SceneError> {
-    let bytes = uri::read_regular(file)
+pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
+    let bytes = files::read_regular(file)
         .map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
-    let scene = load_bytes(file, &bytes)?;
-    for warning in &scene.notes.warnings {
-        tracing::warn!("{}: {warning}", file.display());
-    }
-    tracing::info!(
-        "{}: {} triangles in {} meshes, {} materials, {} textures, {} lights, {} cameras",
-        file.display(),
-        scene.triangle_count(),
-        scene.meshes.len(),
-        scene.materials.len(),
-        scene.textures.len(),
-        scene.lights.len(),
-        scene.cameras.len()
-    );
-    Ok(scene)
+    load_bytes(file, &bytes, options)
 }
 
 /// Loads from memory; other files are looked for beside `file`.
-fn load_bytes(file: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+fn load_bytes(
+    file: &Path,
+    bytes: &[u8],
+    options: &mut LoadOptions<'_>,
+) -> Result<Scene, SceneError> {
     let mut notes = Notes::default();
-    let parsed = container::parse(file, bytes, &mut notes)?;
+    let reach = options.reach();
+    let parsed = container::parse(file, bytes, reach, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let mut loader = Loader {
         file,
+        reach,
         document: &parsed.document,
         buffers: &parsed.buffers,
         scene: Scene { name: name.unwrap_or_default(), ..Scene::default() },
@@ -132,5 +108,5 @@ impl<'a> Loader<'a> {
 /// The name of a part of a glTF file: its own, or its number. Cut short, since many things can share
 /// one.
 fn name_or_index(name: Option<&str>, kind: &str, index: usize) -> String {
-    name.map_or_else(|| format!("{kind} {index}"), uri::shorten)
+    name.map_or_else(|| format!("{kind} {index}"), files::shorten)
 }

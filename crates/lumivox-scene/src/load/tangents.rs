@@ -41,6 +41,12 @@ fn weld(mesh: &mut Mesh, tangents: &[Option<Vec4>]) {
             mesh.positions.push(mesh.positions[vertex]);
             mesh.normals.push(normal);
             mesh.uvs.push(mesh.uvs[vertex]);
+            if !mesh.uvs1.is_empty() {
+                mesh.uvs1.push(mesh.uvs1[vertex]);
+            }
+            if !mesh.colors.is_empty() {
+                mesh.colors.push(mesh.colors[vertex]);
+            }
             mesh.tangents.push(tangent);
             (mesh.positions.len() - 1) as u32
         });
@@ -107,6 +113,7 @@ mod tests {
                 .to_vec(),
             tangents: vec![Vec4::ZERO; 4],
             indices: vec![0, 1, 2, 0, 2, 3],
+            ..Mesh::default()
         }
     }
 

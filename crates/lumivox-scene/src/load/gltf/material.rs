@@ -69,6 +69,7 @@ impl Loader<'_> {
                 "specular factor",
             ),
             ior: material.ior().unwrap_or(1.5),
+            ..MetallicRoughness::default()
         };
 
         let strength = material.emissive_strength().unwrap_or(1.0);
@@ -100,6 +101,7 @@ impl Loader<'_> {
             alpha,
             double_sided: material.double_sided(),
             name,
+            ..Material::default()
         })
     }
 

@@ -7,8 +7,9 @@ use gltf::Document;
 use gltf::json::validation::{Error as Fault, Validate};
 use gltf::json::{Path as JsonPath, Root};
 
-use super::{Notes, uri};
+use super::Notes;
 use crate::SceneError;
+use crate::load::files::{self, Reach};
 
 /// What of glTF's extensions is understood.
 pub(super) const SUPPORTED: [&str; 4] = [
@@ -27,7 +28,12 @@ pub(super) struct Parsed {
     pub(super) buffers: Vec<Vec<u8>>,
 }
 
-pub(super) fn parse(file: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Parsed, SceneError> {
+pub(super) fn parse(
+    file: &Path,
+    bytes: &[u8],
+    reach: Reach,
+    notes: &mut Notes,
+) -> Result<Parsed, SceneError> {
     let malformed = |part: &str, reason: String| SceneError::Malformed {
         file: file.to_owned(),
         part: part.to_owned(),
@@ -50,7 +56,7 @@ pub(super) fn parse(file: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Pars
     drop_primitives_without_positions(&mut root, notes);
     check_position_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
     check_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
-    let buffers = read_buffers(file, &root, binary)?;
+    let buffers = read_buffers(file, &root, binary, reach)?;
     Ok(Parsed { document: Document::from_json_without_validation(root), buffers })
 }
 
@@ -99,7 +105,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
 fn check_extensions(file: &Path, root: &mut Root, notes: &mut Notes) -> Result<(), SceneError> {
     let unknown = |names: &[String]| -> Vec<String> {
         let known = |name: &String| SUPPORTED.contains(&name.as_str());
-        names.iter().filter(|name| !known(name)).map(|name| uri::shorten(name)).collect()
+        names.iter().filter(|name| !known(name)).map(|name| files::shorten(name)).collect()
     };
     let missing = unknown(&root.extensions_required);
     if !missing.is_empty() {
@@ -195,6 +201,7 @@ fn read_buffers(
     file: &Path,
     root: &Root,
     binary: Option<&[u8]>,
+    reach: Reach,
 ) -> Result<Vec<Vec<u8>>, SceneError> {
     let mut buffers = Vec::new();
     for (i, buffer) in root.buffers.iter().enumerate() {
@@ -205,7 +212,7 @@ fn read_buffers(
             reason,
         };
         let data = match (&buffer.uri, binary) {
-            (Some(uri), _) => uri::read(file, &part, uri)?,
+            (Some(uri), _) => files::read_uri(file, &part, uri, reach)?,
             // Only the first buffer may be the GLB's own.
             (None, Some(binary)) if i == 0 => binary.to_vec(),
             (None, _) => return Err(malformed("it has neither a URI nor a GLB chunk".to_owned())),

@@ -1,15 +1,31 @@
-//! What a glTF file names: data URIs, and files in its own folder.
+//! What a scene's file names: data URIs, and files in its own folder.
 //!
 //! A scene comes from anywhere, so it may not make this program read anything else of the disk:
-//! only relative paths that go down are followed. The check is on the words of the path; links in
-//! the folder are its owner's affair.
+//! unless the user allows more, only relative paths that go down are followed. The check is on the
+//! words of the path; links in the folder are its owner's affair.
 
 use std::path::{Path, PathBuf};
 
 use crate::SceneError;
 
-/// Reads what `uri`, named by `part` of the scene in `file`, stands for.
-pub(super) fn read(file: &Path, part: &str, uri: &str) -> Result<Vec<u8>, SceneError> {
+/// Which files a scene may name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Reach {
+    /// Those in its own folder and below.
+    #[default]
+    OwnFolder,
+    /// All that the user may read.
+    Anywhere,
+}
+
+/// Reads what `uri`, named by `part` of the scene in `file`, stands for (RFC 3986: percent signs
+/// escape).
+pub(super) fn read_uri(
+    file: &Path,
+    part: &str,
+    uri: &str,
+    reach: Reach,
+) -> Result<Vec<u8>, SceneError> {
     if let Some(data) = uri.strip_prefix("data:") {
         return decode_data(data).map_err(|reason| SceneError::Malformed {
             file: file.to_owned(),
@@ -17,19 +33,44 @@ pub(super) fn read(file: &Path, part: &str, uri: &str) -> Result<Vec<u8>, SceneE
             reason,
         });
     }
-    let relative = relative_path(uri).map_err(|reason| SceneError::RefusedUri {
-        file: file.to_owned(),
-        part: part.to_owned(),
-        uri: shorten(uri),
-        reason,
-    })?;
-    let path = file.parent().unwrap_or(Path::new("")).join(relative);
+    let path = decode_percent(uri).map_err(|reason| refused(file, part, uri, reason))?;
+    read_path(file, part, &path, reach)
+}
+
+/// Reads the file `path`, named by `part` of the scene in `file`; relative ones lie beside it.
+pub(super) fn read_path(
+    file: &Path,
+    part: &str,
+    path: &str,
+    reach: Reach,
+) -> Result<Vec<u8>, SceneError> {
+    let path = resolve(file, part, path, reach)?;
     read_regular(&path).map_err(|source| SceneError::ReadExternal {
         file: file.to_owned(),
         part: part.to_owned(),
         missing: path,
         source,
     })
+}
+
+/// Where the file `path`, named by `part` of the scene in `file`, lies.
+pub(super) fn resolve(
+    file: &Path,
+    part: &str,
+    path: &str,
+    reach: Reach,
+) -> Result<PathBuf, SceneError> {
+    let checked = check_path(path, reach).map_err(|reason| refused(file, part, path, reason))?;
+    Ok(file.parent().unwrap_or(Path::new("")).join(checked))
+}
+
+fn refused(file: &Path, part: &str, uri: &str, reason: String) -> SceneError {
+    SceneError::RefusedUri {
+        file: file.to_owned(),
+        part: part.to_owned(),
+        uri: shorten(uri),
+        reason,
+    }
 }
 
 /// Reads a file that is a file: a pipe or a device might never end.
@@ -49,26 +90,28 @@ pub(super) fn shorten(text: &str) -> String {
     text.chars().take(LONGEST).chain("...".chars()).collect()
 }
 
-fn relative_path(uri: &str) -> Result<PathBuf, String> {
-    let decoded = decode_percent(uri)?;
-    if decoded.is_empty() {
+fn check_path(path: &str, reach: Reach) -> Result<PathBuf, String> {
+    if path.is_empty() {
         return Err("the path is empty".to_owned());
     }
-    if decoded.contains('\0') {
+    if path.contains('\0') {
         return Err("the path contains a zero byte".to_owned());
     }
-    // Schemes and Windows' drives alike.
-    if let Some((scheme, _)) = decoded.split_once(':') {
-        return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
+    if reach == Reach::OwnFolder {
+        // Schemes and Windows' drives alike.
+        if let Some((scheme, _)) = path.split_once(':') {
+            return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
+        }
+        // Both separators everywhere: what a scene may do must not depend on the system.
+        if path.starts_with(['/', '\\']) {
+            return Err("the path is absolute".to_owned());
+        }
+        if path.split(['/', '\\']).any(|word| word == "..") {
+            return Err("the path leaves the scene's folder".to_owned());
+        }
     }
-    // Both separators everywhere: what a scene may do must not depend on the system.
-    if decoded.starts_with(['/', '\\']) {
-        return Err("the path is absolute".to_owned());
-    }
-    if decoded.split(['/', '\\']).any(|word| word == "..") {
-        return Err("the path leaves the scene's folder".to_owned());
-    }
-    Ok(PathBuf::from(decoded))
+    // Files made on Windows separate folders by backslashes.
+    Ok(PathBuf::from(path.replace('\\', "/")))
 }
 
 /// Replaces `%41` by `A` and so on (RFC 3986, section 2.1).
@@ -146,6 +189,7 @@ mod tests {
 
     #[test]
     fn paths_stay_in_the_folder() {
+        let relative_path = |uri: &str| check_path(&decode_percent(uri)?, Reach::OwnFolder);
         assert_eq!(relative_path("a/b%20c.png").unwrap(), PathBuf::from("a/b c.png"));
         assert_eq!(relative_path("./a..b.bin").unwrap(), PathBuf::from("./a..b.bin"));
         for bad in [
@@ -167,6 +211,10 @@ mod tests {
         ] {
             assert!(relative_path(bad).is_err(), "{bad}");
         }
+        assert_eq!(relative_path("a\\b.png").unwrap(), PathBuf::from("a/b.png"));
+        assert!(check_path("../a.bin", Reach::Anywhere).is_ok());
+        assert!(check_path("/a/b.bin", Reach::Anywhere).is_ok());
+        assert!(check_path("", Reach::Anywhere).is_err());
     }
 
     #[test]

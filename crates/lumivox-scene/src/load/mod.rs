@@ -1,0 +1,142 @@
+//! Scenes from files, one folder or file for each format.
+//!
+//! Files come from anywhere, so nothing in them is believed: sizes are checked against the bytes
+//! that exist before memory is taken, indices before they are used, paths before they are followed.
+
+mod files;
+mod gltf;
+mod tangents;
+
+use std::path::Path;
+
+use crate::{Scene, SceneError};
+use files::Reach;
+
+/// How a scene is loaded. The default loads all that a file shows by itself, and reads no file
+/// outside of the scene's folder.
+#[derive(Default)]
+pub struct LoadOptions<'a> {
+    /// Whether the scene may name files outside of its own folder. Default: no.
+    pub allow_outside: bool,
+    /// Which of a file's scenes to load (glTF), by name or number. Default: the one that the file
+    /// marks, else the first.
+    pub scene: Option<String>,
+    /// How much memory the scene may take.
+    pub budget: MemoryBudget,
+    /// Told how far loading is, now and then.
+    pub progress: Option<&'a mut dyn FnMut(LoadProgress)>,
+}
+
+/// How much memory a scene may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MemoryBudget {
+    /// Bytes of all textures, finest levels. Textures are shrunk by halves, all alike, until they
+    /// fit, with a warning. Default: 4 GiB.
+    pub texture_bytes: u64,
+    /// Bytes of all vertices and indices. What needs more is refused before it is allocated.
+    /// Default: 8 GiB.
+    pub geometry_bytes: u64,
+}
+
+impl Default for MemoryBudget {
+    fn default() -> Self {
+        Self { texture_bytes: 4 << 30, geometry_bytes: 8 << 30 }
+    }
+}
+
+/// How far loading is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LoadProgress {
+    /// What is under way: `reading` or `textures`.
+    pub stage: &'static str,
+    /// Done so far, from 0 to `total`: bytes of the file, or textures.
+    pub done: u64,
+    /// All that is to be done.
+    pub total: u64,
+}
+
+impl LoadOptions<'_> {
+    fn reach(&self) -> Reach {
+        if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
+    }
+
+    #[expect(dead_code, reason = "loaders will tell")]
+    fn tell(&mut self, stage: &'static str, done: u64, total: u64) {
+        if let Some(progress) = &mut self.progress {
+            progress(LoadProgress { stage, done, total });
+        }
+    }
+}
+
+impl std::fmt::Debug for LoadOptions<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LoadOptions")
+            .field("allow_outside", &self.allow_outside)
+            .field("scene", &self.scene)
+            .field("budget", &self.budget)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Scene {
+    /// Reads a scene from a `.gltf` or `.glb` file (glTF 2.0), and validates it.
+    ///
+    /// What the file uses beyond this crate's reach becomes a warning in [`Scene::notes`] and in
+    /// the log.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the file's extension is unknown, the file or one that it names cannot
+    /// be read, its content breaks the format, it requires an unsupported extension, or
+    /// [`Scene::validate`] finds fault. Never panics, whatever the bytes.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        Self::load_with(path, &mut LoadOptions::default())
+    }
+
+    /// The same with options.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], and when the options ask for what the file does not have.
+    pub fn load_with(
+        path: impl AsRef<Path>,
+        options: &mut LoadOptions<'_>,
+    ) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let extension =
+            path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        let scene = match extension.as_str() {
+            "gltf" | "glb" => gltf::load(path, options)?,
+            _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
+        };
+        for warning in &scene.notes.warnings {
+            tracing::warn!("{}: {warning}", path.display());
+        }
+        tracing::info!(
+            "{}: {} triangles in {} meshes, {} materials, {} textures, {} lights, {} cameras",
+            path.display(),
+            scene.triangle_count(),
+            scene.meshes.len(),
+            scene.materials.len(),
+            scene.textures.len(),
+            scene.lights.len(),
+            scene.cameras.len()
+        );
+        Ok(scene)
+    }
+}
+
+/// Warnings, each once.
+#[derive(Default)]
+struct Notes {
+    warnings: Vec<String>,
+}
+
+impl Notes {
+    /// The most that is kept: a hostile file could ask for millions.
+    const MOST: usize = 100;
+
+    fn warn(&mut self, warning: String) {
+        if self.warnings.len() < Self::MOST && !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+}
