@@ -149,6 +149,31 @@ pub enum SceneError {
         target: &'static str,
     },
 
+    /// The file cannot be written.
+    #[error(
+        "{}: cannot write the file: {source}; check the folder, its permissions and its free space",
+        file.display()
+    )]
+    Write {
+        /// The file to be written.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+
+    /// The scene does not fit the format.
+    #[error(
+        "{}: the scene takes {bytes} bytes, but a GLB file holds at most {}; \
+         save it in parts or with smaller textures",
+        file.display(), u32::MAX
+    )]
+    TooLarge {
+        /// The file to be written.
+        file: PathBuf,
+        /// What it would take.
+        bytes: u64,
+    },
+
     /// Nothing to show.
     #[error(
         "{}: no triangles to show ({reason}); export at least one mesh with triangles in the \

@@ -28,10 +28,14 @@ pub mod builtin;
 mod error;
 mod load;
 mod model;
+mod save;
 mod validate;
 
+/// The name under which a file's `extras` hold what glTF has no words for.
+const EXTRAS: &str = "lumivox";
+
 pub use error::SceneError;
-pub use load::{LoadOptions, LoadProgress, MemoryBudget};
+pub use load::{FileSource, LoadOptions, LoadProgress, MemoryBudget};
 pub use model::{
     AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,

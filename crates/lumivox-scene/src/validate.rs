@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3};
 
 use crate::{
     Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene, SceneError, Shading,
-    Texture,
+    Texture, model::to_unit,
 };
 
 impl Scene {
@@ -29,8 +29,24 @@ impl Scene {
 
 /// [`Scene::validate`], with `file` in the messages instead of the scene's name.
 pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError> {
+    check(scene, file)?;
+    scene.meshes.iter_mut().for_each(normalize_normals);
+    drop_flattened_instances(scene);
+    drop_degenerate_triangles(scene);
+    if scene.triangle_count() == 0 {
+        let removed = scene.notes.degenerate_triangles;
+        return Err(SceneError::NoTriangles {
+            file: file.to_owned(),
+            reason: format!("none has an area; {removed} degenerate ones were removed"),
+        });
+    }
+    Ok(())
+}
+
+/// The part of [`Scene::validate`] that changes nothing.
+pub(crate) fn check(scene: &Scene, file: &Path) -> Result<(), SceneError> {
     let check = Check { file };
-    for mesh in &mut scene.meshes {
+    for mesh in &scene.meshes {
         check.mesh(mesh)?;
     }
     for texture in &scene.textures {
@@ -49,18 +65,14 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
         check.camera(camera)?;
     }
     check.environment(&scene.environment)?;
+    check.extent(scene)
+}
 
-    check.extent(scene)?;
-    drop_flattened_instances(scene);
-    drop_degenerate_triangles(scene);
-    if scene.triangle_count() == 0 {
-        let removed = scene.notes.degenerate_triangles;
-        return Err(SceneError::NoTriangles {
-            file: file.to_owned(),
-            reason: format!("none has an area; {removed} degenerate ones were removed"),
-        });
+/// Brings normals to unit length, which have a direction.
+fn normalize_normals(mesh: &mut Mesh) {
+    for normal in &mut mesh.normals {
+        *normal = to_unit(*normal).unwrap_or(*normal);
     }
-    Ok(())
 }
 
 /// Instances that a zero scale hides, as some exporters do.
@@ -180,7 +192,7 @@ impl Check<'_> {
         })
     }
 
-    fn mesh(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
+    fn mesh(&self, mesh: &Mesh) -> Result<(), SceneError> {
         let name = &mesh.name;
         let count = mesh.positions.len();
         for (what, length) in [
@@ -219,14 +231,8 @@ impl Check<'_> {
             {
                 self.unit(&part("colour"), &color.to_array())?;
             }
-            let normal = mesh.normals[i].as_dvec3();
-            let length = normal.length();
-            if length == 0.0 {
+            if mesh.normals[i] == Vec3::ZERO {
                 return Err(self.out_of_range(&part("normal"), "zero".to_owned(), "a direction"));
-            }
-            // 1e-5 is some 80 units in the last place: beyond what normalising itself leaves.
-            if (length - 1.0).abs() > 1e-5 {
-                mesh.normals[i] = (normal / length).as_vec3();
             }
         }
         for (i, &index) in mesh.indices.iter().enumerate() {

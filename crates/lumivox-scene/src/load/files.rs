@@ -4,18 +4,29 @@
 //! unless the user allows more, only relative paths that go down are followed. The check is on the
 //! words of the path; links in the folder are its owner's affair.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use super::source::{self, FileSource};
 use crate::SceneError;
 
-/// Which files a scene may name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Reach {
-    /// Those in its own folder and below.
-    #[default]
-    OwnFolder,
-    /// All that the user may read.
-    Anywhere,
+/// Which files a scene may name, and where they are read from.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reach<'a> {
+    /// All that the user may read, or those in the scene's own folder and below.
+    pub(super) anywhere: bool,
+    /// Asked instead of the disk.
+    pub(super) source: Option<&'a dyn FileSource>,
+}
+
+impl<'a> Reach<'a> {
+    /// Reads a file that is a file: a pipe or a device might never end.
+    pub(super) fn read(self, path: &Path) -> std::io::Result<Cow<'a, [u8]>> {
+        match self.source {
+            Some(source) => source.read(&source::key(path)),
+            None => read_regular(path).map(Cow::Owned),
+        }
+    }
 }
 
 /// Reads what `uri`, named by `part` of the scene in `file`, stands for (RFC 3986: percent signs
@@ -24,7 +35,7 @@ pub(super) fn read_uri(
     file: &Path,
     part: &str,
     uri: &str,
-    reach: Reach,
+    reach: Reach<'_>,
 ) -> Result<Vec<u8>, SceneError> {
     if let Some(data) = uri.strip_prefix("data:") {
         return decode_data(data).map_err(|reason| SceneError::Malformed {
@@ -42,10 +53,10 @@ pub(super) fn read_path(
     file: &Path,
     part: &str,
     path: &str,
-    reach: Reach,
+    reach: Reach<'_>,
 ) -> Result<Vec<u8>, SceneError> {
     let path = resolve(file, part, path, reach)?;
-    read_regular(&path).map_err(|source| SceneError::ReadExternal {
+    reach.read(&path).map(Cow::into_owned).map_err(|source| SceneError::ReadExternal {
         file: file.to_owned(),
         part: part.to_owned(),
         missing: path,
@@ -58,7 +69,7 @@ pub(super) fn resolve(
     file: &Path,
     part: &str,
     path: &str,
-    reach: Reach,
+    reach: Reach<'_>,
 ) -> Result<PathBuf, SceneError> {
     let checked = check_path(path, reach).map_err(|reason| refused(file, part, path, reason))?;
     Ok(file.parent().unwrap_or(Path::new("")).join(checked))
@@ -73,8 +84,7 @@ fn refused(file: &Path, part: &str, uri: &str, reason: String) -> SceneError {
     }
 }
 
-/// Reads a file that is a file: a pipe or a device might never end.
-pub(super) fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
+fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(std::io::Error::other("not a regular file"));
     }
@@ -90,14 +100,14 @@ pub(super) fn shorten(text: &str) -> String {
     text.chars().take(LONGEST).chain("...".chars()).collect()
 }
 
-fn check_path(path: &str, reach: Reach) -> Result<PathBuf, String> {
+fn check_path(path: &str, reach: Reach<'_>) -> Result<PathBuf, String> {
     if path.is_empty() {
         return Err("the path is empty".to_owned());
     }
     if path.contains('\0') {
         return Err("the path contains a zero byte".to_owned());
     }
-    if reach == Reach::OwnFolder {
+    if !reach.anywhere {
         // Schemes and Windows' drives alike.
         if let Some((scheme, _)) = path.split_once(':') {
             return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
@@ -189,7 +199,7 @@ mod tests {
 
     #[test]
     fn paths_stay_in_the_folder() {
-        let relative_path = |uri: &str| check_path(&decode_percent(uri)?, Reach::OwnFolder);
+        let relative_path = |uri: &str| check_path(&decode_percent(uri)?, Reach::default());
         assert_eq!(relative_path("a/b%20c.png").unwrap(), PathBuf::from("a/b c.png"));
         assert_eq!(relative_path("./a..b.bin").unwrap(), PathBuf::from("./a..b.bin"));
         for bad in [
@@ -212,9 +222,10 @@ mod tests {
             assert!(relative_path(bad).is_err(), "{bad}");
         }
         assert_eq!(relative_path("a\\b.png").unwrap(), PathBuf::from("a/b.png"));
-        assert!(check_path("../a.bin", Reach::Anywhere).is_ok());
-        assert!(check_path("/a/b.bin", Reach::Anywhere).is_ok());
-        assert!(check_path("", Reach::Anywhere).is_err());
+        let anywhere = Reach { anywhere: true, ..Reach::default() };
+        assert!(check_path("../a.bin", anywhere).is_ok());
+        assert!(check_path("/a/b.bin", anywhere).is_ok());
+        assert!(check_path("", anywhere).is_err());
     }
 
     #[test]

@@ -5,12 +5,14 @@
 
 mod files;
 mod gltf;
+mod source;
 mod tangents;
 
 use std::path::Path;
 
 use crate::{Scene, SceneError};
 use files::Reach;
+pub use source::FileSource;
 
 /// How a scene is loaded. The default loads all that a file shows by itself, and reads no file
 /// outside of the scene's folder.
@@ -23,6 +25,8 @@ pub struct LoadOptions<'a> {
     pub scene: Option<String>,
     /// How much memory the scene may take.
     pub budget: MemoryBudget,
+    /// Where all files come from, the scene's own included. Default: the disk.
+    pub files: Option<&'a dyn FileSource>,
     /// Told how far loading is, now and then.
     pub progress: Option<&'a mut dyn FnMut(LoadProgress)>,
 }
@@ -55,9 +59,9 @@ pub struct LoadProgress {
     pub total: u64,
 }
 
-impl LoadOptions<'_> {
-    fn reach(&self) -> Reach {
-        if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
+impl<'a> LoadOptions<'a> {
+    fn reach(&self) -> Reach<'a> {
+        Reach { anywhere: self.allow_outside, source: self.files }
     }
 
     #[expect(dead_code, reason = "loaders will tell")]
@@ -100,28 +104,53 @@ impl Scene {
         path: impl AsRef<Path>,
         options: &mut LoadOptions<'_>,
     ) -> Result<Self, SceneError> {
-        let path = path.as_ref();
-        let extension =
-            path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-        let scene = match extension.as_str() {
-            "gltf" | "glb" => gltf::load(path, options)?,
-            _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
-        };
-        for warning in &scene.notes.warnings {
-            tracing::warn!("{}: {warning}", path.display());
-        }
-        tracing::info!(
-            "{}: {} triangles in {} meshes, {} materials, {} textures, {} lights, {} cameras",
-            path.display(),
-            scene.triangle_count(),
-            scene.meshes.len(),
-            scene.materials.len(),
-            scene.textures.len(),
-            scene.lights.len(),
-            scene.cameras.len()
-        );
-        Ok(scene)
+        load(path.as_ref(), options)
     }
+
+    /// Loads a scene whose file is in memory. `name` is what its path would be: its extension tells the
+    /// format, and messages begin with it. Files that it names are asked of [`LoadOptions::files`];
+    /// without, there are none, and the disk is left alone.
+    ///
+    /// # Errors
+    /// As [`Scene::load_with`].
+    pub fn from_memory(
+        name: &str,
+        bytes: &[u8],
+        options: &mut LoadOptions<'_>,
+    ) -> Result<Self, SceneError> {
+        let memory = source::Memory { name, bytes, others: options.files };
+        let mut options = LoadOptions {
+            allow_outside: options.allow_outside,
+            scene: options.scene.clone(),
+            budget: options.budget,
+            files: Some(&memory),
+            progress: options.progress.as_mut().map(|tell| &mut **tell as _),
+        };
+        load(Path::new(name), &mut options)
+    }
+}
+
+fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
+    let extension =
+        path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    let scene = match extension.as_str() {
+        "gltf" | "glb" => gltf::load(path, options)?,
+        _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
+    };
+    for warning in &scene.notes.warnings {
+        tracing::warn!("{}: {warning}", path.display());
+    }
+    tracing::info!(
+        "{}: {} triangles in {} meshes, {} materials, {} textures, {} lights, {} cameras",
+        path.display(),
+        scene.triangle_count(),
+        scene.meshes.len(),
+        scene.materials.len(),
+        scene.textures.len(),
+        scene.lights.len(),
+        scene.cameras.len()
+    );
+    Ok(scene)
 }
 
 /// Warnings, each once.

@@ -7,6 +7,7 @@ mod material;
 mod mesh;
 mod scene;
 mod texture;
+mod unit;
 
 pub use bounds::Bounds;
 pub use camera::Camera;
@@ -19,3 +20,4 @@ pub use scene::{LoadNotes, Scene};
 pub use texture::{Filter, Sampler, Texture, TextureRef, Wrap};
 
 pub(crate) use mesh::any_tangent;
+pub(crate) use unit::to_unit;

@@ -31,7 +31,7 @@ pub(super) struct Parsed {
 pub(super) fn parse(
     file: &Path,
     bytes: &[u8],
-    reach: Reach,
+    reach: Reach<'_>,
     notes: &mut Notes,
 ) -> Result<Parsed, SceneError> {
     let malformed = |part: &str, reason: String| SceneError::Malformed {
@@ -201,7 +201,7 @@ fn read_buffers(
     file: &Path,
     root: &Root,
     binary: Option<&[u8]>,
-    reach: Reach,
+    reach: Reach<'_>,
 ) -> Result<Vec<Vec<u8>>, SceneError> {
     let mut buffers = Vec::new();
     for (i, buffer) in root.buffers.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Loader, name_or_index};
+use super::{Loader, extras, name_or_index};
 use crate::{AlphaMode, Material, MetallicRoughness, SceneError, Shading, TextureRef};
 
 /// Between stone and plaster.
@@ -93,7 +93,7 @@ impl Loader<'_> {
             gltf::material::AlphaMode::Blend => AlphaMode::Blend,
         };
         Ok(Material {
-            shading: Shading::MetallicRoughness(shading),
+            shading: extras::restore_phong(Shading::MetallicRoughness(shading), material.extras()),
             emissive,
             emissive_texture: self.texture_info(material.emissive_texture(), &name)?,
             normal_texture,

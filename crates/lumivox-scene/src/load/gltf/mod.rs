@@ -7,6 +7,7 @@
 
 mod accessor;
 mod container;
+mod extras;
 mod image;
 mod material;
 mod node;
@@ -38,7 +39,7 @@ impl Default for Budget {
 /// The state of loading one file.
 struct Loader<'a> {
     file: &'a Path,
-    reach: Reach,
+    reach: Reach<'a>,
     document: &'a gltf::Document,
     buffers: &'a [Vec<u8>],
     scene: Scene,
@@ -53,7 +54,9 @@ struct Loader<'a> {
 }
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
-    let bytes = files::read_regular(file)
+    let bytes = options
+        .reach()
+        .read(file)
         .map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
     load_bytes(file, &bytes, options)
 }

@@ -1,11 +1,12 @@
 //! The node hierarchy: where meshes, lights and cameras stand.
 
-use glam::{DVec3, Mat4, Quat, Vec3};
+use glam::{Mat4, Quat, Vec3};
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
 
-use super::{Loader, name_or_index};
+use super::{Loader, extras, name_or_index};
+use crate::model::to_unit;
 use crate::validate::is_invertible;
 use crate::{Camera, Instance, Light, LightKind, SceneError};
 
@@ -16,6 +17,7 @@ impl Loader<'_> {
         let nodes: Vec<_> = document.nodes().collect();
         let scene = document.default_scene().or_else(|| document.scenes().next());
         let roots: Vec<usize> = if let Some(scene) = scene {
+            self.restore_environment(scene.extras());
             scene.nodes().map(|node| node.index()).collect()
         } else {
             let mut is_child = vec![false; nodes.len()];
@@ -83,7 +85,9 @@ impl Loader<'_> {
             self.load_mesh(&name, &mesh, world_from_local)?;
         }
         if let Some(light) = node.light() {
-            self.scene.lights.push(convert_light(&light, world_from_local));
+            let mut converted = convert_light(&light, world_from_local);
+            extras::restore_light(&mut converted, light.extras());
+            self.scene.lights.push(converted);
         }
         if let Some(camera) = node.camera() {
             match convert_camera(&camera, world_from_local) {
@@ -129,8 +133,7 @@ impl Loader<'_> {
 
 /// A direction of the node in the world; `None` where a scale of zero leaves none.
 fn direction(world_from_local: Mat4, local: Vec3) -> Option<Vec3> {
-    let direction = world_from_local.transform_vector3(local).as_dvec3();
-    direction.try_normalize().map(DVec3::as_vec3)
+    to_unit(world_from_local.transform_vector3(local))
 }
 
 /// Scale does not act on lights, the way of -z does (`KHR_lights_punctual`).

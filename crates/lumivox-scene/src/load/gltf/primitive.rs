@@ -5,7 +5,7 @@ use gltf::Semantic;
 use gltf::mesh::Mode;
 
 use super::{Loader, name_or_index, tangents};
-use crate::model::any_tangent;
+use crate::model::{any_tangent, to_unit};
 use crate::{Mesh, SceneError};
 
 impl Loader<'_> {
@@ -235,9 +235,8 @@ fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// In f64, where no finite f32 vector's length overflows or vanishes.
 fn unit_or_zero(v: Vec3) -> Vec3 {
-    v.as_dvec3().normalize_or_zero().as_vec3()
+    to_unit(v).unwrap_or(Vec3::ZERO)
 }
 
 /// Takes the file's tangents where they have a direction.

@@ -1,0 +1,121 @@
+//! What Lumivox's own files say beyond glTF, under `extras.lumivox`; `save` writes it.
+//!
+//! Extras are nobody's standard, and other programs carry them along through their own changes. So
+//! what does not fit is ignored with a warning, and never refused.
+
+use std::sync::Arc;
+
+use glam::{Affine2, Vec3};
+use gltf::json::Extras;
+use serde_json::Value;
+
+use super::Loader;
+use crate::{Environment, EnvironmentMap, Light, LightKind, Phong, Shading};
+
+/// The part of an entry's extras that is ours.
+pub(super) fn own(extras: &Extras) -> Option<Value> {
+    let raw = extras.as_ref()?;
+    let mut extras: Value = serde_json::from_str(raw.get()).ok()?;
+    Some(extras.get_mut(crate::EXTRAS)?.take()).filter(|own| !own.is_null())
+}
+
+/// A finite number.
+fn number(value: &Value) -> Option<f32> {
+    value.as_f64().map(|number| number as f32).filter(|number| number.is_finite())
+}
+
+fn not_negative(value: &Value) -> Option<f32> {
+    number(value).filter(|&number| number >= 0.0)
+}
+
+fn numbers<const N: usize>(value: &Value) -> Option<[f32; N]> {
+    let list = value.as_array()?.iter().map(number).collect::<Option<Vec<_>>>()?;
+    list.try_into().ok()
+}
+
+/// The exact matrix of a texture transform.
+pub(super) fn texture_transform(extras: &Extras) -> Option<Affine2> {
+    numbers(own(extras)?.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
+}
+
+/// Makes a light what it was, of what other programs can show of it.
+pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
+    let Some(own) = own(extras) else { return };
+    light.radius_m = not_negative(&own["radiusM"]).unwrap_or(light.radius_m);
+    let scale = number(&own["colorScale"]).filter(|&scale| scale >= 1.0).unwrap_or(1.0);
+    light.color *= scale;
+    match &mut light.kind {
+        LightKind::Directional { illuminance_lux, angular_radius_rad } => {
+            *illuminance_lux /= scale;
+            *angular_radius_rad =
+                not_negative(&own["angularRadiusRad"]).unwrap_or(*angular_radius_rad);
+        }
+        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+            *intensity_cd /= scale;
+        }
+    }
+}
+
+/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the exponent.
+pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
+    let Shading::MetallicRoughness(m) = shading else { return shading };
+    let shininess = own(extras).and_then(|own| not_negative(&own["phong"]["shininess"]));
+    let Some(shininess) = shininess else { return shading };
+    Shading::Phong(Phong {
+        diffuse: m.base_color.truncate(),
+        diffuse_texture: m.base_color_texture,
+        opacity: m.base_color.w,
+        specular: m.specular_color.min(Vec3::ONE),
+        specular_texture: m.specular_texture,
+        shininess,
+    })
+}
+
+impl Loader<'_> {
+    /// The surroundings, from the scene's extras.
+    pub(super) fn restore_environment(&mut self, extras: &Extras) {
+        let Some(environment) =
+            own(extras).and_then(|mut own| own.get_mut("environment").map(Value::take))
+        else {
+            return;
+        };
+        if let Some(environment) = self.environment(&environment) {
+            self.scene.environment = environment;
+        } else {
+            self.notes.warn(
+                "the environment in the scene's extras does not fit the file and was ignored"
+                    .to_owned(),
+            );
+        }
+    }
+
+    fn environment(&self, json: &Value) -> Option<Environment> {
+        let radiance = Vec3::from_array(numbers(&json["radiance"])?);
+        let rotation_rad = number(&json["rotationRad"])?;
+        let map = match &json["map"] {
+            Value::Null => None,
+            map => Some(Arc::new(self.environment_map(map)?)),
+        };
+        let fits = radiance.cmpge(Vec3::ZERO).all();
+        fits.then_some(Environment { radiance, map, rotation_rad })
+    }
+
+    /// Three floats a texel, in a buffer view of their own.
+    fn environment_map(&self, json: &Value) -> Option<EnvironmentMap> {
+        let word = |key: &str| json[key].as_u64().and_then(|n| u32::try_from(n).ok());
+        let (width, height) = (word("width")?, word("height")?);
+        let bytes = self.view(usize::try_from(json["bufferView"].as_u64()?).ok()?).ok()?;
+        let texels = u64::from(width) * u64::from(height);
+        if texels == 0 || texels.checked_mul(12) != Some(bytes.len() as u64) {
+            return None;
+        }
+        let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+        let rgb: Vec<[f32; 3]> = bytes
+            .chunks_exact(12)
+            .map(|texel| [float(&texel[..4]), float(&texel[4..8]), float(&texel[8..])])
+            .collect();
+        let fits = rgb.iter().flatten().all(|&x| x.is_finite() && x >= 0.0);
+        let name = json["name"].as_str().unwrap_or("environment").to_owned();
+        fits.then_some(EnvironmentMap { name, width, height, rgb })
+    }
+}

@@ -1,0 +1,100 @@
+//! Where files come from: the disk, or whoever loads the scene.
+//!
+//! A program in a browser has no disk, and one that unpacks archives has its files in memory. Both
+//! hand over a [`FileSource`]; then loaders ask nobody else.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io;
+use std::path::{Component, Path};
+
+/// Files that are not on the disk, for [`LoadOptions::files`](crate::LoadOptions::files).
+///
+/// ```
+/// # use std::collections::HashMap;
+/// # use lumivox_scene::{LoadOptions, Scene};
+/// // Dropped on a page, say: a scene with its files.
+/// let files = HashMap::from([
+///     ("room.obj".to_owned(), b"mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
+///     ("room.mtl".to_owned(), b"newmtl red\nKd 1 0 0\n".to_vec()),
+/// ]);
+/// let mut options = LoadOptions { files: Some(&files), ..LoadOptions::default() };
+/// # let _ =
+/// Scene::load_with("room.obj", &mut options);
+/// ```
+pub trait FileSource {
+    /// The bytes of the file at `path`: the scene's own path as it was given, or that of a file which
+    /// it names, in the scene's folder; folders are separated by `/`, and there is no `.` in it.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::NotFound`], or what else went wrong; the loader's message quotes it.
+    fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>>;
+}
+
+impl FileSource for HashMap<String, Vec<u8>> {
+    fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>> {
+        let bytes = self.get(path);
+        bytes.map(|bytes| Cow::Borrowed(bytes.as_slice())).ok_or_else(|| {
+            io::Error::new(io::ErrorKind::NotFound, "it is not among the scene's files")
+        })
+    }
+}
+
+/// A scene's file in memory, its other files from elsewhere if they are anywhere.
+pub(super) struct Memory<'a> {
+    pub(super) name: &'a str,
+    pub(super) bytes: &'a [u8],
+    pub(super) others: Option<&'a dyn FileSource>,
+}
+
+impl FileSource for Memory<'_> {
+    fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>> {
+        if path == key(Path::new(self.name)) {
+            return Ok(Cow::Borrowed(self.bytes));
+        }
+        match self.others {
+            Some(others) => others.read(path),
+            None => Err(io::Error::new(
+                io::ErrorKind::NotFound,
+                "the scene came from memory without its other files",
+            )),
+        }
+    }
+}
+
+/// What a source calls the file at `path`.
+pub(super) fn key(path: &Path) -> String {
+    let mut words: Vec<Cow<'_, str>> = Vec::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if words.last().is_some_and(|word| word != "..") => {
+                words.pop();
+            }
+            // With the root as an empty word, an absolute path begins with its slash.
+            Component::RootDir => words.push(Cow::Borrowed("")),
+            other => words.push(other.as_os_str().to_string_lossy()),
+        }
+    }
+    words.join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_have_one_spelling() {
+        for (path, spelled) in [
+            ("a.glb", "a.glb"),
+            ("./a.glb", "a.glb"),
+            ("b/./c//a.glb", "b/c/a.glb"),
+            ("b/../a.glb", "a.glb"),
+            ("../a.glb", "../a.glb"),
+            ("../../a.glb", "../../a.glb"),
+            ("/b/a.glb", "/b/a.glb"),
+        ] {
+            assert_eq!(key(Path::new(path)), spelled);
+        }
+    }
+}

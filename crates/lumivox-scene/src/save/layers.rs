@@ -1,0 +1,40 @@
+//! The layers of a material on top of its core, each an extension.
+
+use glam::Vec3;
+use serde_json::{Map, Value};
+
+use super::Writer;
+use super::material::Object;
+use crate::{Clearcoat, Material, Sheen, Transmission};
+
+impl Writer<'_> {
+    pub(super) fn layers(&mut self, material: &Material, extensions: &mut Map<String, Value>) {
+        if material.clearcoat != Clearcoat::default() {
+            let Clearcoat { strength, roughness, texture } = material.clearcoat;
+            let mut coat = Object::default();
+            coat.factor("clearcoatFactor", strength, 0.0);
+            coat.factor("clearcoatRoughnessFactor", roughness, 0.0);
+            // Red is the strength, green the roughness: one image for both.
+            self.map(&mut coat, "clearcoatTexture", texture);
+            self.map(&mut coat, "clearcoatRoughnessTexture", texture);
+            self.extension(extensions, "KHR_materials_clearcoat", coat);
+        }
+        if material.sheen != Sheen::default() {
+            let Sheen { color, roughness, texture } = material.sheen;
+            let mut sheen = Object::default();
+            sheen.color("sheenColorFactor", color, Vec3::ZERO);
+            sheen.factor("sheenRoughnessFactor", roughness, 0.0);
+            // The colour, and in alpha the roughness.
+            self.map(&mut sheen, "sheenColorTexture", texture);
+            self.map(&mut sheen, "sheenRoughnessTexture", texture);
+            self.extension(extensions, "KHR_materials_sheen", sheen);
+        }
+        if material.transmission != Transmission::default() {
+            let Transmission { factor, texture } = material.transmission;
+            let mut transmission = Object::default();
+            transmission.factor("transmissionFactor", factor, 0.0);
+            self.map(&mut transmission, "transmissionTexture", texture);
+            self.extension(extensions, "KHR_materials_transmission", transmission);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Writes a scene as one glTF 2.0 binary (Khronos, "glTF 2.0 specification", 2021, section 4.4).
+//!
+//! **Nothing is lost on the way back.** Loaded again, the scene is the same, bit by bit: floats are
+//! written so that they read back exactly, images as PNG without loss. What glTF has no words for
+//! (Phong's exponent, lights' radii, the environment, texture transforms with shear) is written twice:
+//! the nearest that other programs can show, and the exact value under `extras.lumivox`, which the
+//! loader prefers.
+//!
+//! **One scene has one file.** Only what instances use is written, in the order of their first use, and
+//! equal things once; so saving what was loaded gives the same bytes, and the order of unused or
+//! repeated things in memory does not matter. What this *normal form* leaves out:
+//!
+//! - meshes, materials and textures that no instance uses, and instances of meshes without triangles;
+//! - the second of two equal meshes, samplers or textures;
+//! - the part of a camera's up that lies along its line of sight, and the scale of a normal texture
+//!   where there is none: they mean nothing;
+//! - missing second texture coordinates of meshes whose material asks for them: the first are
+//!   written, which is what a renderer uses then;
+//! - [`Scene::name`], which is the file's, and [`Scene::notes`].
+//!
+//! A transform with shear is written as it is, although glTF wants matrices to be products of
+//! translation, rotation and scale; programs that take them apart will miss the shear.
+
+mod binary;
+mod document;
+mod environment;
+mod file;
+mod layers;
+mod material;
+mod mesh;
+mod node;
+mod texture;
+
+use std::path::{Path, PathBuf};
+
+use crate::{Scene, SceneError};
+use document::Document;
+
+impl Scene {
+    /// Writes the scene to a `.glb` file (glTF 2.0, everything in one file), which loads as the same
+    /// scene again, and which other programs read.
+    ///
+    /// The file is written under a temporary name in the same folder first and renamed at the end:
+    /// whoever looks finds the old file or the whole new one. Needs little memory beyond the scene's
+    /// own: that of its textures as PNG.
+    ///
+    /// # Errors
+    /// [`SceneError::Write`] when the file cannot be written; then nothing is left behind.
+    /// [`SceneError::TooLarge`] beyond 4 GiB, and what [`Scene::validate`] would find wrong.
+    pub fn save_glb(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
+        let path = path.as_ref();
+        let container = self.container(path)?;
+        file::write_atomically(path, |out| container.write(out))
+            .map_err(|source| SceneError::Write { file: path.to_owned(), source })
+    }
+
+    /// The bytes of the file that [`Scene::save_glb`] writes.
+    ///
+    /// # Errors
+    /// As [`Scene::save_glb`], but for the disk.
+    pub fn to_glb(&self) -> Result<Vec<u8>, SceneError> {
+        let name = PathBuf::from(&self.name);
+        let container = self.container(&name)?;
+        let mut bytes = Vec::with_capacity(container.bytes() as usize);
+        container
+            .write(&mut bytes)
+            .map_err(|source| SceneError::Write { file: name.clone(), source })?;
+        Ok(bytes)
+    }
+
+    fn container(&self, file: &Path) -> Result<file::Container<'_>, SceneError> {
+        crate::validate::check(self, file)?;
+        let mut writer = Writer::new(self, file)?;
+        writer.nodes()?;
+        writer.environment();
+        let (json, binary) = writer.document.json();
+        file::Container::new(json, binary)
+            .map_err(|bytes| SceneError::TooLarge { file: file.to_owned(), bytes })
+    }
+}
+
+/// The state of writing one scene, whose indices are known to be right.
+struct Writer<'a> {
+    scene: &'a Scene,
+    document: Document<'a>,
+    /// From a scene's material to the file's.
+    materials: Vec<Option<usize>>,
+    /// From a scene's texture to the file's; those in use.
+    textures: Vec<Option<usize>>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(scene: &'a Scene, file: &Path) -> Result<Self, SceneError> {
+        let mut writer = Self {
+            scene,
+            document: Document::default(),
+            materials: vec![None; scene.materials.len()],
+            textures: vec![None; scene.textures.len()],
+        };
+        writer.write_textures(file)?;
+        Ok(writer)
+    }
+}

@@ -1,0 +1,128 @@
+//! What stands where: instances, lights and cameras, each at a node of its own.
+
+use glam::{Mat4, Vec3};
+use serde_json::{Value, json};
+
+use super::Writer;
+use super::document::{number, numbers, own_extras};
+use super::material::{Object, power_of_two_above};
+use crate::model::to_unit;
+use crate::{Camera, Instance, Light, LightKind, Scene, SceneError};
+
+/// The instances that show anything.
+pub(super) fn shown(scene: &Scene) -> impl Iterator<Item = &Instance> {
+    scene.instances.iter().filter(|instance| !scene.meshes[instance.mesh].indices.is_empty())
+}
+
+impl Writer<'_> {
+    pub(super) fn nodes(&mut self) -> Result<(), SceneError> {
+        let scene = self.scene;
+        for instance in shown(scene) {
+            let mirrored = instance.world_from_local.as_dmat4().determinant() < 0.0;
+            let mesh = self.mesh(instance.mesh, instance.material, mirrored);
+            let mut node = placed(&instance.name, instance.world_from_local);
+            node.set("mesh", json!(mesh));
+            self.document.push("nodes", Value::Object(node.0));
+        }
+        for light in &scene.lights {
+            const EXTENSION: &str = "KHR_lights_punctual";
+            self.document.uses(EXTENSION);
+            let number = self.document.push("lights", convert_light(light));
+            let direction = to_unit(light.direction).unwrap_or(Vec3::NEG_Z);
+            let up = direction.any_orthonormal_vector();
+            let mut node = placed(&light.name, looking(light.position, direction, up));
+            node.set("extensions", json!({ EXTENSION: { "light": number } }));
+            self.document.push("nodes", Value::Object(node.0));
+        }
+        for camera in &scene.cameras {
+            let number = self.document.push("cameras", convert_camera(camera));
+            let (forward, up) = axes(camera);
+            let mut node = placed(&camera.name, looking(camera.position, forward, up));
+            node.set("camera", json!(number));
+            self.document.push("nodes", Value::Object(node.0));
+        }
+        Ok(())
+    }
+}
+
+/// A node.
+fn placed(name: &str, world_from_local: Mat4) -> Object {
+    let mut node = Object::default();
+    node.set("name", json!(name));
+    if world_from_local != Mat4::IDENTITY {
+        // A zero less negative: multiplying by a parent's identity drops the sign.
+        let matrix = world_from_local.to_cols_array().map(|x| x + 0.0);
+        node.set("matrix", numbers(&matrix));
+    }
+    node
+}
+
+/// At a position with the -z axis along `forward` and y along `up`, both of unit length.
+fn looking(position: Vec3, forward: Vec3, up: Vec3) -> Mat4 {
+    Mat4::from_cols(
+        forward.cross(up).normalize().extend(0.0),
+        up.extend(0.0),
+        (-forward).extend(0.0),
+        position.extend(1.0),
+    )
+}
+
+fn convert_light(light: &Light) -> Value {
+    let mut json = Object::default();
+    let mut own = Object::default();
+    json.set("name", json!(light.name));
+    own.factor("radiusM", light.radius_m, 0.0);
+    let (kind, intensity, range_m) = match light.kind {
+        LightKind::Directional { illuminance_lux, angular_radius_rad } => {
+            own.factor("angularRadiusRad", angular_radius_rad, 0.0);
+            ("directional", illuminance_lux, None)
+        }
+        LightKind::Point { intensity_cd, range_m } => ("point", intensity_cd, range_m),
+        LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
+            // glTF wants at most pi/2, above which f32's own pi/2 lies, and an inner angle below the
+            // outer one. In f64 there is room for both; read as f32 they are what they were.
+            let outer = f64::from(outer_angle_rad).min(std::f64::consts::FRAC_PI_2);
+            let inner = f64::from(inner_angle_rad).min(outer.next_down());
+            json.set("spot", json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
+            ("spot", intensity_cd, range_m)
+        }
+    };
+    json.set("type", json!(kind));
+    if let Some(range_m) = range_m {
+        json.set("range", number(range_m));
+    }
+    // glTF's colours end at 1. A power of two moves to the intensity, where nothing is lost by it.
+    let scale = power_of_two_above(light.color.max_element());
+    let (color, scaled) = (light.color / scale, intensity * scale);
+    let exact = color * scale == light.color && scaled / scale == intensity;
+    if scale > 1.0 && exact {
+        own.set("colorScale", number(scale));
+        json.set("color", numbers(color.as_ref()));
+        json.set("intensity", number(scaled));
+    } else {
+        json.color("color", light.color, Vec3::ONE);
+        json.set("intensity", number(intensity));
+    }
+    own_extras(&mut json.0, own.0);
+    Value::Object(json.0)
+}
+
+fn convert_camera(camera: &Camera) -> Value {
+    let perspective =
+        json!({ "yfov": number(camera.vertical_fov_rad), "znear": number(camera.near_m) });
+    json!({ "name": camera.name, "perspective": perspective, "type": "perspective" })
+}
+
+/// Forward and an up at a right angle to it.
+fn axes(camera: &Camera) -> (Vec3, Vec3) {
+    let forward = to_unit(camera.forward).unwrap_or(Vec3::NEG_Z);
+    let (f, u) = (forward.as_dvec3(), camera.up.as_dvec3());
+    // Rounding to f32 leaves some 1e-7; what is orthogonal already stays as it is.
+    if f.dot(u).abs() < 1e-6
+        && let Some(up) = to_unit(camera.up)
+    {
+        return (forward, up);
+    }
+    let up = (u - f * f.dot(u)).try_normalize().map(|up| up.as_vec3());
+    (forward, up.unwrap_or_else(|| forward.any_orthonormal_vector()))
+}

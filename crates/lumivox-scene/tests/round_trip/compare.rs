@@ -1,0 +1,98 @@
+//! Equality of scenes, whatever the order of their lists.
+
+use glam::Vec3;
+use lumivox_scene::{Camera, Material, Mesh, Scene, Shading, Texture, TextureRef};
+
+/// An instance with all that it refers to.
+#[derive(Debug, PartialEq)]
+struct Resolved {
+    name: String,
+    mesh: Mesh,
+    /// Its textures are numbered in their order in `textures`.
+    material: Material,
+    textures: Vec<Texture>,
+    world_from_local: [f32; 16],
+}
+
+fn resolve(scene: &Scene) -> Vec<Resolved> {
+    let resolved = |instance: &lumivox_scene::Instance| {
+        let mut material = scene.materials[instance.material].clone();
+        let mut textures = Vec::new();
+        for reference in references(&mut material).into_iter().flatten() {
+            textures.push(scene.textures[reference.texture].clone());
+            reference.texture = textures.len() - 1;
+        }
+        Resolved {
+            name: instance.name.clone(),
+            mesh: scene.meshes[instance.mesh].clone(),
+            material,
+            textures,
+            world_from_local: instance.world_from_local.to_cols_array(),
+        }
+    };
+    scene.instances.iter().map(resolved).collect()
+}
+
+fn references(material: &mut Material) -> Vec<Option<&mut TextureRef>> {
+    let mut all = vec![
+        material.emissive_texture.as_mut(),
+        material.normal_texture.as_mut(),
+        material.clearcoat.texture.as_mut(),
+        material.sheen.texture.as_mut(),
+        material.transmission.texture.as_mut(),
+    ];
+    match &mut material.shading {
+        Shading::MetallicRoughness(m) => all.extend([
+            m.base_color_texture.as_mut(),
+            m.metallic_roughness_texture.as_mut(),
+            m.specular_texture.as_mut(),
+        ]),
+        Shading::Phong(p) => all.extend([p.diffuse_texture.as_mut(), p.specular_texture.as_mut()]),
+        Shading::Unlit(u) => all.push(u.color_texture.as_mut()),
+        _ => panic!("a kind of shading that this test does not know"),
+    }
+    all
+}
+
+/// Panics unless `loaded` is `saved`, but for what the normal form of `save` leaves out.
+pub fn assert_same(saved: &Scene, loaded: &Scene) {
+    let mut expected = resolve(saved);
+    for instance in &mut expected {
+        let second =
+            references(&mut instance.material).into_iter().flatten().any(|r| r.uv_set == 1);
+        if second && instance.mesh.uvs1.is_empty() {
+            instance.mesh.uvs1.clone_from(&instance.mesh.uvs);
+        }
+    }
+    let found = resolve(loaded);
+    assert_eq!(expected.len(), found.len());
+    for (expected, found) in expected.iter().zip(&found) {
+        assert_eq!(expected, found);
+    }
+    assert_eq!(saved.lights, loaded.lights);
+    assert_eq!(saved.environment, loaded.environment);
+    assert_eq!(saved.cameras.len(), loaded.cameras.len());
+    for (saved, loaded) in saved.cameras.iter().zip(&loaded.cameras) {
+        assert_same_camera(saved, loaded);
+    }
+    // What instances share they still share, and nothing has multiplied.
+    assert!(loaded.materials.len() <= saved.materials.len());
+    assert!(loaded.textures.len() <= saved.textures.len());
+}
+
+fn assert_same_camera(saved: &Camera, loaded: &Camera) {
+    let up = loaded.up;
+    assert_eq!(*saved, Camera { up: saved.up, ..loaded.clone() });
+    // An f32 direction is good to some 1e-7; both axes and the product come to a few of these.
+    assert!(up.dot(loaded.forward).abs() < 1e-6, "{loaded:?}");
+    assert!((up.length() - 1.0).abs() < 1e-6);
+    let turned = saved.up.as_dvec3() - up.as_dvec3() * saved.up.as_dvec3().dot(up.as_dvec3());
+    // What is left of the saved up lies along the line of sight: the roll is the same.
+    let sideways = saved.forward.as_dvec3().cross(turned).length();
+    if saved.up.cross(saved.forward).length() > 0.1 {
+        assert!(sideways < 1e-6, "{sideways}");
+    }
+    if saved.up.dot(saved.forward).abs() < 1e-7 && saved.up != Vec3::ZERO {
+        assert_eq!(saved.up, up);
+    }
+}

@@ -1,0 +1,101 @@
+//! What is saved as GLB loads as the same scene, and is a file that follows the specification.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "in a test a panic is the message, and exact numbers are meant"
+)]
+
+mod compare;
+mod conformance;
+mod strategy;
+
+use compare::assert_same;
+use lumivox_scene::{LoadOptions, Scene, SceneError, builtin};
+use proptest::prelude::*;
+
+fn load(name: &str, glb: &[u8]) -> Scene {
+    let file = format!("{name}.glb");
+    Scene::from_memory(&file, glb, &mut LoadOptions::default()).unwrap()
+}
+
+/// Saves, loads, and does both again.
+fn round_trip(scene: &Scene) -> Scene {
+    let glb = scene.to_glb().unwrap();
+    conformance::check(&glb);
+    let loaded = load(&scene.name, &glb);
+    assert_eq!(loaded.notes.warnings, [""; 0]);
+    assert_eq!(loaded.notes.degenerate_triangles, 0);
+    assert_same(scene, &loaded);
+    assert!(loaded.to_glb().unwrap() == glb, "saved again, the file differs");
+    assert_eq!(load(&scene.name, &glb), loaded);
+    loaded
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_scenes_survive_to_the_bit(scene in strategy::scene()) {
+        round_trip(&scene);
+    }
+}
+
+#[test]
+fn builtin_scenes_survive_to_the_bit() {
+    for name in builtin::names() {
+        round_trip(&builtin::scene(name).unwrap());
+    }
+}
+
+#[test]
+fn a_saved_file_is_what_to_glb_gives() {
+    let scene = builtin::scene("cornell").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cornell.glb");
+    std::fs::write(&path, "an old file").unwrap();
+    scene.save_glb(&path).unwrap();
+    assert!(std::fs::read(&path).unwrap() == scene.to_glb().unwrap());
+    assert_same(&scene, &Scene::load(&path).unwrap());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file was left");
+}
+
+#[test]
+fn copies_cost_nothing() {
+    let scene = builtin::scene("cornell").unwrap();
+    let once = scene.to_glb().unwrap().len();
+    let mut twice = scene.clone();
+    let meshes = scene.meshes.len();
+    twice.meshes.extend(scene.meshes.clone());
+    for instance in &scene.instances {
+        let mut copy = instance.clone();
+        copy.mesh += meshes;
+        twice.instances.push(copy);
+    }
+    let grown = twice.to_glb().unwrap().len() - once;
+    // A node takes a name and a number, and at most 16 numbers of a dozen digits.
+    assert!(grown < scene.instances.len() * 300, "{grown} bytes");
+}
+
+#[test]
+fn faults_name_the_file() {
+    let scene = builtin::scene("cornell").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("no such folder").join("cornell.glb");
+    let fault = scene.save_glb(&path).unwrap_err();
+    assert!(matches!(fault, SceneError::Write { .. }));
+    assert!(fault.to_string().starts_with(&format!("{}: cannot write", path.display())));
+
+    let mut broken = scene.clone();
+    broken.instances[0].mesh = 99;
+    let path = folder.path().join("broken.glb");
+    let fault = broken.save_glb(&path).unwrap_err();
+    assert!(matches!(fault, SceneError::IndexOutOfRange { index: 99, .. }));
+    assert!(fault.to_string().contains("broken.glb"), "{fault}");
+    assert!(!path.exists());
+
+    let mut broken = scene.clone();
+    broken.meshes[0].positions[0].x = f32::NAN;
+    assert!(matches!(broken.to_glb(), Err(SceneError::NotFinite { .. })));
+    assert!(matches!(Scene::default().to_glb(), Err(SceneError::NoTriangles { .. })));
+}
