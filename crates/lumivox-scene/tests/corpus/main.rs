@@ -1,0 +1,72 @@
+//! Runs the fuzz targets' committed inputs (`fuzz/corpus`), as a fuzzer would: seeds, and what once
+//! made a loader fail. `fuzz/README.md` tells how to fuzz.
+
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod seeds;
+#[path = "../../../../fuzz/targets.rs"]
+mod targets;
+
+use std::path::PathBuf;
+
+fn folder(target: &str) -> PathBuf {
+    [env!("CARGO_MANIFEST_DIR"), "..", "..", "fuzz", "corpus", target].iter().collect()
+}
+
+/// Each input in a line of its own, so that the last one is what failed.
+#[test]
+fn no_input_of_the_corpus_makes_a_loader_fail() {
+    for target in targets::TARGETS {
+        let mut files: Vec<_> =
+            std::fs::read_dir(folder(target)).unwrap().map(|entry| entry.unwrap().path()).collect();
+        files.sort();
+        assert!(!files.is_empty(), "{target} has no inputs");
+        for file in files {
+            println!("{}", file.display());
+            targets::run(target, &std::fs::read(&file).unwrap());
+        }
+    }
+}
+
+/// The seeds are what `seeds.rs` makes; `LUMIVOX_BLESS=1` writes them.
+#[test]
+fn seeds_are_up_to_date() {
+    let bless = std::env::var_os("LUMIVOX_BLESS").is_some();
+    for (target, name, bytes) in seeds::all() {
+        let path = folder(target).join(name);
+        if bless {
+            std::fs::create_dir_all(folder(target)).unwrap();
+            std::fs::write(&path, &bytes).unwrap();
+        }
+        let found = std::fs::read(&path).unwrap_or_default();
+        assert!(found == bytes, "{} differs; LUMIVOX_BLESS=1 writes it", path.display());
+    }
+}
+
+/// Seeds that are refused at once would teach a fuzzer nothing.
+#[test]
+fn seeds_load() {
+    for (target, name, bytes) in seeds::all() {
+        let file = match target {
+            "glb" => "seed.glb",
+            "gltf" => "seed.gltf",
+            _ => continue,
+        };
+        let mut options = lumivox_scene::LoadOptions::default();
+        let loaded = lumivox_scene::Scene::from_memory(file, &bytes, &mut options);
+        assert!(loaded.is_ok(), "{target}/{name}: {}", loaded.unwrap_err());
+    }
+}
+
+#[test]
+fn the_corpus_is_small() {
+    let mut bytes = 0;
+    for target in targets::TARGETS {
+        for entry in std::fs::read_dir(folder(target)).unwrap() {
+            bytes += entry.unwrap().metadata().unwrap().len();
+        }
+    }
+    assert!(bytes < 300_000, "{bytes} bytes");
+}

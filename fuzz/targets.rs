@@ -1,0 +1,70 @@
+//! What is done with each input, shared by the fuzz targets and by the test that runs the committed
+//! corpus (`crates/lumivox-scene/tests/corpus.rs`).
+//!
+//! Whatever the bytes, a loader may refuse them with an error or give a scene that keeps its promises;
+//! it may not panic, run for long, or take memory out of proportion.
+
+// Each target uses its part of this.
+#![allow(dead_code)]
+
+#[path = "mutate.rs"]
+mod mutate;
+
+use std::collections::HashMap;
+
+use lumivox_scene::{LoadOptions, MemoryBudget, Scene};
+
+/// All targets; each has a folder of seeds in `corpus/`.
+pub const TARGETS: [&str; 3] = ["gltf", "glb", "glb_structured"];
+
+/// Runs one input.
+pub fn run(target: &str, data: &[u8]) {
+    match target {
+        "gltf" => scene("scene.gltf", data),
+        "glb" => scene("scene.glb", data),
+        "glb_structured" => scene("scene.glb", &mutate::glb(EVERYTHING, data)),
+        _ => panic!("no target is called {target}"),
+    }
+}
+
+/// A file with everything that the glTF loader reads, for the structured target to start from.
+const EVERYTHING: &[u8] = include_bytes!("corpus/glb/everything.glb");
+
+/// Little enough for libFuzzer's limit on single allocations to mean something.
+const BUDGET: MemoryBudget = MemoryBudget { texture_bytes: 16 << 20, geometry_bytes: 64 << 20 };
+
+/// Loads the scene; one that loads must also survive being saved.
+fn scene(name: &str, data: &[u8]) {
+    let files = HashMap::from([("data.bin".to_owned(), vec![0x3f; 1024])]);
+    let load = |bytes: &[u8], name: &str| {
+        let mut options =
+            LoadOptions { budget: BUDGET, files: Some(&files), ..LoadOptions::default() };
+        Scene::from_memory(name, bytes, &mut options)
+    };
+    let Ok(mut scene) = load(data, name) else { return };
+    promises(&scene);
+    let once = scene.clone();
+    scene.validate().expect("a loaded scene is valid");
+    assert!(once.meshes == scene.meshes, "validating twice changes nothing");
+
+    let saved = scene.to_glb().expect("a valid scene can be saved");
+    let again = match load(&saved, "scene.glb") {
+        Ok(again) => again,
+        // Textures that share an image may not share the budget.
+        Err(error) => panic!("a saved scene cannot be loaded: {error}"),
+    };
+    assert!(again.to_glb().expect("it can be saved again") == saved, "saved again, it differs");
+}
+
+/// What the crate promises of every scene.
+fn promises(scene: &Scene) {
+    assert!(scene.triangle_count() > 0);
+    assert!(scene.bounds().size().is_finite());
+    for mesh in &scene.meshes {
+        let count = mesh.positions.len();
+        assert!(mesh.indices.iter().all(|&i| (i as usize) < count));
+        assert!([mesh.normals.len(), mesh.uvs.len(), mesh.tangents.len()] == [count; 3]);
+        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4));
+        assert!(mesh.tangents.iter().all(|t| t.is_finite() && t.truncate().length() > 0.5));
+    }
+}
