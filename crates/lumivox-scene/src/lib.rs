@@ -25,15 +25,14 @@
 )]
 
 pub mod builtin;
+mod environment;
 mod error;
 mod load;
 mod model;
 mod save;
 mod validate;
 
-/// The name under which a file's `extras` hold what glTF has no words for.
-const EXTRAS: &str = "lumivox";
-
+pub use environment::sky;
 pub use error::SceneError;
 pub use load::{FileSource, LoadOptions, LoadProgress, MemoryBudget};
 pub use model::{
@@ -41,3 +40,6 @@ pub use model::{
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,
     Texture, TextureRef, Transmission, Unlit, Wrap,
 };
+
+/// The name under which a file's `extras` hold what glTF has no words for.
+const EXTRAS: &str = "lumivox";
