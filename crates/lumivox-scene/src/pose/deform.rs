@@ -162,6 +162,8 @@ impl Deformed {
         }
         if self.base.is_flat {
             flatten(chunk, |_| false);
+            // A corner that moves turns the normals of the other two.
+            is_touched.fill(true);
         }
         for (vertex, _) in is_touched.iter().enumerate().filter(|(_, touched)| **touched) {
             let normal = unit_or(chunk.normals[vertex], self.base.normals[first + vertex]);
