@@ -226,17 +226,16 @@ impl Bones {
 
     /// Brings the sum to one. Says whether more was wrong than rounding to eight bits.
     fn repair(&mut self) -> bool {
-        let weights = &mut self.weights[..self.count];
-        let has_negative = weights.iter().any(|&weight| weight < 0.0);
-        weights.iter_mut().for_each(|weight| *weight = weight.max(0.0));
-        let sum: f64 = weights.iter().copied().map(f64::from).sum();
+        let has_negative = self.weights.iter().any(|&weight| weight < 0.0);
+        self.weights = self.weights.map(|weight| weight.max(0.0));
+        let sum: f64 = self.weights.into_iter().map(f64::from).sum();
         if sum <= 0.0 {
             // Most tools put such vertices on the first joint.
             *self = Self::default();
             self.add(0, 1.0);
             return true;
         }
-        weights.iter_mut().for_each(|weight| *weight = (f64::from(*weight) / sum) as f32);
+        self.weights = self.weights.map(|weight| (f64::from(weight) / sum) as f32);
         // Each weight is off by half a 255th at most.
         has_negative || (sum - 1.0).abs() > 0.5 / 255.0 * self.count as f64 + 1e-3
     }
