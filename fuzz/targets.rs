@@ -12,10 +12,10 @@ mod mutate;
 
 use std::collections::HashMap;
 
-use lumivox_scene::{LoadOptions, MemoryBudget, Scene};
+use lumivox_scene::{AnimationChoice, EnvironmentMap, LoadOptions, MemoryBudget, Scene};
 
 /// All targets; each has a folder of seeds in `corpus/`.
-pub const TARGETS: [&str; 3] = ["gltf", "glb", "glb_structured"];
+pub const TARGETS: [&str; 4] = ["gltf", "glb", "glb_structured", "environment"];
 
 /// Runs one input.
 pub fn run(target: &str, data: &[u8]) {
@@ -23,6 +23,7 @@ pub fn run(target: &str, data: &[u8]) {
         "gltf" => scene("scene.gltf", data),
         "glb" => scene("scene.glb", data),
         "glb_structured" => scene("scene.glb", &mutate::glb(EVERYTHING, data)),
+        "environment" => environment(data),
         _ => panic!("no target is called {target}"),
     }
 }
@@ -32,6 +33,14 @@ const EVERYTHING: &[u8] = include_bytes!("corpus/glb/everything.glb");
 
 /// Little enough for libFuzzer's limit on single allocations to mean something.
 const BUDGET: MemoryBudget = MemoryBudget { texture_bytes: 16 << 20, geometry_bytes: 64 << 20 };
+
+fn environment(data: &[u8]) {
+    // Decoders that panic are caught by the loader; libFuzzer's hook would not let it.
+    drop(std::panic::take_hook());
+    let Ok(map) = EnvironmentMap::from_memory("map", data) else { return };
+    assert_eq!(map.rgb.len(), map.width as usize * map.height as usize);
+    assert!(map.rgb.iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
+}
 
 /// Loads the scene; one that loads must also survive being saved.
 fn scene(name: &str, data: &[u8]) {
@@ -43,6 +52,13 @@ fn scene(name: &str, data: &[u8]) {
     };
     let Ok(mut scene) = load(data, name) else { return };
     promises(&scene);
+    let rest = scene.clone();
+    for time_s in [0.0, 0.3, 1e9] {
+        if scene.pose(AnimationChoice::All, time_s).is_ok() {
+            promises(&scene);
+        }
+    }
+    scene = rest;
     let once = scene.clone();
     scene.validate().expect("a loaded scene is valid");
     assert!(once.meshes == scene.meshes, "validating twice changes nothing");

@@ -29,6 +29,7 @@ mod environment;
 mod error;
 mod load;
 mod model;
+mod pose;
 mod save;
 mod validate;
 
@@ -40,6 +41,7 @@ pub use model::{
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,
     Texture, TextureRef, Transmission, Unlit, Wrap,
 };
+pub use pose::{AnimationChoice, AnimationInfo, Rig};
 
 /// The name under which a file's `extras` hold what glTF has no words for.
 const EXTRAS: &str = "lumivox";

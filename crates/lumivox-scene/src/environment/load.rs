@@ -55,33 +55,44 @@ impl EnvironmentMap {
     /// whatever the bytes.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
-        let name = path.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let bytes = read(path)?;
-        let fault = |fault: Fault| SceneError::EnvironmentMap {
-            file: path.to_owned(),
-            reason: fault.reason,
-            remedy: fault.remedy,
-        };
-        // The decoders are other people's: should one still fall over hostile bytes, it is an error
-        // like any other.
-        let decoded = catch_unwind(AssertUnwindSafe(|| decode(&bytes)));
-        let decoded = decoded.unwrap_or_else(|_| Err(Fault::broken("the decoder gave up on it")));
-        let mut map = decoded.map_err(fault)?;
-        map.name = name;
-        map.repair();
-        if u64::from(map.width) != 2 * u64::from(map.height) {
-            map.warnings.push(format!(
+        from_bytes(path, &read(path)?)
+    }
+
+    /// The same for a file in memory; `name` is what its path would be, for messages and the map's name.
+    ///
+    /// # Errors
+    /// As [`EnvironmentMap::load`], but for the disk.
+    pub fn from_memory(name: &str, bytes: &[u8]) -> Result<Self, SceneError> {
+        from_bytes(Path::new(name), bytes)
+    }
+}
+
+fn from_bytes(path: &Path, bytes: &[u8]) -> Result<EnvironmentMap, SceneError> {
+    let name = path.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let fault = |fault: Fault| SceneError::EnvironmentMap {
+        file: path.to_owned(),
+        reason: fault.reason,
+        remedy: fault.remedy,
+    };
+    // The decoders are other people's: should one still fall over hostile bytes, it is an error
+    // like any other.
+    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes)));
+    let decoded = decoded.unwrap_or_else(|_| Err(Fault::broken("the decoder gave up on it")));
+    let mut map = decoded.map_err(fault)?;
+    map.name = name;
+    map.repair();
+    if u64::from(map.width) != 2 * u64::from(map.height) {
+        map.warnings.push(format!(
                 "the environment map is {} x {} texels, not twice as wide as high, and is stretched \
                  over all directions; convert cube crosses, mirror balls and parts of a panorama to \
                  a full equirectangular one",
                 map.width, map.height
             ));
-        }
-        for warning in &map.warnings {
-            tracing::warn!("{}: {warning}", path.display());
-        }
-        Ok(map)
     }
+    for warning in &map.warnings {
+        tracing::warn!("{}: {warning}", path.display());
+    }
+    Ok(map)
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, SceneError> {

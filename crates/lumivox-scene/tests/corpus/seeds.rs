@@ -15,10 +15,38 @@ pub fn all() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         ("gltf", "everything.gltf", everything().embedded()),
         ("gltf", "triangle.gltf", File::triangle().embedded()),
         ("gltf", "zeros.gltf", zeros()),
+        ("environment", "sky.hdr", hdr()),
+        ("environment", "rle.hdr", RUN_LENGTHS.to_vec()),
+        ("environment", "half.exr", exr(exr::prelude::Encoding::FAST_LOSSLESS)),
+        ("environment", "zip.exr", exr(exr::prelude::Encoding::SMALL_LOSSLESS)),
+        ("environment", "plain.exr", exr(exr::prelude::Encoding::UNCOMPRESSED)),
+        ("environment", "picture.png", png(4, 2, &[99; 32])),
         // Decisions of `fuzz/mutate.rs`; its file is the real seed.
         ("glb_structured", "none", vec![0]),
         ("glb_structured", "some", (0..64_u8).map(|i| i.wrapping_mul(37)).collect()),
     ]
+}
+
+/// A Radiance picture of 4 x 2 texels.
+fn hdr() -> Vec<u8> {
+    let texels: Vec<_> = (0..8).map(|i| image::Rgb([i as f32, 0.5, 1000.0])).collect();
+    let mut bytes = Vec::new();
+    image::codecs::hdr::HdrEncoder::new(&mut bytes).encode(&texels, 4, 2).unwrap();
+    bytes
+}
+
+/// One of 8 x 1 texels with an exposure, in packed runs.
+const RUN_LENGTHS: &[u8] = b"#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\
+    \x02\x02\x00\x08\x88\x50\x88\x60\x84\x70\x04\x01\x02\x03\x04\x88\x81";
+
+fn exr(encoding: exr::prelude::Encoding) -> Vec<u8> {
+    use exr::prelude::*;
+    let texel = |at: exr::math::Vec2<usize>| (at.x() as f32, f16::from_f32(0.5), at.y() as f32);
+    let layer =
+        Layer::new((8, 4), LayerAttributes::named("sky"), encoding, SpecificChannels::rgb(texel));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
 }
 
 /// Accessors without data, and an image beside them.

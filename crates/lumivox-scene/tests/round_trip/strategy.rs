@@ -326,7 +326,13 @@ fn environment() -> impl Strategy<Value = Environment> {
     let map = (name(), 1..5_u32, 1..4_u32).prop_flat_map(|(name, width, height)| {
         let texel = [amount(), amount(), amount()];
         vec(texel, (width * height) as usize).prop_map(move |rgb| {
-            Arc::new(EnvironmentMap { name: name.clone(), width, height, rgb })
+            Arc::new(EnvironmentMap {
+                name: name.clone(),
+                width,
+                height,
+                rgb,
+                ..EnvironmentMap::default()
+            })
         })
     });
     (rgb(0.0..1e5_f32), option::of(map), signed())

@@ -116,6 +116,6 @@ impl Loader<'_> {
             .collect();
         let fits = rgb.iter().flatten().all(|&x| x.is_finite() && x >= 0.0);
         let name = json["name"].as_str().unwrap_or("environment").to_owned();
-        fits.then_some(EnvironmentMap { name, width, height, rgb })
+        fits.then_some(EnvironmentMap { name, width, height, rgb, ..EnvironmentMap::default() })
     }
 }
