@@ -178,7 +178,7 @@ pub enum SceneError {
          save it in parts or with smaller textures",
         file.display(), u32::MAX
     )]
-    TooLarge {
+    TooLargeToSave {
         /// The file to be written.
         file: PathBuf,
         /// What it would take.

@@ -12,6 +12,7 @@ use std::path::Path;
 
 use crate::{Scene, SceneError};
 use files::Reach;
+pub(crate) use files::shorten;
 pub use source::FileSource;
 
 /// How a scene is loaded. The default loads all that a file shows by itself, and reads no file

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::Writer;
 use super::document::{number, numbers, own_extras};
+use crate::load::shorten;
 use crate::{AlphaMode, Material, MetallicRoughness, Phong, Shading, TextureRef};
 
 /// Builds a JSON object, leaving defaults out.
@@ -45,7 +46,7 @@ impl Writer<'_> {
     fn convert(&mut self, material: &Material) -> Value {
         let mut json = Object::default();
         let mut extensions = Map::new();
-        json.set("name", json!(material.name));
+        json.set("name", json!(shorten(&material.name)));
         match &material.shading {
             Shading::MetallicRoughness(m) => self.core(m, &mut json, &mut extensions),
             Shading::Phong(phong) => {
@@ -65,12 +66,14 @@ impl Writer<'_> {
                 self.extension(&mut extensions, "KHR_materials_unlit", Object::default());
             }
         }
-        self.layers(material, &mut extensions);
-        self.emission(material, &mut json, &mut extensions);
-        if let Some(normal) = material.normal_texture {
-            let mut info = Object(self.texture_info(normal));
-            info.factor("scale", material.normal_scale, 1.0);
-            json.set("normalTexture", Value::Object(info.0));
+        if takes_light(material) {
+            self.layers(material, &mut extensions);
+            self.emission(material, &mut json, &mut extensions);
+            if let Some(normal) = material.normal_texture {
+                let mut info = Object(self.texture_info(normal));
+                info.factor("scale", material.normal_scale, 1.0);
+                json.set("normalTexture", Value::Object(info.0));
+            }
         }
         match material.alpha {
             AlphaMode::Opaque => {}
@@ -160,6 +163,19 @@ impl Writer<'_> {
     ) {
         self.document.uses(name);
         extensions.insert(name.to_owned(), Value::Object(object.0));
+    }
+}
+
+/// Whether anything but the colour counts.
+fn takes_light(material: &Material) -> bool {
+    !matches!(material.shading, Shading::Unlit(_))
+}
+
+/// The textures that are written of a material.
+pub(super) fn textures(material: &Material) -> Vec<TextureRef> {
+    match &material.shading {
+        Shading::Unlit(unlit) => unlit.color_texture.into_iter().collect(),
+        _ => material.textures().collect(),
     }
 }
 

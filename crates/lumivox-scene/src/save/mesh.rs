@@ -1,11 +1,12 @@
 //! Meshes and their vertex data.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Map, Value, json};
 
-use super::Writer;
 use super::binary::{Source, Target, tangent};
 use super::document::numbers;
+use super::{Writer, material};
+use crate::load::shorten;
 use crate::model::any_tangent;
 use crate::{Material, Mesh};
 
@@ -34,7 +35,8 @@ impl<'a> Writer<'a> {
         let material = self.material(material);
         let primitive =
             json!({ "attributes": attributes, "indices": indices, "material": material });
-        self.document.push_once("meshes", json!({ "name": mesh.name, "primitives": [primitive] }))
+        self.document
+            .push_once("meshes", json!({ "name": shorten(&mesh.name), "primitives": [primitive] }))
     }
 
     fn attributes(
@@ -44,6 +46,8 @@ impl<'a> Writer<'a> {
         mirrored: bool,
     ) -> Map<String, Value> {
         let count = mesh.positions.len();
+        let textures = material::textures(material);
+        let bumpy = material.normal_texture.is_some_and(|normal| textures.contains(&normal));
         let mut attributes = Map::new();
         let mut add = |name: &str, kind: &str, source: Source<'a>, more: Value| {
             let form = (kind, FLOAT);
@@ -56,7 +60,7 @@ impl<'a> Writer<'a> {
         let bounds = json!({ "min": numbers(min.as_ref()), "max": numbers(max.as_ref()) });
         add("POSITION", "VEC3", Source::Vec3(&mesh.positions), bounds);
         add("NORMAL", "VEC3", Source::Vec3(&mesh.normals), Value::Null);
-        if material.normal_texture.is_some() || !has_default_tangents(mesh, mirrored) {
+        if bumpy || !has_default_tangents(mesh, mirrored) {
             let tangents = Source::Tangents {
                 tangents: &mesh.tangents,
                 normals: &mesh.normals,
@@ -64,18 +68,16 @@ impl<'a> Writer<'a> {
             };
             add("TANGENT", "VEC4", tangents, Value::Null);
         }
-        let textured = material.textures().next().is_some();
-        if textured || !mesh.uvs1.is_empty() || mesh.uvs.iter().any(is_not_zero) {
+        let textured = !textures.is_empty();
+        if textured || mesh.uvs.iter().any(is_not_zero) {
             add("TEXCOORD_0", "VEC2", Source::Vec2(&mesh.uvs), Value::Null);
         }
-        let second = material.textures().any(|reference| reference.uv_set == 1);
-        if !mesh.uvs1.is_empty() {
-            add("TEXCOORD_1", "VEC2", Source::Vec2(&mesh.uvs1), Value::Null);
-        } else if second {
-            // Which is what the second set means where there is none.
-            add("TEXCOORD_1", "VEC2", Source::Vec2(&mesh.uvs), Value::Null);
+        if textures.iter().any(|reference| reference.uv_set == 1) {
+            // The first is what the second set means where there is none.
+            let uvs = if mesh.uvs1.is_empty() { &mesh.uvs } else { &mesh.uvs1 };
+            add("TEXCOORD_1", "VEC2", Source::Vec2(uvs), Value::Null);
         }
-        if !mesh.colors.is_empty() {
+        if mesh.colors.iter().any(|&color| color != Vec4::ONE) {
             add("COLOR_0", "VEC4", Source::Vec4(&mesh.colors), Value::Null);
         }
         attributes

@@ -14,8 +14,10 @@
 //! - the second of two equal meshes, samplers or textures;
 //! - the part of a camera's up that lies along its line of sight, and the scale of a normal texture
 //!   where there is none: they mean nothing;
-//! - missing second texture coordinates of meshes whose material asks for them: the first are
-//!   written, which is what a renderer uses then;
+//! - second texture coordinates that the material does not ask for, and colours that are all white;
+//!   where the material asks and there are none the first are written, which is what is used then;
+//! - what an unlit material says of light: layers, emission, normals;
+//! - names beyond 80 characters, which loaders cut;
 //! - [`Scene::name`], which is the file's, and [`Scene::notes`].
 //!
 //! A transform with shear is written as it is, although glTF wants matrices to be products of
@@ -75,7 +77,7 @@ impl Scene {
         writer.environment();
         let (json, binary) = writer.document.json();
         file::Container::new(json, binary)
-            .map_err(|bytes| SceneError::TooLarge { file: file.to_owned(), bytes })
+            .map_err(|bytes| SceneError::TooLargeToSave { file: file.to_owned(), bytes })
     }
 }
 

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::Writer;
 use super::document::{number, numbers, own_extras};
 use super::material::{Object, power_of_two_above};
+use crate::load::shorten;
 use crate::model::to_unit;
 use crate::{Camera, Instance, Light, LightKind, Scene, SceneError};
 
@@ -48,7 +49,7 @@ impl Writer<'_> {
 /// A node.
 fn placed(name: &str, world_from_local: Mat4) -> Object {
     let mut node = Object::default();
-    node.set("name", json!(name));
+    node.set("name", json!(shorten(name)));
     if world_from_local != Mat4::IDENTITY {
         // A zero less negative: multiplying by a parent's identity drops the sign.
         let matrix = world_from_local.to_cols_array().map(|x| x + 0.0);
@@ -70,7 +71,7 @@ fn looking(position: Vec3, forward: Vec3, up: Vec3) -> Mat4 {
 fn convert_light(light: &Light) -> Value {
     let mut json = Object::default();
     let mut own = Object::default();
-    json.set("name", json!(light.name));
+    json.set("name", json!(shorten(&light.name)));
     own.factor("radiusM", light.radius_m, 0.0);
     let (kind, intensity, range_m) = match light.kind {
         LightKind::Directional { illuminance_lux, angular_radius_rad } => {
@@ -110,7 +111,7 @@ fn convert_light(light: &Light) -> Value {
 fn convert_camera(camera: &Camera) -> Value {
     let perspective =
         json!({ "yfov": number(camera.vertical_fov_rad), "znear": number(camera.near_m) });
-    json!({ "name": camera.name, "perspective": perspective, "type": "perspective" })
+    json!({ "name": shorten(&camera.name), "perspective": perspective, "type": "perspective" })
 }
 
 /// Forward and an up at a right angle to it.

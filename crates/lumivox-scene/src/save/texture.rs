@@ -8,9 +8,10 @@ use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-use super::Writer;
 use super::binary::{Source, Target};
 use super::document::{number, numbers, own_extras};
+use super::{Writer, material};
+use crate::load::shorten;
 use crate::{Filter, SceneError, Texture, TextureRef, Wrap};
 
 impl Writer<'_> {
@@ -23,7 +24,9 @@ impl Writer<'_> {
             if std::mem::replace(&mut met_materials[instance.material], true) {
                 continue;
             }
-            for TextureRef { texture, .. } in self.scene.materials[instance.material].textures() {
+            for TextureRef { texture, .. } in
+                material::textures(&self.scene.materials[instance.material])
+            {
                 if !std::mem::replace(&mut met[texture], true) {
                     used.push(texture);
                 }
@@ -48,7 +51,7 @@ impl Writer<'_> {
         let view = self.document.binary.view(Source::Bytes(png), Target::None);
         let image = self.document.push_once(
             "images",
-            json!({ "bufferView": view, "mimeType": "image/png", "name": texture.name }),
+            json!({ "bufferView": view, "mimeType": "image/png", "name": shorten(&texture.name) }),
         );
         let sampler = self.document.push_once(
             "samplers",

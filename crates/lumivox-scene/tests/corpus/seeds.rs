@@ -41,7 +41,7 @@ const RUN_LENGTHS: &[u8] = b"#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n-
 
 fn exr(encoding: exr::prelude::Encoding) -> Vec<u8> {
     use exr::prelude::*;
-    let texel = |at: exr::math::Vec2<usize>| (at.x() as f32, f16::from_f32(0.5), at.y() as f32);
+    let texel = |at: Vec2<usize>| (at.x() as f32, f16::from_f32(0.5), at.y() as f32);
     let layer =
         Layer::new((8, 4), LayerAttributes::named("sky"), encoding, SpecificChannels::rgb(texel));
     let mut bytes = std::io::Cursor::new(Vec::new());
