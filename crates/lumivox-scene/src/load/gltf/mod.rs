@@ -6,11 +6,14 @@
 //! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding.
 
 mod accessor;
+mod attributes;
+mod compression;
 mod container;
-mod image;
+mod extensions;
 mod material;
 mod node;
 mod primitive;
+mod texture;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -18,21 +21,18 @@ use std::path::Path;
 use gltf::json::Root;
 
 use super::files::{self, Reach};
+use super::textures::Textures;
 use super::{LoadOptions, Notes, tangents};
 use crate::{Scene, SceneError};
 
-/// How much memory a scene may take, whatever its file claims. Generous for real scenes: a small
-/// file can refer to the same data many times over.
+/// How much a scene may take, whatever its file claims: a small file can refer to the same data
+/// many times over.
 struct Budget {
-    vertices: usize,
-    texels: u64,
+    /// Of vertices and indices: all that may be taken, and what was.
+    geometry_bytes: u64,
+    geometry_bytes_taken: u64,
+    /// Left. Generous for real scenes.
     instances: usize,
-}
-
-impl Default for Budget {
-    fn default() -> Self {
-        Self { vertices: 100_000_000, texels: 1_000_000_000, instances: 1_000_000 }
-    }
 }
 
 /// The state of loading one file.
@@ -48,8 +48,10 @@ struct Loader<'a> {
     meshes: HashMap<(usize, usize, bool), Option<usize>>,
     /// From glTF material to a scene's; the default material has none.
     materials: HashMap<Option<usize>, usize>,
-    /// From (glTF image, sampler) to a scene's texture.
-    textures: HashMap<(usize, Option<usize>), usize>,
+    /// The scene's textures, to be made in the end.
+    textures: Textures<'a>,
+    /// From glTF image to a listed one, or why it is not there.
+    images: HashMap<usize, texture::Listed>,
 }
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
@@ -66,7 +68,7 @@ fn load_bytes(
 ) -> Result<Scene, SceneError> {
     let mut notes = Notes::default();
     let reach = options.reach();
-    let parsed = container::parse(file, bytes, reach, &mut notes)?;
+    let parsed = container::parse(file, bytes, options, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let mut loader = Loader {
         file,
@@ -75,14 +77,20 @@ fn load_bytes(
         buffers: &parsed.buffers,
         scene: Scene { name: name.unwrap_or_default(), ..Scene::default() },
         notes,
-        budget: Budget::default(),
+        budget: Budget {
+            geometry_bytes: options.budget.geometry_bytes,
+            geometry_bytes_taken: 0,
+            instances: 1_000_000,
+        },
         meshes: HashMap::new(),
         materials: HashMap::new(),
-        textures: HashMap::new(),
+        textures: Textures::default(),
+        images: HashMap::new(),
     };
     loader.load_nodes()?;
-    let mut scene = loader.scene;
-    scene.notes.warnings = loader.notes.warnings;
+    let Loader { mut scene, textures, mut notes, .. } = loader;
+    scene.textures = textures.make(file, options, &mut notes)?;
+    scene.notes.warnings = notes.warnings;
     crate::validate::validate(&mut scene, file)?;
     Ok(scene)
 }

@@ -25,8 +25,7 @@ impl Loader<'_> {
         if mesh.primitives().len() > 1 {
             name = format!("{name}, primitive {}", primitive.index());
         }
-        let needs_tangents = self.scene.materials[material].normal_texture.is_some();
-        let loaded = self.read(primitive, name, needs_tangents)?.map(|mut mesh| {
+        let loaded = self.read(primitive, name, material)?.map(|mut mesh| {
             if mirrored {
                 mesh.flip_winding();
             }
@@ -41,7 +40,7 @@ impl Loader<'_> {
         &mut self,
         primitive: &gltf::Primitive<'_>,
         name: String,
-        needs_tangents: bool,
+        material: usize,
     ) -> Result<Option<Mesh>, SceneError> {
         let part = format!("mesh \"{name}\"");
         let mode = primitive.mode();
@@ -55,7 +54,7 @@ impl Loader<'_> {
             return Ok(None);
         };
         self.warn_of_ignored(primitive, &part);
-        self.spend_vertices(&part, positions)?;
+        self.spend_geometry(&part, primitive)?;
 
         let positions = self.read_floats::<3>(positions, "positions")?;
         let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from_array).collect();
@@ -66,7 +65,6 @@ impl Loader<'_> {
         let count = positions.len();
         let indices = match primitive.indices() {
             Some(indices) => {
-                self.spend_vertices(&part, indices.index())?;
                 let indices = self.read_indices(indices.index())?;
                 self.check_indices(&part, &indices, count)?;
                 indices
@@ -76,8 +74,13 @@ impl Loader<'_> {
         let indices = to_triangles(mode, &indices);
 
         let uvs = match accessor(Semantic::TexCoords(0)) {
-            Some(uvs) => self.read_floats::<2>(uvs, "texture coordinates")?,
-            None => vec![[0.0; 2]; count],
+            Some(uvs) => self.read_uvs(uvs)?,
+            None => vec![Vec2::ZERO; count],
+        };
+        let uvs1 = self.read_second_uvs(primitive, &part, material)?;
+        let colors = match accessor(Semantic::Colors(0)) {
+            Some(colors) => self.read_colors(colors, &part)?,
+            None => Vec::new(),
         };
         let normals = match accessor(Semantic::Normals) {
             Some(normals) => Some(self.read_floats::<3>(normals, "normals")?),
@@ -90,8 +93,13 @@ impl Loader<'_> {
             }
             _ => None,
         };
-        let lengths =
-            [Some(uvs.len()), normals.as_ref().map(Vec::len), tangents.as_ref().map(Vec::len)];
+        let lengths = [
+            Some(uvs.len()),
+            normals.as_ref().map(Vec::len),
+            tangents.as_ref().map(Vec::len),
+            Some(uvs1.len()).filter(|_| !uvs1.is_empty()),
+            Some(colors.len()).filter(|_| !colors.is_empty()),
+        ];
         if lengths.into_iter().flatten().any(|length| length != count) {
             return Err(self.malformed(&part, "its attributes differ in length"));
         }
@@ -100,10 +108,11 @@ impl Loader<'_> {
             name,
             positions,
             normals: Vec::new(),
-            uvs: uvs.into_iter().map(Vec2::from_array).collect(),
+            uvs,
+            uvs1,
+            colors,
             tangents: Vec::new(),
             indices,
-            ..Mesh::default()
         };
         match normals {
             Some(normals) => {
@@ -113,28 +122,18 @@ impl Loader<'_> {
             None => make_flat(&mut mesh),
         }
         mesh.tangents = mesh.normals.iter().map(|&normal| any_tangent(normal)).collect();
-        match tangents {
-            Some(given) => use_tangents(&mut mesh, &given),
-            None if needs_tangents && mesh.uvs.iter().all(|uv| uv.is_finite()) => {
-                tangents::generate(&mut mesh);
+        match (tangents, self.scene.materials[material].normal_texture) {
+            (Some(given), _) => use_tangents(&mut mesh, &given),
+            // What is not finite is refused by name later.
+            (None, Some(texture)) if mesh.uvs.iter().chain(&mesh.uvs1).all(|uv| uv.is_finite()) => {
+                tangents::generate_for(&mut mesh, texture);
             }
-            None => {}
+            (None, _) => {}
         }
         Ok(Some(mesh))
     }
 
-    /// Takes the elements of an accessor from the budget, before they are read.
-    fn spend_vertices(&mut self, part: &str, accessor: usize) -> Result<(), SceneError> {
-        let count = self.root().accessors.get(accessor).map_or(0, |accessor| accessor.count.0);
-        let left = usize::try_from(count).ok().and_then(|n| self.budget.vertices.checked_sub(n));
-        self.budget.vertices = left.ok_or_else(|| self.too_many(part, "vertices"))?;
-        Ok(())
-    }
-
     fn warn_of_ignored(&mut self, primitive: &gltf::Primitive<'_>, part: &str) {
-        if primitive.get(&Semantic::Colors(0)).is_some() {
-            self.notes.warn(format!("{part}: vertex colours are not supported and were ignored"));
-        }
         if primitive.morph_targets().len() > 0 {
             self.notes.warn(format!("{part}: morph targets are not supported and were ignored"));
         }
@@ -216,6 +215,12 @@ fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
 fn make_flat(mesh: &mut Mesh) {
     let corners = mesh.indices.iter().map(|&i| i as usize);
     mesh.uvs = corners.clone().map(|i| mesh.uvs[i]).collect();
+    if !mesh.uvs1.is_empty() {
+        mesh.uvs1 = corners.clone().map(|i| mesh.uvs1[i]).collect();
+    }
+    if !mesh.colors.is_empty() {
+        mesh.colors = corners.clone().map(|i| mesh.colors[i]).collect();
+    }
     mesh.positions = corners.map(|i| mesh.positions[i]).collect();
     mesh.indices = (0..mesh.positions.len() as u32).collect();
     mesh.normals = mesh
