@@ -29,6 +29,28 @@ impl<'a> Reach<'a> {
     }
 }
 
+/// What a URI stands for.
+pub(super) enum Located {
+    /// The bytes of a data URI.
+    Data(Vec<u8>),
+    /// A file, which may or may not exist.
+    File(PathBuf),
+}
+
+/// Where `uri`, named by `part` of the scene in `file`, leads to, without reading a file.
+pub(super) fn locate_uri(
+    file: &Path,
+    part: &str,
+    uri: &str,
+    reach: Reach<'_>,
+) -> Result<Located, SceneError> {
+    if uri.starts_with("data:") {
+        return read_uri(file, part, uri, reach).map(Located::Data);
+    }
+    let path = decode_percent(uri).map_err(|reason| refused(file, part, uri, reason))?;
+    resolve(file, part, &path, reach).map(Located::File)
+}
+
 /// Reads what `uri`, named by `part` of the scene in `file`, stands for (RFC 3986: percent signs
 /// escape).
 pub(super) fn read_uri(
@@ -84,7 +106,8 @@ fn refused(file: &Path, part: &str, uri: &str, reason: String) -> SceneError {
     }
 }
 
-fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
+/// Reads a file that is a file: a pipe or a device might never end.
+pub(super) fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(std::io::Error::other("not a regular file"));
     }

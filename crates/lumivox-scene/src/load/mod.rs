@@ -5,8 +5,10 @@
 
 mod files;
 mod gltf;
+mod image;
 mod source;
 mod tangents;
+mod textures;
 
 use std::path::Path;
 
@@ -65,7 +67,6 @@ impl<'a> LoadOptions<'a> {
         Reach { anywhere: self.allow_outside, source: self.files }
     }
 
-    #[expect(dead_code, reason = "loaders will tell")]
     fn tell(&mut self, stage: &'static str, done: u64, total: u64) {
         if let Some(progress) = &mut self.progress {
             progress(LoadProgress { stage, done, total });

@@ -22,8 +22,7 @@ impl Loader<'_> {
     ) -> Result<Option<usize>, SceneError> {
         let name = mesh_name(mesh, primitive);
         let part = format!("mesh \"{name}\"");
-        let needs_tangents = self.scene.materials[material].normal_texture.is_some();
-        let Some(mut read) = self.read(primitive, name, needs_tangents)? else { return Ok(None) };
+        let Some(mut read) = self.read(primitive, name, material)? else { return Ok(None) };
         // It is kept twice: as it is in the file, and deformed.
         self.spend(&part, read.positions.len())?;
         let sources = self.sources(&part, primitive, &read)?;

@@ -35,7 +35,12 @@ fn numbers<const N: usize>(value: &Value) -> Option<[f32; N]> {
 
 /// The exact matrix of a texture transform.
 pub(super) fn texture_transform(extras: &Extras) -> Option<Affine2> {
-    numbers(own(extras)?.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
+    exact_transform(&own(extras)?)
+}
+
+/// The same, out of what is ours of the extras.
+pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
+    numbers(own.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
 }
 
 /// Makes a light what it was, of what other programs can show of it.
