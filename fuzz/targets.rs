@@ -15,7 +15,8 @@ use std::collections::HashMap;
 use lumivox_scene::{AnimationChoice, EnvironmentMap, LoadOptions, MemoryBudget, Scene};
 
 /// All targets; each has a folder of seeds in `corpus/`.
-pub const TARGETS: [&str; 4] = ["gltf", "glb", "glb_structured", "environment"];
+pub const TARGETS: [&str; 8] =
+    ["gltf", "glb", "glb_structured", "obj", "mtl", "ply", "stl", "environment"];
 
 /// Runs one input.
 pub fn run(target: &str, data: &[u8]) {
@@ -23,6 +24,16 @@ pub fn run(target: &str, data: &[u8]) {
         "gltf" => scene("scene.gltf", data),
         "glb" => scene("scene.glb", data),
         "glb_structured" => scene("scene.glb", &mutate::glb(EVERYTHING, data)),
+        "obj" => scene("scene.obj", data),
+        "mtl" => {
+            let files = HashMap::from([
+                ("scene.mtl".to_owned(), data.to_vec()),
+                ("colors.png".to_owned(), COLORS.to_vec()),
+            ]);
+            scene_with("scene.obj", OBJ, &files);
+        }
+        "ply" => scene("scene.ply", data),
+        "stl" => scene("scene.stl", data),
         "environment" => environment(data),
         _ => panic!("no target is called {target}"),
     }
@@ -30,6 +41,13 @@ pub fn run(target: &str, data: &[u8]) {
 
 /// A file with everything that the glTF loader reads, for the structured target to start from.
 const EVERYTHING: &[u8] = include_bytes!("corpus/glb/everything.glb");
+
+/// An image for materials to name: `colors.png`.
+const COLORS: &[u8] = include_bytes!("corpus/environment/picture.png");
+
+/// A scene in materials of an unknown library.
+const OBJ: &[u8] = b"mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n\
+    usemtl a\nf 1/1/1 2/2/1 3/3/1\nusemtl b\nf 1/1 2/2 3/3\nusemtl c\nf 3 2 1\n";
 
 /// Little enough for libFuzzer's limit on single allocations to mean something.
 const BUDGET: MemoryBudget = MemoryBudget { texture_bytes: 16 << 20, geometry_bytes: 64 << 20 };
@@ -44,10 +62,17 @@ fn environment(data: &[u8]) {
 
 /// Loads the scene; one that loads must also survive being saved.
 fn scene(name: &str, data: &[u8]) {
-    let files = HashMap::from([("data.bin".to_owned(), vec![0x3f; 1024])]);
+    let files = HashMap::from([
+        ("data.bin".to_owned(), vec![0x3f; 1024]),
+        ("colors.png".to_owned(), COLORS.to_vec()),
+    ]);
+    scene_with(name, data, &files);
+}
+
+fn scene_with(name: &str, data: &[u8], files: &HashMap<String, Vec<u8>>) {
     let load = |bytes: &[u8], name: &str| {
         let mut options =
-            LoadOptions { budget: BUDGET, files: Some(&files), ..LoadOptions::default() };
+            LoadOptions { budget: BUDGET, files: Some(files), ..LoadOptions::default() };
         Scene::from_memory(name, bytes, &mut options)
     };
     let Ok(mut scene) = load(data, name) else { return };

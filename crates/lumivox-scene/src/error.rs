@@ -10,7 +10,7 @@ pub enum SceneError {
     /// The file's extension is none that is read here.
     #[error(
         "{}: cannot tell the format from the extension \"{extension}\"; \
-         give a .gltf or .glb file",
+         give a .gltf, .glb, .obj, .ply or .stl file",
         file.display()
     )]
     UnknownFormat {
@@ -135,6 +135,23 @@ pub enum SceneError {
         needed: String,
         /// What may be taken, with a unit.
         budget: String,
+    },
+
+    /// The vertices and indices need more memory than the budget has.
+    #[error(
+        "{}: with {part} the scene's vertices and indices need {} MiB or more, beyond the budget of \
+         {} MiB; simplify or split the scene, or raise the budget for geometry",
+        file.display(), needed_bytes.div_ceil(1 << 20), budget_bytes >> 20
+    )]
+    TooMuchGeometry {
+        /// The scene's file.
+        file: PathBuf,
+        /// The part that did not fit any more.
+        part: String,
+        /// What it and all before it need, in bytes.
+        needed_bytes: u64,
+        /// What there is, in bytes.
+        budget_bytes: u64,
     },
 
     /// A number is NaN or infinite.

@@ -27,6 +27,13 @@ impl<'a> Reach<'a> {
             None => read_regular(path).map(Cow::Owned),
         }
     }
+
+    pub(super) fn is_file(self, path: &Path) -> bool {
+        match self.source {
+            Some(source) => source.read(&source::key(path)).is_ok(),
+            None => path.is_file(),
+        }
+    }
 }
 
 /// What a URI stands for.

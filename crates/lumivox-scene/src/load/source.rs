@@ -29,6 +29,13 @@ pub trait FileSource {
     /// # Errors
     /// [`io::ErrorKind::NotFound`], or what else went wrong; the loader's message quotes it.
     fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>>;
+
+    /// The path of a file that differs from `path` in upper and lower case alone, as files made on
+    /// Windows often call each other. Default: none.
+    fn find_ignoring_case(&self, path: &str) -> Option<String> {
+        let _ = path;
+        None
+    }
 }
 
 impl FileSource for HashMap<String, Vec<u8>> {
@@ -37,6 +44,12 @@ impl FileSource for HashMap<String, Vec<u8>> {
         bytes.map(|bytes| Cow::Borrowed(bytes.as_slice())).ok_or_else(|| {
             io::Error::new(io::ErrorKind::NotFound, "it is not among the scene's files")
         })
+    }
+
+    fn find_ignoring_case(&self, path: &str) -> Option<String> {
+        let wanted = path.to_lowercase();
+        // Of several the first, so that every run takes the same.
+        self.keys().filter(|key| key.to_lowercase() == wanted).min().cloned()
     }
 }
 
@@ -59,6 +72,10 @@ impl FileSource for Memory<'_> {
                 "the scene came from memory without its other files",
             )),
         }
+    }
+
+    fn find_ignoring_case(&self, path: &str) -> Option<String> {
+        self.others.and_then(|others| others.find_ignoring_case(path))
     }
 }
 
