@@ -46,7 +46,8 @@ const EVERYTHING: &[u8] = include_bytes!("corpus/glb/everything.glb");
 const COLORS: &[u8] = include_bytes!("corpus/environment/picture.png");
 
 /// A scene in materials of an unknown library.
-const OBJ: &[u8] = b"mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n\
+const OBJ: &[u8] =
+    b"mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n\
     usemtl a\nf 1/1/1 2/2/1 3/3/1\nusemtl b\nf 1/1 2/2 3/3\nusemtl c\nf 3 2 1\n";
 
 /// Little enough for libFuzzer's limit on single allocations to mean something.

@@ -52,6 +52,9 @@ fn seeds_load() {
         let file = match target {
             "glb" => "seed.glb",
             "gltf" => "seed.gltf",
+            "obj" => "seed.obj",
+            "ply" => "seed.ply",
+            "stl" => "seed.stl",
             _ => continue,
         };
         let mut options = lumivox_scene::LoadOptions::default();
