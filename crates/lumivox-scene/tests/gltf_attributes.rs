@@ -30,7 +30,6 @@ fn strips_fans_and_unindexed_lists() {
     }
 }
 
-
 #[test]
 fn indices_of_all_widths() {
     for (component, bytes) in [
@@ -45,7 +44,6 @@ fn indices_of_all_widths() {
         assert_eq!(file.load().unwrap().meshes[0].indices, [0, 1, 2]);
     }
 }
-
 
 #[test]
 fn interleaved_normalised_and_sparse_accessors() {
@@ -70,7 +68,6 @@ fn interleaved_normalised_and_sparse_accessors() {
     assert_eq!(scene.meshes[0].uvs, [Vec2::Y, Vec2::new(1.0, 0.2), Vec2::ZERO]);
     assert_eq!(scene.meshes[0].positions[1], Vec3::X * 5.0);
 }
-
 
 #[test]
 fn zero_normals_are_replaced() {
@@ -105,7 +102,8 @@ fn quantized_attributes() {
     let tangents = file.view(&[127, 0, 0, 0x81, 127, 0, 0, 0x81, 127, 0, 0, 0x81]);
     let tangents = file.accessor(tangents, 5120, 3, "VEC4");
     file.json["accessors"][tangents]["normalized"] = json!(true);
-    let shorts: Vec<u8> = [0_i16, -300, 4095, 7, 2, 3].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let shorts: Vec<u8> =
+        [0_i16, -300, 4095, 7, 2, 3].iter().flat_map(|v| v.to_le_bytes()).collect();
     let uvs = file.view(&shorts);
     let uvs = file.accessor(uvs, 5122, 3, "VEC2");
     let file = with_attribute(file, "POSITION", positions);
@@ -216,8 +214,7 @@ fn tangents_follow_the_normal_textures_coordinates() {
     assert!((second - Vec4::new(0.0, 1.0, 0.0, 1.0)).length() < 1e-6, "{second}");
     // A quarter turn makes u of v, and v of -u: the image's u grows along y.
     let moved = json!({ "rotation": std::f32::consts::FRAC_PI_2 });
-    let turned =
-        tangent(json!({ "index": 0, "extensions": { "KHR_texture_transform": moved } }));
+    let turned = tangent(json!({ "index": 0, "extensions": { "KHR_texture_transform": moved } }));
     assert!((turned - Vec4::new(0.0, 1.0, 0.0, -1.0)).length() < 1e-6, "{turned}");
     // The transform's own set wins.
     let moved = json!({ "texCoord": 1, "scale": [-1, 1] });

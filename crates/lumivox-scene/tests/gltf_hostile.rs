@@ -290,7 +290,6 @@ fn missing_files_are_named() {
     assert!(matches!(&error, SceneError::ReadExternal { .. }));
     let text = error.to_string();
     assert!(text.contains("buffer 0") && text.contains("gone.bin"), "{text}");
-
 }
 
 #[test]

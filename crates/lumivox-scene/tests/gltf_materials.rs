@@ -78,7 +78,8 @@ fn emission_and_the_factors_of_extensions() {
 fn two_specular_textures_become_one() {
     let specular = |extension: Value| {
         let texels = [[10, 20, 30, 40], [50, 60, 70, 80]];
-        let scene = paint(json!({ "extensions": { "KHR_materials_specular": extension } }), &texels);
+        let scene =
+            paint(json!({ "extensions": { "KHR_materials_specular": extension } }), &texels);
         texel(&scene, shading(&scene, 0).specular_texture)
     };
     let (color, strength) = (json!({ "index": 0 }), json!({ "index": 1 }));
@@ -234,7 +235,8 @@ fn what_is_ignored_is_said() {
     let scene = file.load().unwrap();
     assert_eq!(scene.triangle_count(), 1);
     let all = scene.notes.warnings.join("\n");
-    for word in ["KHR_materials_volume", "thin pane", "VENDOR_thing", "lines", "without positions"] {
+    for word in ["KHR_materials_volume", "thin pane", "VENDOR_thing", "lines", "without positions"]
+    {
         assert!(all.contains(word), "{word} in:\n{all}");
     }
     assert!(!all.contains("xmp") && !all.contains("sheen"), "{all}");
