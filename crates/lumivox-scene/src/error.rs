@@ -109,6 +109,23 @@ pub enum SceneError {
         reason: String,
     },
 
+    /// The scene needs more memory than it may take.
+    #[error(
+        "{}: with {part} vertices and indices need {needed}, but the budget is {budget}; raise the \
+         budget for geometry or simplify the scene",
+        file.display()
+    )]
+    TooLarge {
+        /// The scene's file.
+        file: PathBuf,
+        /// The part that is too much.
+        part: String,
+        /// What all needs up to there, with a unit.
+        needed: String,
+        /// What may be taken, with a unit.
+        budget: String,
+    },
+
     /// A number is NaN or infinite.
     #[error("{}: {part} has a number that is not finite; repair it in the modelling program", file.display())]
     NotFinite {

@@ -18,6 +18,28 @@ pub(super) enum Reach {
     Anywhere,
 }
 
+/// What a URI stands for.
+pub(super) enum Located {
+    /// The bytes of a data URI.
+    Data(Vec<u8>),
+    /// A file, which may or may not exist.
+    File(PathBuf),
+}
+
+/// Where `uri`, named by `part` of the scene in `file`, leads to, without reading a file.
+pub(super) fn locate_uri(
+    file: &Path,
+    part: &str,
+    uri: &str,
+    reach: Reach,
+) -> Result<Located, SceneError> {
+    if uri.starts_with("data:") {
+        return read_uri(file, part, uri, reach).map(Located::Data);
+    }
+    let path = decode_percent(uri).map_err(|reason| refused(file, part, uri, reason))?;
+    resolve(file, part, &path, reach).map(Located::File)
+}
+
 /// Reads what `uri`, named by `part` of the scene in `file`, stands for (RFC 3986: percent signs
 /// escape).
 pub(super) fn read_uri(

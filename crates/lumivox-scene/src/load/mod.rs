@@ -5,7 +5,9 @@
 
 mod files;
 mod gltf;
+mod image;
 mod tangents;
+mod textures;
 
 use std::path::Path;
 
@@ -60,7 +62,6 @@ impl LoadOptions<'_> {
         if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
     }
 
-    #[expect(dead_code, reason = "loaders will tell")]
     fn tell(&mut self, stage: &'static str, done: u64, total: u64) {
         if let Some(progress) = &mut self.progress {
             progress(LoadProgress { stage, done, total });

@@ -6,13 +6,21 @@ use std::collections::HashMap;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec3, Vec4};
 
-use crate::Mesh;
 use crate::model::any_tangent;
+use crate::{Mesh, TextureRef};
 
-/// Replaces the mesh's tangents. Vertices whose triangles disagree (mirrored images, seams) are
-/// split, so the mesh may grow; never beyond one vertex a corner.
+/// Replaces the mesh's tangents by those for a normal texture at its first texture coordinates; see
+/// [`generate_for`].
+#[cfg_attr(not(test), allow(dead_code, reason = "formats with one set of coordinates want it"))]
 pub(super) fn generate(mesh: &mut Mesh) {
-    let mut corners = Corners { tangents: vec![None; mesh.indices.len()], mesh };
+    generate_for(mesh, TextureRef::new(0));
+}
+
+/// Replaces the mesh's tangents by those for this normal texture: they follow the coordinates at
+/// which the texture is read, its set and its transform. Vertices whose triangles disagree (mirrored images, seams) are
+/// split, so the mesh may grow; never beyond one vertex a corner.
+pub(super) fn generate_for(mesh: &mut Mesh, normals: TextureRef) {
+    let mut corners = Corners { tangents: vec![None; mesh.indices.len()], mesh, normals };
     // The error type has no values.
     if generate_tangents(&mut corners).is_err() {
         return;
@@ -55,6 +63,7 @@ fn weld(mesh: &mut Mesh, tangents: &[Option<Vec4>]) {
 
 struct Corners<'a> {
     mesh: &'a Mesh,
+    normals: TextureRef,
     tangents: Vec<Option<Vec4>>,
 }
 
@@ -82,7 +91,10 @@ impl Geometry for Corners<'_> {
     }
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        self.mesh.uvs[self.vertex(face, corner)].to_array()
+        let vertex = self.vertex(face, corner);
+        let second = self.mesh.uvs1.get(vertex).filter(|_| self.normals.uv_set == 1);
+        let uv = second.copied().unwrap_or(self.mesh.uvs[vertex]);
+        self.normals.transform.transform_point2(uv).to_array()
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {

@@ -7,10 +7,12 @@ pub mod tube;
 
 use std::path::{Path, PathBuf};
 
-use lumivox_scene::{Scene, SceneError};
+use glam::Vec3;
+use lumivox_scene::{MetallicRoughness, Scene, SceneError, Shading};
 use serde_json::{Value, json};
 
 /// A glTF document in the making: JSON, and the bytes of its only buffer.
+#[derive(Clone)]
 pub struct File {
     pub json: Value,
     pub binary: Vec<u8>,
@@ -210,7 +212,7 @@ pub fn encode(image: &image::DynamicImage, format: image::ImageFormat) -> Vec<u8
 }
 
 /// The corners of each triangle in world space, with the world normal of the first.
-pub fn world_triangles(scene: &Scene) -> Vec<([glam::Vec3; 3], glam::Vec3)> {
+pub fn world_triangles(scene: &Scene) -> Vec<([Vec3; 3], Vec3)> {
     let mut triangles = Vec::new();
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh];
@@ -224,4 +226,62 @@ pub fn world_triangles(scene: &Scene) -> Vec<([glam::Vec3; 3], glam::Vec3)> {
         }
     }
     triangles
+}
+
+/// The numbers of a material that must be metallic-roughness.
+pub fn shading(scene: &Scene, material: usize) -> MetallicRoughness {
+    match scene.materials[material].shading {
+        Shading::MetallicRoughness(shading) => shading,
+        other => panic!("not metallic-roughness: {other:?}"),
+    }
+}
+
+/// A cube of 12 triangles with normals, texture coordinates, and a texture from an image view.
+pub fn textured_cube() -> File {
+    let mut file = File::new();
+    let (mut positions, mut normals, mut uvs, mut indices) = (vec![], vec![], vec![], vec![]);
+    for axis in 0..3 {
+        for side in [-1.0, 1.0_f32] {
+            let mut normal = [0.0; 3];
+            normal[axis] = side;
+            let n = Vec3::from_array(normal);
+            let u = n.any_orthonormal_vector();
+            let v = n.cross(u);
+            let first = u16::try_from(positions.len()).unwrap();
+            for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                positions.push((n + u * a + v * b).to_array());
+                normals.push(normal);
+                uvs.push([0.5 + a * 0.5, 0.5 - b * 0.5]);
+            }
+            indices.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
+        }
+    }
+    let (positions, normals) = (file.vectors(&positions), file.vectors(&normals));
+    let (uvs, indices) = (file.vectors(&uvs), file.indices(&indices));
+    let texels = [255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 9, 8, 7, 6];
+    let view = file.view(&png(2, 2, &texels));
+    let image = file.push("images", json!({ "bufferView": view, "mimeType": "image/png" }));
+    let sampler = json!({ "wrapS": 33071, "wrapT": 33648, "magFilter": 9728, "minFilter": 9987 });
+    let sampler = file.push("samplers", sampler);
+    let texture = file.push("textures", json!({ "source": image, "sampler": sampler }));
+    let material = file.push(
+        "materials",
+        json!({
+            "name": "paint",
+            "pbrMetallicRoughness": {
+                "baseColorTexture": { "index": texture },
+                "metallicFactor": 0.25,
+                "roughnessFactor": 0.5,
+            },
+            "normalTexture": { "index": texture, "scale": 0.5 },
+            "alphaMode": "MASK", "alphaCutoff": 0.3,
+            "doubleSided": true,
+        }),
+    );
+    let mesh = file.mesh(json!({
+        "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs },
+        "indices": indices, "material": material,
+    }));
+    file.node(json!({ "mesh": mesh }), true);
+    file
 }

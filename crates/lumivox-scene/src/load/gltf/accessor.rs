@@ -16,6 +16,26 @@ impl<'a> Loader<'a> {
         what: &str,
     ) -> Result<Vec<[f32; N]>, SceneError> {
         let layout = self.layout(accessor, what)?;
+        self.read_vectors(accessor, what, &layout)
+    }
+
+    /// The same, with integers of any kind normalised: what cannot be anything but a share, such as
+    /// a colour, is one even where the accessor forgets to say so.
+    pub(super) fn read_shares<const N: usize>(
+        &self,
+        accessor: usize,
+        what: &str,
+    ) -> Result<Vec<[f32; N]>, SceneError> {
+        let layout = Layout { normalized: true, ..self.layout(accessor, what)? };
+        self.read_vectors(accessor, what, &layout)
+    }
+
+    fn read_vectors<const N: usize>(
+        &self,
+        accessor: usize,
+        what: &str,
+        layout: &Layout,
+    ) -> Result<Vec<[f32; N]>, SceneError> {
         if layout.components != N {
             return Err(self.bad_accessor(
                 accessor,
@@ -27,13 +47,13 @@ impl<'a> Loader<'a> {
             let size = layout.component_size;
             std::array::from_fn(|i| layout.float(&bytes[i * size..(i + 1) * size]))
         };
-        let mut values = match self.slice(accessor, what, &layout)? {
+        let mut values = match self.slice(accessor, what, layout)? {
             Some(bytes) => {
                 bytes.chunks(layout.stride).take(layout.count).map(convert).collect::<Vec<_>>()
             }
             None => vec![[0.0; N]; layout.count],
         };
-        self.apply_sparse(accessor, what, &layout, |i, bytes| values[i] = convert(bytes))?;
+        self.apply_sparse(accessor, what, layout, |i, bytes| values[i] = convert(bytes))?;
         Ok(values)
     }
 
@@ -232,7 +252,7 @@ fn unsigned_number(bytes: &[u8]) -> u32 {
 }
 
 /// `bytes[offset..offset + length]`, unless that leaves the slice.
-fn sub_slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+pub(super) fn sub_slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     let begin = usize::try_from(offset).ok()?;
     let end = begin.checked_add(usize::try_from(length).ok()?)?;
     bytes.get(begin..end)

@@ -7,19 +7,11 @@ use gltf::Document;
 use gltf::json::validation::{Error as Fault, Validate};
 use gltf::json::{Path as JsonPath, Root};
 
-use super::Notes;
 use super::repair::read_root;
+use super::{Notes, compression, extensions};
 use crate::SceneError;
+use crate::load::LoadOptions;
 use crate::load::files::{self, Reach};
-
-/// What of glTF's extensions is understood.
-pub(super) const SUPPORTED: [&str; 5] = [
-    "EXT_mesh_gpu_instancing",
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-];
 
 const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
@@ -33,7 +25,7 @@ pub(super) struct Parsed {
 pub(super) fn parse(
     file: &Path,
     bytes: &[u8],
-    reach: Reach,
+    options: &LoadOptions<'_>,
     notes: &mut Notes,
 ) -> Result<Parsed, SceneError> {
     let malformed = |part: &str, reason: String| SceneError::Malformed {
@@ -54,11 +46,12 @@ pub(super) fn parse(
     let mut root =
         read_root(json, notes).map_err(|error| malformed("the JSON", error.to_string()))?;
 
-    check_extensions(file, &mut root, notes)?;
+    extensions::check(file, &mut root, notes)?;
     drop_primitives_without_positions(&mut root, notes);
     check_position_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
     check_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
-    let buffers = read_buffers(file, &root, binary, reach)?;
+    let mut buffers = read_buffers(file, &root, binary, options.reach())?;
+    compression::decompress(file, &mut root, &mut buffers, options.budget.geometry_bytes)?;
     Ok(Parsed { document: Document::from_json_without_validation(root), buffers })
 }
 
@@ -102,27 +95,6 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         }
     }
     Ok((json, None))
-}
-
-fn check_extensions(file: &Path, root: &mut Root, notes: &mut Notes) -> Result<(), SceneError> {
-    let unknown = |names: &[String]| -> Vec<String> {
-        let known = |name: &String| SUPPORTED.contains(&name.as_str());
-        names.iter().filter(|name| !known(name)).map(|name| files::shorten(name)).collect()
-    };
-    let missing = unknown(&root.extensions_required);
-    if !missing.is_empty() {
-        return Err(SceneError::RequiredExtension {
-            file: file.to_owned(),
-            extensions: missing,
-            supported: SUPPORTED.to_vec(),
-        });
-    }
-    // The JSON library would refuse some that are read here.
-    root.extensions_required.clear();
-    for name in unknown(&root.extensions_used) {
-        notes.warn(format!("the glTF extension {name} is not supported and was ignored"));
-    }
-    Ok(())
 }
 
 fn drop_primitives_without_positions(root: &mut Root, notes: &mut Notes) {
@@ -217,6 +189,11 @@ fn read_buffers(
             (Some(uri), _) => files::read_uri(file, &part, uri, reach)?,
             // Only the first buffer may be the GLB's own.
             (None, Some(binary)) if i == 0 => binary.to_vec(),
+            // What lies in it is compressed elsewhere.
+            (None, _) if compression::is_stand_in(buffer) => {
+                buffers.push(Vec::new());
+                continue;
+            }
             (None, _) => return Err(malformed("it has neither a URI nor a GLB chunk".to_owned())),
         };
         if (data.len() as u64) < buffer.byte_length.0 {

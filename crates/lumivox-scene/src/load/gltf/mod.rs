@@ -11,10 +11,12 @@
 
 mod accessor;
 mod animation;
+mod attributes;
+mod compression;
 mod container;
 mod copies;
 mod deformed;
-mod image;
+mod extensions;
 mod lights;
 mod material;
 mod node;
@@ -23,6 +25,7 @@ mod put;
 mod repair;
 mod scenes;
 mod skin;
+mod texture;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -30,22 +33,20 @@ use std::path::Path;
 use gltf::json::Root;
 
 use super::files::{self, Reach};
+use super::textures::Textures;
 use super::{LoadOptions, Notes, tangents};
 use crate::pose::Parts;
 use crate::{Rig, Scene, SceneError};
 
-/// How much memory a scene may take, whatever its file claims. Generous for real scenes: a small
-/// file can refer to the same data many times over.
+/// How much a scene may take, whatever its file claims: a small file can refer to the same data
+/// many times over.
 struct Budget {
-    vertices: usize,
-    texels: u64,
+    /// Of vertices and indices: all that may be taken, and what was.
+    geometry_bytes: u64,
+    geometry_bytes_taken: u64,
+    /// Left. Generous for real scenes.
     instances: usize,
-}
-
-impl Default for Budget {
-    fn default() -> Self {
-        Self { vertices: 100_000_000, texels: 1_000_000_000, instances: 1_000_000 }
-    }
+    weights: usize,
 }
 
 /// The state of loading one file.
@@ -65,8 +66,10 @@ struct Loader<'a> {
     meshes: HashMap<(usize, usize, bool), Option<usize>>,
     /// From glTF material to a scene's; the default material has none.
     materials: HashMap<Option<usize>, usize>,
-    /// From (glTF image, sampler) to a scene's texture.
-    textures: HashMap<(usize, Option<usize>), usize>,
+    /// The scene's textures, to be made in the end.
+    textures: Textures<'a>,
+    /// From glTF image to a listed one, or why it is not there.
+    images: HashMap<usize, texture::Listed>,
 }
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
@@ -83,7 +86,7 @@ fn load_bytes(
 ) -> Result<Scene, SceneError> {
     let mut notes = Notes::default();
     let reach = options.reach();
-    let parsed = container::parse(file, bytes, reach, &mut notes)?;
+    let parsed = container::parse(file, bytes, options, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let mut loader = Loader {
         file,
@@ -93,16 +96,23 @@ fn load_bytes(
         scene: Scene { name: name.unwrap_or_default(), ..Scene::default() },
         rig: Parts { file: file.to_owned(), ..Parts::default() },
         notes,
-        budget: Budget::default(),
         skins: HashMap::new(),
+        budget: Budget {
+            geometry_bytes: options.budget.geometry_bytes,
+            geometry_bytes_taken: 0,
+            instances: 1_000_000,
+            weights: 10_000_000,
+        },
         meshes: HashMap::new(),
         materials: HashMap::new(),
-        textures: HashMap::new(),
+        textures: Textures::default(),
+        images: HashMap::new(),
     };
     loader.load_nodes(options.scene.as_deref())?;
-    let mut scene = loader.scene;
-    scene.notes.warnings = loader.notes.warnings;
-    Rig::install(&mut scene, loader.rig)?;
+    let Loader { mut scene, rig, textures, mut notes, .. } = loader;
+    scene.textures = textures.make(file, options, &mut notes)?;
+    scene.notes.warnings = notes.warnings;
+    Rig::install(&mut scene, rig)?;
     crate::validate::validate(&mut scene, file)?;
     Ok(scene)
 }

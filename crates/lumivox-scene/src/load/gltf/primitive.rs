@@ -22,8 +22,7 @@ impl Loader<'_> {
             return Ok(known);
         }
         let name = mesh_name(mesh, primitive);
-        let needs_tangents = self.scene.materials[material].normal_texture.is_some();
-        let loaded = self.read(primitive, name, needs_tangents)?.map(|mut mesh| {
+        let loaded = self.read(primitive, name, material)?.map(|mut mesh| {
             if mirrored {
                 mesh.flip_winding();
             }
@@ -39,7 +38,7 @@ impl Loader<'_> {
         &mut self,
         primitive: &gltf::Primitive<'_>,
         name: String,
-        needs_tangents: bool,
+        material: usize,
     ) -> Result<Option<Mesh>, SceneError> {
         let part = format!("mesh \"{name}\"");
         let mode = primitive.mode();
@@ -52,8 +51,7 @@ impl Loader<'_> {
             self.notes.warn(format!("{part}: it has no positions and was skipped"));
             return Ok(None);
         };
-        self.warn_of_ignored(primitive, &part);
-        self.spend_vertices(&part, positions)?;
+        self.spend_geometry(&part, primitive)?;
 
         let positions = self.read_floats::<3>(positions, "positions")?;
         let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from_array).collect();
@@ -64,7 +62,6 @@ impl Loader<'_> {
         let count = positions.len();
         let indices = match primitive.indices() {
             Some(indices) => {
-                self.spend_vertices(&part, indices.index())?;
                 let indices = self.read_indices(indices.index())?;
                 self.check_indices(&part, &indices, count)?;
                 indices
@@ -74,8 +71,13 @@ impl Loader<'_> {
         let indices = to_triangles(mode, &indices);
 
         let uvs = match accessor(Semantic::TexCoords(0)) {
-            Some(uvs) => self.read_floats::<2>(uvs, "texture coordinates")?,
-            None => vec![[0.0; 2]; count],
+            Some(uvs) => self.read_uvs(uvs)?,
+            None => vec![Vec2::ZERO; count],
+        };
+        let uvs1 = self.read_second_uvs(primitive, &part, material)?;
+        let colors = match accessor(Semantic::Colors(0)) {
+            Some(colors) => self.read_colors(colors, &part)?,
+            None => Vec::new(),
         };
         let normals = match accessor(Semantic::Normals) {
             Some(normals) => Some(self.read_floats::<3>(normals, "normals")?),
@@ -88,8 +90,13 @@ impl Loader<'_> {
             }
             _ => None,
         };
-        let lengths =
-            [Some(uvs.len()), normals.as_ref().map(Vec::len), tangents.as_ref().map(Vec::len)];
+        let lengths = [
+            Some(uvs.len()),
+            normals.as_ref().map(Vec::len),
+            tangents.as_ref().map(Vec::len),
+            Some(uvs1.len()).filter(|_| !uvs1.is_empty()),
+            Some(colors.len()).filter(|_| !colors.is_empty()),
+        ];
         if lengths.into_iter().flatten().any(|length| length != count) {
             return Err(self.malformed(&part, "its attributes differ in length"));
         }
@@ -98,10 +105,11 @@ impl Loader<'_> {
             name,
             positions,
             normals: Vec::new(),
-            uvs: uvs.into_iter().map(Vec2::from_array).collect(),
+            uvs,
+            uvs1,
+            colors,
             tangents: Vec::new(),
             indices,
-            ..Mesh::default()
         };
         match normals {
             Some(normals) => {
@@ -111,33 +119,15 @@ impl Loader<'_> {
             None => make_flat(&mut mesh),
         }
         mesh.tangents = mesh.normals.iter().map(|&normal| any_tangent(normal)).collect();
-        match tangents {
-            Some(given) => use_tangents(&mut mesh, &given),
-            None if needs_tangents && mesh.uvs.iter().all(|uv| uv.is_finite()) => {
-                tangents::generate(&mut mesh);
+        match (tangents, self.scene.materials[material].normal_texture) {
+            (Some(given), _) => use_tangents(&mut mesh, &given),
+            // What is not finite is refused by name later.
+            (None, Some(texture)) if mesh.uvs.iter().chain(&mesh.uvs1).all(|uv| uv.is_finite()) => {
+                tangents::generate_for(&mut mesh, texture);
             }
-            None => {}
+            (None, _) => {}
         }
         Ok(Some(mesh))
-    }
-
-    /// Takes the elements of an accessor from the budget, before they are read.
-    pub(super) fn spend_vertices(&mut self, part: &str, accessor: usize) -> Result<(), SceneError> {
-        let count = self.root().accessors.get(accessor).map_or(0, |accessor| accessor.count.0);
-        self.spend(part, usize::try_from(count).unwrap_or(usize::MAX))
-    }
-
-    /// Takes what needs as much memory as these vertices from the budget.
-    pub(super) fn spend(&mut self, part: &str, vertices: usize) -> Result<(), SceneError> {
-        let left = self.budget.vertices.checked_sub(vertices);
-        self.budget.vertices = left.ok_or_else(|| self.too_many(part, "vertices"))?;
-        Ok(())
-    }
-
-    fn warn_of_ignored(&mut self, primitive: &gltf::Primitive<'_>, part: &str) {
-        if primitive.get(&Semantic::Colors(0)).is_some() {
-            self.notes.warn(format!("{part}: vertex colours are not supported and were ignored"));
-        }
     }
 
     fn check_indices(
@@ -222,6 +212,12 @@ pub(super) fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
 fn make_flat(mesh: &mut Mesh) {
     let corners = mesh.indices.iter().map(|&i| i as usize);
     mesh.uvs = corners.clone().map(|i| mesh.uvs[i]).collect();
+    if !mesh.uvs1.is_empty() {
+        mesh.uvs1 = corners.clone().map(|i| mesh.uvs1[i]).collect();
+    }
+    if !mesh.colors.is_empty() {
+        mesh.colors = corners.clone().map(|i| mesh.colors[i]).collect();
+    }
     mesh.positions = corners.map(|i| mesh.positions[i]).collect();
     mesh.indices = (0..mesh.positions.len() as u32).collect();
     mesh.normals = mesh

@@ -1,0 +1,117 @@
+//! Attributes of a primitive beyond its shape, and what all of them together may take.
+
+use glam::{Vec2, Vec4};
+use gltf::Semantic;
+use gltf::json::validation::Checked;
+use gltf::mesh::Mode;
+
+use super::Loader;
+use crate::SceneError;
+use crate::load::textures::size_text;
+
+/// Bytes of a vertex that every mesh has: position, normal, texture coordinates, tangent.
+const PLAIN_VERTEX_BYTES: u64 = 12 + 12 + 8 + 16;
+
+impl Loader<'_> {
+    /// Takes a primitive from the budget, before anything of it is read.
+    pub(super) fn spend_geometry(
+        &mut self,
+        part: &str,
+        primitive: &gltf::Primitive<'_>,
+    ) -> Result<(), SceneError> {
+        let count = |accessor: Option<usize>| {
+            accessor.and_then(|a| self.root().accessors.get(a)).map(|accessor| accessor.count.0)
+        };
+        let of = |semantic: Semantic| count(primitive.get(&semantic).map(|a| a.index()));
+        let given = of(Semantic::Positions).unwrap_or(0);
+        let listed = count(primitive.indices().map(|a| a.index())).unwrap_or(given);
+        let corners = match primitive.mode() {
+            Mode::TriangleStrip | Mode::TriangleFan => listed.saturating_sub(2).saturating_mul(3),
+            _ => listed,
+        };
+        // Without normals, every corner becomes a vertex.
+        let vertices = match of(Semantic::Normals) {
+            Some(_) => given,
+            None => given.max(corners),
+        };
+        let second = of(Semantic::TexCoords(1)).map_or(0, |_| 8);
+        let colors = of(Semantic::Colors(0)).map_or(0, |_| 16);
+        let bytes = vertices
+            .saturating_mul(PLAIN_VERTEX_BYTES + second + colors)
+            .saturating_add(corners.saturating_mul(4));
+        self.spend_bytes(part, bytes)
+    }
+
+    /// Takes memory for geometry from the budget, before it is allocated.
+    pub(super) fn spend_bytes(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
+        let all = self.budget.geometry_bytes_taken.saturating_add(bytes);
+        if all > self.budget.geometry_bytes {
+            return Err(SceneError::TooLarge {
+                file: self.file.to_owned(),
+                part: part.to_owned(),
+                needed: size_text(all),
+                budget: size_text(self.budget.geometry_bytes),
+            });
+        }
+        self.budget.geometry_bytes_taken = all;
+        Ok(())
+    }
+
+    pub(super) fn read_uvs(&self, accessor: usize) -> Result<Vec<Vec2>, SceneError> {
+        let uvs = self.read_floats::<2>(accessor, "texture coordinates")?;
+        Ok(uvs.into_iter().map(Vec2::from_array).collect())
+    }
+
+    /// The second set, where the material uses it.
+    pub(super) fn read_second_uvs(
+        &mut self,
+        primitive: &gltf::Primitive<'_>,
+        part: &str,
+        material: usize,
+    ) -> Result<Vec<Vec2>, SceneError> {
+        if !self.scene.materials[material].textures().any(|texture| texture.uv_set == 1) {
+            return Ok(Vec::new());
+        }
+        if let Some(uvs) = primitive.get(&Semantic::TexCoords(1)) {
+            return self.read_uvs(uvs.index());
+        }
+        self.notes.warn(format!(
+            "{part}: its material wants coordinate set 1, which it does not have; set 0 is used"
+        ));
+        Ok(Vec::new())
+    }
+
+    /// Colours of three or four components; none where all are white.
+    pub(super) fn read_colors(
+        &mut self,
+        accessor: usize,
+        part: &str,
+    ) -> Result<Vec<Vec4>, SceneError> {
+        use gltf::json::accessor::Type;
+        let what = "colours";
+        let kind = self.root().accessors.get(accessor).map(|json| json.type_);
+        let mut colors: Vec<Vec4> = if kind == Some(Checked::Valid(Type::Vec3)) {
+            let colors = self.read_shares::<3>(accessor, what)?;
+            colors.into_iter().map(|[r, g, b]| Vec4::new(r, g, b, 1.0)).collect()
+        } else {
+            let colors = self.read_shares::<4>(accessor, what)?;
+            colors.into_iter().map(Vec4::from_array).collect()
+        };
+        let mut limited = 0;
+        for color in &mut colors {
+            let within = color.clamp(Vec4::ZERO, Vec4::ONE);
+            // What is not finite is refused by name later.
+            if color.is_finite() && *color != within {
+                *color = within;
+                limited += 1;
+            }
+        }
+        if limited > 0 {
+            self.notes.warn(format!("{part}: {limited} colours were limited to 0 to 1"));
+        }
+        if colors.iter().all(|&color| color == Vec4::ONE) {
+            colors = Vec::new();
+        }
+        Ok(colors)
+    }
+}

@@ -1,0 +1,88 @@
+//! Geometry that is stored compressed, put back into plain buffers before anything reads it.
+//!
+//! Each decoder appends a buffer of its own to the document and turns views or accessors to it, so
+//! the rest of the loader knows nothing of compression. What a stream claims is checked against its
+//! length and against the budget before memory is taken.
+
+mod draco;
+#[cfg(feature = "meshopt")]
+mod meshopt;
+
+use std::path::Path;
+
+use gltf::json::buffer::Buffer;
+use gltf::json::{Index, Root};
+
+use crate::SceneError;
+use crate::load::textures::size_text;
+
+/// The extensions under which a compressed buffer view goes: the same under two names, of which the
+/// second may use more (Khronos, `KHR_meshopt_compression`).
+const MESHOPT: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
+
+/// Decompresses what is compressed; `budget` is what it may take in bytes.
+pub(super) fn decompress(
+    file: &Path,
+    root: &mut Root,
+    buffers: &mut Vec<Vec<u8>>,
+    budget: u64,
+) -> Result<(), SceneError> {
+    let mut sink = Sink { file, left: budget, budget };
+    #[cfg(feature = "meshopt")]
+    meshopt::decompress(root, buffers, &mut sink)?;
+    draco::decompress(root, buffers, &mut sink)
+}
+
+/// Whether a buffer has no bytes of its own, because all that would lie in it is compressed.
+pub(super) fn is_stand_in(buffer: &Buffer) -> bool {
+    let extensions = buffer.extensions.as_ref().map(|extensions| &extensions.others);
+    extensions.is_some_and(|others| {
+        MESHOPT.iter().any(|name| others.get(*name).is_some_and(|e| e["fallback"] == true))
+    })
+}
+
+/// What decompressing may take, and how faults are told.
+struct Sink<'a> {
+    file: &'a Path,
+    left: u64,
+    budget: u64,
+}
+
+impl Sink<'_> {
+    fn malformed(&self, part: &str, reason: impl Into<String>) -> SceneError {
+        SceneError::Malformed {
+            file: self.file.to_owned(),
+            part: part.to_owned(),
+            reason: reason.into(),
+        }
+    }
+
+    /// Takes bytes from the budget.
+    fn spend(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
+        match self.left.checked_sub(bytes) {
+            Some(left) => {
+                self.left = left;
+                Ok(())
+            }
+            None => Err(SceneError::TooLarge {
+                file: self.file.to_owned(),
+                part: format!("{part}, decompressed,"),
+                needed: size_text(self.budget.saturating_sub(self.left).saturating_add(bytes)),
+                budget: size_text(self.budget),
+            }),
+        }
+    }
+}
+
+/// Appends bytes to the document as a buffer of their own.
+fn push_buffer(root: &mut Root, buffers: &mut Vec<Vec<u8>>, bytes: Vec<u8>) -> Index<Buffer> {
+    root.buffers.push(Buffer {
+        byte_length: (bytes.len() as u64).into(),
+        name: None,
+        uri: None,
+        extensions: None,
+        extras: gltf::json::Extras::default(),
+    });
+    buffers.push(bytes);
+    Index::new(root.buffers.len() as u32 - 1)
+}

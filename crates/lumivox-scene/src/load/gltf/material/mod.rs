@@ -1,0 +1,165 @@
+//! Materials: the metallic-roughness core and the extensions that change its numbers. Layers and
+//! the specular-glossiness model have files of their own.
+
+mod layers;
+mod spec_gloss;
+
+use glam::{Vec3, Vec4};
+
+use super::texture::TextureUse;
+use super::{Loader, name_or_index};
+use crate::load::image::Encoding;
+use crate::{AlphaMode, Material, MetallicRoughness, SceneError, Shading, Unlit};
+
+/// Between stone and plaster.
+const NO_MATERIAL_ALBEDO: f32 = 0.5;
+
+impl Loader<'_> {
+    /// Loads a material once.
+    pub(super) fn material(&mut self, material: &gltf::Material<'_>) -> Result<usize, SceneError> {
+        if let Some(&known) = self.materials.get(&material.index()) {
+            return Ok(known);
+        }
+        let converted = match material.index() {
+            Some(_) => self.convert(material)?,
+            None => self.no_material(),
+        };
+        self.scene.materials.push(converted);
+        let index = self.scene.materials.len() - 1;
+        self.materials.insert(material.index(), index);
+        Ok(index)
+    }
+
+    /// What meshes without a material look like. By the letter that is a white rough metal of
+    /// reflectance 1 (glTF 2.0, section 3.9.6), in which indirect light would never die out; nobody
+    /// who leaves materials out means it.
+    fn no_material(&mut self) -> Material {
+        self.notes.warn(format!(
+            "meshes without a material are shown matte grey with an albedo of {NO_MATERIAL_ALBEDO}"
+        ));
+        // Such files are mostly bare geometry, wound as it came: seen from both sides nothing is missing.
+        Material {
+            double_sided: true,
+            ..Material::diffuse("no material", Vec3::splat(NO_MATERIAL_ALBEDO))
+        }
+    }
+
+    fn convert(&mut self, material: &gltf::Material<'_>) -> Result<Material, SceneError> {
+        let index = material.index().unwrap_or_default();
+        let name = name_or_index(material.name(), "material", index);
+        let alpha = match material.alpha_mode() {
+            gltf::material::AlphaMode::Opaque => AlphaMode::Opaque,
+            gltf::material::AlphaMode::Mask => {
+                AlphaMode::Mask { cutoff: material.alpha_cutoff().unwrap_or(0.5) }
+            }
+            gltf::material::AlphaMode::Blend => AlphaMode::Blend,
+        };
+        let plain =
+            Material { alpha, double_sided: material.double_sided(), ..Material::default() };
+        // What is unlit says nothing of light; the rest of its material is for programs that do not
+        // know the extension (`KHR_materials_unlit`).
+        if material.unlit() {
+            return Ok(Material { shading: self.unlit(material, &name)?, name, ..plain });
+        }
+        let shading = match material.pbr_specular_glossiness() {
+            Some(model) => self.specular_glossiness(&model, &name)?,
+            None => self.metallic_roughness(material, &name)?,
+        };
+        let normal = material.normal_texture();
+        let normal_use = normal.as_ref().map(TextureUse::normal);
+        let (emissive, emissive_texture) = self.emission(material, &name)?;
+        Ok(Material {
+            shading: Shading::MetallicRoughness(shading),
+            emissive,
+            emissive_texture,
+            normal_texture: self.plain_texture(normal_use, &name, Encoding::Data)?,
+            normal_scale: normal.map_or(1.0, |normal| normal.scale()),
+            clearcoat: self.clearcoat(material, &name)?,
+            sheen: self.sheen(material, &name)?,
+            transmission: self.transmission(material, &name)?,
+            name,
+            ..plain
+        })
+    }
+
+    fn unlit(&mut self, material: &gltf::Material<'_>, name: &str) -> Result<Shading, SceneError> {
+        let pbr = material.pbr_metallic_roughness();
+        let color = pbr.base_color_texture();
+        Ok(Shading::Unlit(Unlit {
+            color: self.unit_color(pbr.base_color_factor(), name, "base colour"),
+            color_texture: self.color_texture(color.as_ref().map(TextureUse::new), name)?,
+        }))
+    }
+
+    fn metallic_roughness(
+        &mut self,
+        material: &gltf::Material<'_>,
+        name: &str,
+    ) -> Result<MetallicRoughness, SceneError> {
+        let pbr = material.pbr_metallic_roughness();
+        let color = pbr.base_color_texture().as_ref().map(TextureUse::new);
+        let rough = pbr.metallic_roughness_texture().as_ref().map(TextureUse::new);
+        let shading = MetallicRoughness {
+            base_color: self.unit_color(pbr.base_color_factor(), name, "base colour"),
+            base_color_texture: self.color_texture(color, name)?,
+            metallic: self.unit(pbr.metallic_factor(), name, "metallic factor"),
+            roughness: self.unit(pbr.roughness_factor(), name, "roughness factor"),
+            metallic_roughness_texture: self.plain_texture(rough, name, Encoding::Data)?,
+            ior: self.ior(material.ior(), name),
+            ..MetallicRoughness::default()
+        };
+        self.specular(shading, material, name)
+    }
+
+    /// Light below the index of vacuum does not exist; 0 is the extension's way to say "all is
+    /// reflected at normal incidence" (`KHR_materials_ior`).
+    fn ior(&mut self, ior: Option<f32>, name: &str) -> f32 {
+        match ior {
+            None => 1.5,
+            Some(ior) if ior > 0.0 && ior < 1.0 => {
+                self.notes.warn(format!(
+                    "material \"{name}\": its index of refraction of {ior} was raised to 1"
+                ));
+                1.0
+            }
+            Some(ior) => ior,
+        }
+    }
+
+    fn emission(
+        &mut self,
+        material: &gltf::Material<'_>,
+        name: &str,
+    ) -> Result<(Vec3, Option<crate::TextureRef>), SceneError> {
+        let strength = material.emissive_strength().unwrap_or(1.0);
+        let emissive = Vec3::from_array(material.emissive_factor()) * strength;
+        let wanted = material.emissive_texture().as_ref().map(TextureUse::new);
+        let is_textured = wanted.is_some();
+        let texture = self.plain_texture(wanted, name, Encoding::Color)?;
+        // Without its picture of what glows, all of the surface would.
+        if is_textured && texture.is_none() {
+            return Ok((Vec3::ZERO, None));
+        }
+        Ok((emissive, texture))
+    }
+
+    fn unit_color<const N: usize>(&mut self, color: [f32; N], material: &str, what: &str) -> Vec4 {
+        let mut all = [1.0; 4];
+        for (all, value) in all.iter_mut().zip(color) {
+            *all = self.unit(value, material, what);
+        }
+        Vec4::from_array(all)
+    }
+
+    /// A factor that the format limits to 0..1; some exporters exceed it.
+    fn unit(&mut self, value: f32, material: &str, what: &str) -> f32 {
+        let clamped = value.clamp(0.0, 1.0);
+        if value.is_finite() && !(0.0..=1.0).contains(&value) {
+            self.notes.warn(format!(
+                "material \"{material}\": its {what} of {value} was limited to {clamped}"
+            ));
+        }
+        // What is not finite stays, for validation to refuse by name.
+        if value.is_finite() { clamped } else { value }
+    }
+}

@@ -1,0 +1,249 @@
+//! Image files, whatever their format: their size without decoding, and their texels.
+//!
+//! The format is told by the first bytes, since declared types are often wrong; only Targa, which
+//! has no signature, is told by the file's extension. A size that the file is too short for is
+//! refused before memory is taken: a few bytes can claim a gigabyte.
+
+mod ktx2;
+mod shrink;
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
+use std::path::{Path, PathBuf};
+
+use image::{ImageFormat, ImageReader, Limits};
+
+pub(super) use shrink::{Encoding, halved, linear_to_srgb, shrink, srgb_to_linear};
+
+/// The longest edge in texels: what common GPUs take.
+const LONGEST_EDGE: u32 = 16_384;
+/// Bytes that decoding one image may take: the largest image with 16 bits a channel, and some.
+const MOST_DECODER_BYTES: u64 = 3 << 30;
+/// Texels that a file may have whatever its length: 16 MiB as RGBA.
+const FREE_TEXELS: u64 = 4 << 20;
+/// And beyond that for each of its bytes. Deflate reaches 1032 bytes a byte (RFC 1951: 258 bytes
+/// from two bits), and a byte of a one-bit PNG holds eight texels; the other formats stay below
+/// that in pictures that show something.
+const MOST_TEXELS_A_BYTE: u64 = 16_384;
+
+/// Where an image's bytes are.
+#[derive(Clone, Debug)]
+pub(super) enum Source<'a> {
+    /// Here.
+    Memory(Cow<'a, [u8]>),
+    /// In a file of their own, read only while they are decoded.
+    File(PathBuf),
+}
+
+impl Source<'_> {
+    /// All bytes.
+    fn read(&self) -> Result<Cow<'_, [u8]>, Fault> {
+        match self {
+            Self::Memory(bytes) => Ok(Cow::Borrowed(bytes)),
+            Self::File(path) => {
+                super::files::read_regular(path).map(Cow::Owned).map_err(Fault::Unreadable)
+            }
+        }
+    }
+}
+
+/// What a file says of its image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Header {
+    format: Format,
+    /// Width in texels, at least 1.
+    pub(super) width: u32,
+    /// Height in texels, at least 1.
+    pub(super) height: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    /// What the `image` crate decodes.
+    Plain(ImageFormat),
+    Ktx2,
+}
+
+/// Texels: red, green, blue, alpha, row by row from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Pixels {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) rgba8: Vec<u8>,
+}
+
+/// Why an image cannot be had.
+#[derive(Debug)]
+pub(super) enum Fault {
+    /// The file cannot be read: a stand-in may do.
+    Unreadable(std::io::Error),
+    /// Its content is broken or of a kind that is not decoded.
+    Bad(String),
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Unreadable(error) => write!(f, "{error}"),
+            Self::Bad(reason) => f.write_str(reason),
+        }
+    }
+}
+
+impl From<image::ImageError> for Fault {
+    fn from(error: image::ImageError) -> Self {
+        Self::Bad(error.to_string())
+    }
+}
+
+/// Reads the size of an image; of a file only its beginning.
+pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
+    match source {
+        Source::Memory(bytes) => header_of(Cursor::new(bytes.as_ref()), bytes.len() as u64, None),
+        Source::File(path) => {
+            let data = std::fs::metadata(path).map_err(Fault::Unreadable)?;
+            if !data.is_file() {
+                return Err(Fault::Unreadable(std::io::Error::other("not a regular file")));
+            }
+            let file = File::open(path).map_err(Fault::Unreadable)?;
+            header_of(BufReader::new(file), data.len(), Some(path))
+        }
+    }
+}
+
+/// Decodes an image to 8 bits a channel. What has no alpha is opaque; grey becomes red, green and
+/// blue.
+pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Fault> {
+    let bytes = source.read()?;
+    let pixels = match header.format {
+        Format::Ktx2 => ktx2::decode(&bytes).map_err(Fault::Bad)?,
+        Format::Plain(format) => {
+            let image = reader(Cursor::new(bytes.as_ref()), format).decode()?.into_rgba8();
+            Pixels { width: image.width(), height: image.height(), rgba8: image.into_raw() }
+        }
+    };
+    // The budget was made for the size in the header; a file may have changed since.
+    if (pixels.width, pixels.height) != (header.width, header.height) {
+        return Err(Fault::Bad("its size changed while it was read".to_owned()));
+    }
+    Ok(pixels)
+}
+
+fn header_of(
+    mut input: impl BufRead + Seek,
+    length: u64,
+    path: Option<&Path>,
+) -> Result<Header, Fault> {
+    let mut start = Vec::with_capacity(ktx2::HEADER_BYTES);
+    input
+        .by_ref()
+        .take(ktx2::HEADER_BYTES as u64)
+        .read_to_end(&mut start)
+        .map_err(Fault::Unreadable)?;
+    input.rewind().map_err(Fault::Unreadable)?;
+    let (format, width, height) = if ktx2::is_ktx2(&start) {
+        let (width, height) = ktx2::size(&start).map_err(Fault::Bad)?;
+        (Format::Ktx2, width, height)
+    } else {
+        let format = plain_format(&start, path)?;
+        let (width, height) = reader(input, format).into_dimensions()?;
+        (Format::Plain(format), width, height)
+    };
+    if width == 0 || height == 0 {
+        return Err(Fault::Bad(format!("it has {width} x {height} texels")));
+    }
+    if width > LONGEST_EDGE || height > LONGEST_EDGE {
+        return Err(Fault::Bad(format!(
+            "it has {width} x {height} texels, more than {LONGEST_EDGE} along an edge; shrink it"
+        )));
+    }
+    let texels = u64::from(width) * u64::from(height);
+    if texels > FREE_TEXELS.saturating_add(length.saturating_mul(MOST_TEXELS_A_BYTE)) {
+        return Err(Fault::Bad(format!(
+            "it claims {width} x {height} texels, which its {length} bytes cannot hold"
+        )));
+    }
+    Ok(Header { format, width, height })
+}
+
+fn plain_format(start: &[u8], path: Option<&Path>) -> Result<ImageFormat, Fault> {
+    let is_targa = || path.and_then(Path::extension).is_some_and(|e| e.eq_ignore_ascii_case("tga"));
+    let format = match image::guess_format(start) {
+        Ok(format) => format,
+        Err(_) if is_targa() => ImageFormat::Tga,
+        Err(error) => return Err(error.into()),
+    };
+    if format.reading_enabled() {
+        return Ok(format);
+    }
+    Err(Fault::Bad(format!("the format {} is not read", format.extensions_str()[0])))
+}
+
+fn reader<R: BufRead + Seek>(input: R, format: ImageFormat) -> ImageReader<R> {
+    let mut reader = ImageReader::with_format(input, format);
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MOST_DECODER_BYTES);
+    reader.limits(limits);
+    reader
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn memory(bytes: &[u8]) -> Source<'_> {
+        Source::Memory(Cow::Borrowed(bytes))
+    }
+
+    fn encode(image: &image::DynamicImage, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn formats_are_told_by_their_first_bytes() {
+        let image = image::RgbaImage::from_fn(3, 2, |x, y| {
+            image::Rgba([x as u8 * 80, y as u8 * 90, 7, 200 + x as u8])
+        });
+        let image = image::DynamicImage::from(image);
+        for format in [ImageFormat::Png, ImageFormat::WebP] {
+            let bytes = encode(&image, format);
+            let header = header(&memory(&bytes)).unwrap();
+            assert_eq!((header.width, header.height), (3, 2));
+            let pixels = decode(&memory(&bytes), header).unwrap();
+            assert_eq!(pixels.rgba8, image.to_rgba8().into_raw(), "{format:?}");
+        }
+        let deep = image::ImageBuffer::from_pixel(2, 1, image::Luma([0x80ff_u16]));
+        let bytes = encode(&deep.into(), ImageFormat::Png);
+        let pixels = decode(&memory(&bytes), header(&memory(&bytes)).unwrap()).unwrap();
+        assert_eq!(pixels.rgba8, [128, 128, 128, 255, 128, 128, 128, 255]);
+    }
+
+    #[test]
+    fn a_size_that_the_file_cannot_hold_is_refused_before_it_is_decoded() {
+        // The header alone of a PNG of 16384 x 16384 texels, its checksum right.
+        let large = image::GrayImage::new(16_384, 1);
+        let mut bytes = encode(&large.into(), ImageFormat::Png);
+        bytes[20..24].copy_from_slice(&16_384_u32.to_be_bytes());
+        let crc = bytes[12..29].iter().fold(u32::MAX, |crc, &byte| {
+            (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+                if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 }
+            })
+        });
+        bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
+        assert!(bytes.len() < 1000);
+        let fault = header(&memory(&bytes)).unwrap_err().to_string();
+        assert!(fault.contains("cannot hold") && fault.contains("16384"), "{fault}");
+    }
+
+    #[test]
+    fn what_is_no_image_is_said() {
+        for bytes in [&b""[..], b"hello", b"GIF89a no picture", b"\x89PNG\r\n\x1a\n"] {
+            assert!(matches!(header(&memory(bytes)), Err(Fault::Bad(_))));
+        }
+        let missing = Source::File(PathBuf::from("/nowhere/at/all.png"));
+        assert!(matches!(header(&missing), Err(Fault::Unreadable(_))));
+    }
+}

@@ -1,0 +1,140 @@
+//! Making images smaller by halves.
+//!
+//! A texel of the result is the mean of the rectangle that it covers, in which texels at the border
+//! count as far as they lie inside (edges of odd length). Colours are averaged as light, and by
+//! their alpha, so that what is invisible does not bleed into what is seen; data as they are.
+
+use super::Pixels;
+
+/// What the numbers of a texture stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::load) enum Encoding {
+    /// sRGB-encoded colours with a linear alpha.
+    Color,
+    /// Four independent linear numbers.
+    Data,
+}
+
+/// A length after so many halvings.
+pub(in crate::load) fn halved(length: u32, times: u32) -> u32 {
+    length.checked_shr(times).unwrap_or(0).max(1)
+}
+
+/// The image with both edges halved so many times.
+pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) -> Pixels {
+    if times == 0 {
+        return pixels;
+    }
+    let (width, height) = (halved(pixels.width, times), halved(pixels.height, times));
+    let (columns, rows) = (covers(pixels.width, width), covers(pixels.height, height));
+    let light: [f32; 256] = std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0));
+    let mut rgba8 = Vec::with_capacity(width as usize * height as usize * 4);
+    for row in &rows {
+        for column in &columns {
+            // Colour by alpha, colour alone, alpha, weight.
+            let (mut seen, mut all, mut alpha, mut weight) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
+            for (y, wy) in row.iter() {
+                let begin = (y * pixels.width as usize + column.first) * 4;
+                for (texel, (_, wx)) in pixels.rgba8[begin..].chunks_exact(4).zip(column.iter()) {
+                    let w = wx * wy;
+                    let a = w * f32::from(texel[3]) / 255.0;
+                    for c in 0..3 {
+                        let value = match encoding {
+                            Encoding::Color => light[usize::from(texel[c])],
+                            Encoding::Data => f32::from(texel[c]) / 255.0,
+                        };
+                        seen[c] += value * a;
+                        all[c] += value * w;
+                    }
+                    alpha += a;
+                    weight += w;
+                }
+            }
+            let to_byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
+            for c in 0..3 {
+                rgba8.push(match encoding {
+                    Encoding::Color if alpha > 0.0 => to_byte(linear_to_srgb(seen[c] / alpha)),
+                    Encoding::Color => to_byte(linear_to_srgb(all[c] / weight)),
+                    Encoding::Data => to_byte(all[c] / weight),
+                });
+            }
+            rgba8.push(to_byte(alpha / weight));
+        }
+    }
+    Pixels { width, height, rgba8 }
+}
+
+/// Which texels lie under a texel of the result along one edge, and how much of each.
+struct Cover {
+    first: usize,
+    weights: Vec<f32>,
+}
+
+impl Cover {
+    fn iter(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
+        self.weights.iter().enumerate().map(|(i, &w)| (self.first + i, w))
+    }
+}
+
+fn covers(from: u32, to: u32) -> Vec<Cover> {
+    let (from, to) = (u64::from(from), u64::from(to));
+    let cover = |i: u64| {
+        // In units of 1 / `to` of a texel, where all numbers are whole.
+        let (begin, end) = (i * from, (i + 1) * from);
+        let (first, last) = (begin / to, end.div_ceil(to));
+        let inside = |texel: u64| end.min((texel + 1) * to) - begin.max(texel * to);
+        Cover {
+            first: first as usize,
+            weights: (first..last).map(|texel| inside(texel) as f32 / to as f32).collect(),
+        }
+    };
+    (0..to).map(cover).collect()
+}
+
+/// IEC 61966-2-1, the curve of sRGB.
+pub(in crate::load) fn srgb_to_linear(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The inverse of [`srgb_to_linear`].
+pub(in crate::load) fn linear_to_srgb(value: f32) -> f32 {
+    if value <= 0.003_130_8 { value * 12.92 } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pixels(width: u32, height: u32, texels: &[[u8; 4]]) -> Pixels {
+        Pixels { width, height, rgba8: texels.as_flattened().to_vec() }
+    }
+
+    #[test]
+    fn colours_are_averaged_as_light_and_data_as_they_are() {
+        let board =
+            pixels(2, 2, &[[255, 255, 0, 255], [0, 0, 0, 255], [0, 0, 0, 255], [255, 255, 0, 255]]);
+        // Half the light is 188 in sRGB.
+        let color = shrink(board.clone(), 1, Encoding::Color);
+        assert_eq!(color, pixels(1, 1, &[[188, 188, 0, 255]]));
+        assert_eq!(shrink(board.clone(), 1, Encoding::Data), pixels(1, 1, &[[128, 128, 0, 255]]));
+        assert_eq!(shrink(board.clone(), 0, Encoding::Data), board);
+    }
+
+    #[test]
+    fn what_is_invisible_does_not_bleed() {
+        let leaf = pixels(2, 1, &[[0, 200, 0, 255], [255, 0, 255, 0]]);
+        assert_eq!(shrink(leaf, 1, Encoding::Color), pixels(1, 1, &[[0, 200, 0, 128]]));
+    }
+
+    #[test]
+    fn odd_edges_lose_nothing() {
+        // Five texels become two: each covers two and a half.
+        let row = pixels(5, 1, &[[0; 4], [0; 4], [200; 4], [100; 4], [50; 4]]);
+        let half = shrink(row, 1, Encoding::Data);
+        assert_eq!(half, pixels(2, 1, &[[40; 4], [100; 4]]));
+        // Down to one texel, and no further.
+        let flat = pixels(7, 3, &[[90; 4]; 21]);
+        assert_eq!(shrink(flat, 9, Encoding::Data), pixels(1, 1, &[[90; 4]]));
+        assert_eq!((halved(16, 2), halved(5, 40)), (4, 1));
+    }
+}

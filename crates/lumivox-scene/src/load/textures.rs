@@ -1,0 +1,314 @@
+//! The textures of a scene, from the first mention to the texels.
+//!
+//! While materials are read, textures are only listed: which images they are made of, and how. Of
+//! the images no more than the size is read then. At the end all sizes are known, so it can be said
+//! beforehand how far the textures must shrink to fit into the budget; then they are made, several
+//! at a time, each shrunk before the next is begun.
+
+mod mix;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::image::{self, Encoding, Fault, Header, Pixels, Source};
+use super::{LoadOptions, Notes};
+use crate::{Sampler, SceneError, Texture};
+
+pub(super) use mix::Mix;
+
+/// Bytes that textures under way may take together; one alone may take more.
+const BYTES_UNDER_WAY: u64 = 512 << 20;
+/// Texels of all textures before they are shrunk: it would take minutes to decode more.
+const MOST_TEXELS: u64 = 1 << 35;
+
+/// A listed image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ImageId(usize);
+
+/// What a texture is made of.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Recipe {
+    /// An image as it is.
+    Image(ImageId),
+    /// A new image out of several.
+    Mixed {
+        /// Those that it is made of, one or two.
+        images: Vec<ImageId>,
+        /// How.
+        mix: Mix,
+    },
+    /// The stand-in for an image that is not there: a board of magenta and black.
+    Missing,
+}
+
+/// The edge of the stand-in in texels.
+const BOARD_EDGE: u32 = 8;
+
+impl Recipe {
+    fn images(&self) -> &[ImageId] {
+        match self {
+            Self::Image(image) => std::slice::from_ref(image),
+            Self::Mixed { images, .. } => images,
+            Self::Missing => &[],
+        }
+    }
+}
+
+struct Image<'a> {
+    /// The part of the scene's file, for messages.
+    part: String,
+    name: String,
+    source: Source<'a>,
+    header: Header,
+}
+
+/// A recipe, and the textures that come out of it: the same texels under several samplers.
+struct Product {
+    recipe: Recipe,
+    encoding: Encoding,
+    width: u32,
+    height: u32,
+    /// How often both edges are halved.
+    halvings: u32,
+    /// Indices of the textures.
+    textures: Vec<usize>,
+}
+
+impl Product {
+    fn texels(&self) -> u64 {
+        let edge = |length| u64::from(image::halved(length, self.halvings));
+        edge(self.width) * edge(self.height)
+    }
+
+    /// Bytes of all its textures.
+    fn bytes(&self) -> u64 {
+        self.texels() * 4 * self.textures.len() as u64
+    }
+}
+
+/// The textures of one scene.
+#[derive(Default)]
+pub(super) struct Textures<'a> {
+    images: Vec<Image<'a>>,
+    products: Vec<Product>,
+    product_of: HashMap<Recipe, usize>,
+    samplers: Vec<Sampler>,
+    texture_of: HashMap<(usize, Sampler), usize>,
+}
+
+impl<'a> Textures<'a> {
+    /// Lists an image, and reads its size. `part` says in messages where it is named.
+    pub(super) fn image(
+        &mut self,
+        part: &str,
+        name: &str,
+        source: Source<'a>,
+    ) -> Result<ImageId, Fault> {
+        let header = image::header(&source)?;
+        let image = Image { part: part.to_owned(), name: name.to_owned(), source, header };
+        self.images.push(image);
+        Ok(ImageId(self.images.len() - 1))
+    }
+
+    /// The index that a texture will have in the scene. The same recipe under the same sampler is
+    /// the same texture.
+    pub(super) fn texture(
+        &mut self,
+        recipe: Recipe,
+        encoding: Encoding,
+        sampler: Sampler,
+    ) -> usize {
+        let product = self.product(recipe, encoding);
+        let next = self.samplers.len();
+        let texture = *self.texture_of.entry((product, sampler)).or_insert(next);
+        if texture == next {
+            self.samplers.push(sampler);
+            self.products[product].textures.push(texture);
+        }
+        texture
+    }
+
+    fn product(&mut self, recipe: Recipe, encoding: Encoding) -> usize {
+        if let Some(&known) = self.product_of.get(&recipe) {
+            // What is a colour to one material and data to another is averaged as data.
+            if encoding == Encoding::Data {
+                self.products[known].encoding = Encoding::Data;
+            }
+            return known;
+        }
+        let headers = || recipe.images().iter().map(|image| self.images[image.0].header);
+        let product = Product {
+            encoding,
+            width: headers().map(|header| header.width).max().unwrap_or(BOARD_EDGE),
+            height: headers().map(|header| header.height).max().unwrap_or(BOARD_EDGE),
+            halvings: 0,
+            textures: Vec::new(),
+            recipe: recipe.clone(),
+        };
+        self.products.push(product);
+        self.product_of.insert(recipe, self.products.len() - 1);
+        self.products.len() - 1
+    }
+
+    /// Makes all textures, as the scene in `file` wants them.
+    pub(super) fn make(
+        mut self,
+        file: &Path,
+        options: &mut LoadOptions<'_>,
+        notes: &mut Notes,
+    ) -> Result<Vec<Texture>, SceneError> {
+        self.check_amount(file)?;
+        self.fit(options.budget.texture_bytes, notes);
+        let total = self.products.len() as u64;
+        let mut made: Vec<Option<Texture>> = Vec::new();
+        made.resize_with(self.samplers.len(), || None);
+        let mut begin = 0;
+        while begin < self.products.len() {
+            options.tell("textures", begin as u64, total);
+            let end = self.batch(begin);
+            let batch = self.products[begin..end]
+                .par_iter()
+                .map(|product| self.product_pixels(file, product))
+                .collect::<Result<Vec<_>, _>>()?;
+            for (product, pixels) in self.products[begin..end].iter().zip(batch) {
+                self.place(product, pixels, &mut made);
+            }
+            begin = end;
+        }
+        options.tell("textures", total, total);
+        Ok(made.into_iter().flatten().collect())
+    }
+
+    fn check_amount(&self, file: &Path) -> Result<(), SceneError> {
+        let mut texels = 0_u64;
+        for product in &self.products {
+            for image in product.recipe.images() {
+                let image = &self.images[image.0];
+                texels += u64::from(image.header.width) * u64::from(image.header.height);
+                if texels > MOST_TEXELS {
+                    return Err(SceneError::Malformed {
+                        file: file.to_owned(),
+                        part: image.part.clone(),
+                        reason: "with it the scene has too many texels, split it up".to_owned(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Halves the largest texture, and again, until all together take no more than `budget` bytes.
+    fn fit(&mut self, budget: u64, notes: &mut Notes) {
+        let all: u64 = self.products.iter().map(Product::bytes).sum();
+        let mut bytes = all;
+        // Ordered by size, and among equals by their order in the scene: the same every time.
+        let mut queue: std::collections::BinaryHeap<_> =
+            self.products.iter().enumerate().map(|(i, p)| (p.texels(), usize::MAX - i)).collect();
+        while bytes > budget {
+            let Some((texels, key)) = queue.pop() else { break };
+            let product = &mut self.products[usize::MAX - key];
+            let before = product.bytes();
+            product.halvings += 1;
+            bytes -= before - product.bytes();
+            // A single texel stays.
+            if product.texels() < texels {
+                queue.push((product.texels(), key));
+            }
+        }
+        let shrunk: usize =
+            self.products.iter().filter(|p| p.halvings > 0).map(|p| p.textures.len()).sum();
+        if shrunk > 0 {
+            notes.warn(format!(
+                "the textures need {} and the budget is {}: {shrunk} of {} were shrunk by halves, \
+                 down to {} altogether; a larger budget keeps them",
+                size_text(all),
+                size_text(budget),
+                self.samplers.len(),
+                size_text(bytes)
+            ));
+        }
+    }
+
+    /// Where the products end that are made together with the one at `begin`.
+    fn batch(&self, begin: usize) -> usize {
+        let most = rayon::current_num_threads() * 2;
+        let mut bytes = 0;
+        let mut end = begin;
+        while end < self.products.len() && end - begin < most {
+            let product = &self.products[end];
+            let images = product.recipe.images().iter().map(|image| self.images[image.0].header);
+            let decoded: u64 = images.map(|h| u64::from(h.width) * u64::from(h.height) * 4).sum();
+            // Decoders hold the file's own form beside the result.
+            bytes += decoded * 2 + product.texels() * 4;
+            if end > begin && bytes > BYTES_UNDER_WAY {
+                break;
+            }
+            end += 1;
+        }
+        end
+    }
+
+    fn product_pixels(&self, file: &Path, product: &Product) -> Result<Pixels, SceneError> {
+        let decode = |id: &ImageId| {
+            let image = &self.images[id.0];
+            image::decode(&image.source, image.header).map_err(|fault| SceneError::Image {
+                file: file.to_owned(),
+                image: image.part.clone(),
+                reason: fault.to_string(),
+            })
+        };
+        let pixels = match &product.recipe {
+            Recipe::Image(image) => decode(image)?,
+            Recipe::Mixed { images, mix } => {
+                let images = images.iter().map(decode).collect::<Result<Vec<_>, _>>()?;
+                mix.mix(&images, product.width, product.height)
+            }
+            Recipe::Missing => board(),
+        };
+        Ok(image::shrink(pixels, product.halvings, product.encoding))
+    }
+
+    fn place(&self, product: &Product, pixels: Pixels, made: &mut [Option<Texture>]) {
+        let names: Vec<&str> = product
+            .recipe
+            .images()
+            .iter()
+            .map(|image| self.images[image.0].name.as_str())
+            .collect();
+        let name = if names.is_empty() { "missing image".to_owned() } else { names.join(" + ") };
+        let texture = |rgba8: Vec<u8>, index: usize| Texture {
+            name: name.clone(),
+            width: pixels.width,
+            height: pixels.height,
+            rgba8,
+            sampler: self.samplers[index],
+        };
+        let Some((&last, others)) = product.textures.split_last() else { return };
+        for &index in others {
+            made[index] = Some(texture(pixels.rgba8.clone(), index));
+        }
+        made[last] = Some(texture(pixels.rgba8, last));
+    }
+}
+
+fn board() -> Pixels {
+    let texel = |i: u32| {
+        let (x, y) = (i % BOARD_EDGE, i / BOARD_EDGE);
+        if (x + y) % 2 == 0 { [255, 0, 255, 255] } else { [0, 0, 0, 255] }
+    };
+    let rgba8 = (0..BOARD_EDGE * BOARD_EDGE).flat_map(texel).collect();
+    Pixels { width: BOARD_EDGE, height: BOARD_EDGE, rgba8 }
+}
+
+/// An amount of memory in the unit that suits it.
+pub(super) fn size_text(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    let (value, unit) = match bytes {
+        b if b < 1024.0 * 1024.0 => (b / 1024.0, "KiB"),
+        b if b < 1024.0 * 1024.0 * 1024.0 => (b / 1024.0 / 1024.0, "MiB"),
+        b => (b / 1024.0 / 1024.0 / 1024.0, "GiB"),
+    };
+    format!("{value:.1} {unit}")
+}

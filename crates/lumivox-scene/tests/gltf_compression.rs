@@ -1,0 +1,271 @@
+//! Compressed geometry and images in glTF files.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::needless_pass_by_value,
+    reason = "in a test a panic is the message, and exact numbers are meant"
+)]
+
+mod common;
+
+use common::{File, load, shading, world_triangles, write};
+use draco_core::{
+    DataType, EncoderBuffer, EncoderOptions, FaceIndex, GeometryAttributeType, Mesh, MeshEncoder,
+    PointAttribute, PointIndex,
+};
+use glam::{Vec2, Vec3, Vec4};
+use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError};
+use serde_json::json;
+
+const GRID: &[u8] = include_bytes!("data/grid.drc");
+
+/// A primitive whose data come from a Draco stream alone; attributes by their numbers in it.
+fn draco(stream: &[u8], attributes: &[(&str, u32, &str, u32)]) -> File {
+    let mut file = File::new();
+    let view = file.view(stream);
+    let mut accessor = |component: u32, kind: &str| {
+        // The counts are those before compression; they may differ.
+        file.push("accessors", json!({ "componentType": component, "count": 1, "type": kind }))
+    };
+    let indices = accessor(5125, "SCALAR");
+    let (mut accessors, mut numbers) = (json!({}), json!({}));
+    for &(semantic, component, kind, number) in attributes {
+        accessors[semantic] = json!(accessor(component, kind));
+        numbers[semantic] = json!(number);
+    }
+    let mesh = file.mesh(json!({
+        "attributes": accessors, "indices": indices,
+        "extensions": { "KHR_draco_mesh_compression": {
+            "bufferView": view, "attributes": numbers,
+        } },
+    }));
+    file.node(json!({ "mesh": mesh }), true);
+    file.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    file.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    file
+}
+
+fn grid() -> File {
+    draco(
+        GRID,
+        &[
+            ("POSITION", 5126, "VEC3", 0),
+            ("NORMAL", 5126, "VEC3", 3),
+            ("TEXCOORD_0", 5126, "VEC2", 1),
+            ("COLOR_0", 5121, "VEC4", 2),
+        ],
+    )
+}
+
+#[test]
+fn a_stream_of_googles_draco() {
+    let scene = grid().load().unwrap();
+    let mesh = &scene.meshes[0];
+    assert_eq!((scene.triangle_count(), mesh.positions.len()), (18, 16));
+    for (i, position) in mesh.positions.iter().enumerate() {
+        // Twelve bits for positions and coordinates, eight for colours.
+        let near = |a: f32, b: f32| (a - b).abs() < 1e-3;
+        let Vec2 { x, y } = position.truncate();
+        let corner = (position * 3.0).round() / 3.0;
+        assert!((*position - corner).length() < 1e-3, "{position}");
+        assert!(near(mesh.uvs[i].x, x) && near(mesh.uvs[i].y, 1.0 - y), "{}", mesh.uvs[i]);
+        assert!((mesh.colors[i] - Vec4::new(x, y, 0.2, 1.0)).abs().max_element() < 1e-2);
+        assert!(mesh.normals[i].dot(Vec3::Z) > 0.999);
+    }
+    let area = world_triangles(&scene)
+        .iter()
+        .map(|([a, b, c], normal)| (b - a).cross(c - a).dot(*normal) * 0.5)
+        .sum::<f32>();
+    assert!((area - 1.0).abs() < 1e-3, "{area}");
+}
+
+/// A tetrahedron of bytes as positions, in order.
+fn tetrahedron(level: i32) -> Vec<u8> {
+    let mut mesh = Mesh::new();
+    let mut positions = PointAttribute::new();
+    positions.init(GeometryAttributeType::Position, 3, DataType::Float32, false, 4);
+    let corners = [0.0_f32, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0];
+    positions.buffer_mut().update_f32s_le(0, &corners);
+    mesh.set_num_points(4);
+    mesh.add_attribute(positions);
+    mesh.set_num_faces(4);
+    for (i, face) in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].into_iter().enumerate() {
+        mesh.set_face(FaceIndex(i as u32), face.map(PointIndex));
+    }
+    let mut encoder = MeshEncoder::new();
+    encoder.set_mesh(mesh);
+    let mut options = EncoderOptions::new();
+    options.set_compression_level(level);
+    options.set_attribute_quantization(0, 10);
+    let mut out = EncoderBuffer::new();
+    encoder.encode(&options, &mut out).unwrap();
+    out.data().to_vec()
+}
+
+#[test]
+fn all_levels_of_draco() {
+    for level in [0, 3, 5, 7, 10] {
+        let file = draco(&tetrahedron(level), &[("POSITION", 5126, "VEC3", 0)]);
+        let scene = file.load().unwrap();
+        assert_eq!(scene.triangle_count(), 4, "level {level}");
+        for ([a, b, c], _) in world_triangles(&scene) {
+            // Outwards: away from the middle.
+            let normal = (b - a).cross(c - a);
+            assert!(normal.dot((a + b + c) / 3.0 - Vec3::splat(2.0)) > 0.0, "level {level}");
+        }
+        let size = scene.bounds().size();
+        assert!((size - Vec3::splat(8.0)).length() < 0.05, "level {level}: {size}");
+    }
+}
+
+#[test]
+fn draco_streams_without_sense() {
+    let fault = |file: &File| file.load().unwrap_err().to_string();
+    let position = ("POSITION", 5126, "VEC3", 0);
+    let error = fault(&draco(&GRID[..GRID.len() / 2], &[position]));
+    assert!(error.contains("mesh 0, primitive 0, its Draco compression"), "{error}");
+    assert!(fault(&draco(b"DRACO", &[position])).contains("cannot be decoded"));
+    assert!(fault(&draco(GRID, &[("POSITION", 5126, "VEC3", 9)])).contains("lacks"));
+    // Normals as coordinates: three numbers instead of two.
+    let error = fault(&draco(GRID, &[position, ("TEXCOORD_0", 5126, "VEC2", 3)]));
+    assert!(error.contains("3 components instead of 2"), "{error}");
+    let mut file = grid();
+    let extension = |file: &mut File, key: &str, value: serde_json::Value| {
+        let primitive = &mut file.json["meshes"][0]["primitives"][0];
+        primitive["extensions"]["KHR_draco_mesh_compression"][key] = value;
+    };
+    extension(&mut file, "bufferView", json!(7));
+    assert!(fault(&file).contains("buffer view 7"));
+    extension(&mut file, "bufferView", json!("none"));
+    assert!(fault(&file).contains("missing"));
+    let mut file = grid();
+    let primitive = file.json["meshes"][0]["primitives"][0].as_object_mut().unwrap();
+    primitive.remove("indices");
+    assert!(fault(&file).contains("its indices are missing"));
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(folder.path(), "grid.glb", &grid().glb());
+    let budget = MemoryBudget { geometry_bytes: 100, ..MemoryBudget::default() };
+    let options = &mut LoadOptions { budget, ..LoadOptions::default() };
+    let error = Scene::load_with(&path, options).unwrap_err().to_string();
+    assert!(error.contains("100") || error.contains("0.1 KiB"), "{error}");
+}
+
+/// The triangle with its texture from these bytes.
+fn image(bytes: &[u8]) -> File {
+    let mut file = File::triangle();
+    let view = file.view(bytes);
+    file.push("images", json!({ "bufferView": view, "mimeType": "image/ktx2" }));
+    file.push("textures", json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } }));
+    let pbr = json!({ "baseColorTexture": { "index": 0 } });
+    file.push("materials", json!({ "pbrMetallicRoughness": pbr }));
+    file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    file.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    file.json["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+    file
+}
+
+const ETC1S: &[u8] = include_bytes!("data/ramp-etc1s.ktx2");
+const UASTC: &[u8] = include_bytes!("data/ramp-uastc-zstd.ktx2");
+const ASTC: &[u8] = include_bytes!("data/ramp-astc.ktx2");
+
+#[test]
+fn basis_universal_and_astc() {
+    // The mean difference that the encoder's own decoder has, and the next integer.
+    for (bytes, mean) in [(ETC1S, 10.0), (UASTC, 2.0), (ASTC, 2.0)] {
+        let scene = image(bytes).load().unwrap();
+        assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
+        let texture = &scene.textures[shading(&scene, 0).base_color_texture.unwrap().texture];
+        assert_eq!((texture.width, texture.height), (16, 16));
+        let expected = (0..256_u32).flat_map(|i| {
+            let (x, y) = ((i % 16) as u8 * 17, (i / 16) as u8 * 17);
+            [x, y, 60, 255 - x]
+        });
+        let sum: f64 =
+            texture.rgba8.iter().zip(expected).map(|(a, b)| f64::from(a.abs_diff(b))).sum();
+        assert!(sum / 1024.0 < mean, "{}", sum / 1024.0);
+    }
+}
+
+/// A container with one level, not compressed further.
+fn ktx2(format: u32, width: u32, height: u32, level: &[u8]) -> Vec<u8> {
+    let mut bytes = b"\xABKTX 20\xBB\r\n\x1A\n".to_vec();
+    for word in [format, 1, width, height, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0] {
+        bytes.extend(word.to_le_bytes());
+    }
+    for word in [104, level.len() as u64, level.len() as u64] {
+        bytes.extend(word.to_le_bytes());
+    }
+    bytes.extend(level);
+    bytes
+}
+
+#[test]
+fn plain_formats_of_ktx2() {
+    let texels = |bytes: &[u8]| {
+        let scene = image(bytes).load().unwrap();
+        scene.textures[0].rgba8.as_chunks::<4>().0.to_vec()
+    };
+    assert_eq!(texels(&ktx2(9, 2, 1, &[7, 9])), [[7, 0, 0, 255], [9, 0, 0, 255]]);
+    assert_eq!(texels(&ktx2(16, 1, 1, &[7, 9])), [[7, 9, 0, 255]]);
+    assert_eq!(texels(&ktx2(29, 1, 2, &[1, 2, 3, 4, 5, 6])), [[1, 2, 3, 255], [4, 5, 6, 255]]);
+    assert_eq!(texels(&ktx2(43, 1, 1, &[1, 2, 3, 4])), [[1, 2, 3, 4]]);
+    assert_eq!(texels(&ktx2(50, 1, 1, &[1, 2, 3, 4])), [[3, 2, 1, 4]]);
+    // BC1: two colours of 5, 6, 5 bits, and two bits for each of 16 texels. Red, blue, and two
+    // thirds and one third between them.
+    let bc1 = [0x00, 0xF8, 0x1F, 0x00, 0b11_10_01_00, 0, 0, 0];
+    let block = texels(&ktx2(131, 4, 4, &bc1));
+    assert_eq!(block[..2], [[255, 0, 0, 255], [0, 0, 255, 255]]);
+    assert!(block[2][0].abs_diff(170) <= 1 && block[2][2].abs_diff(85) <= 1, "{:?}", block[2]);
+    assert_eq!(block[15], [255, 0, 0, 255]);
+    // A part of a block at the edges.
+    assert_eq!(texels(&ktx2(131, 3, 1, &bc1)), block[..3]);
+}
+
+#[test]
+fn images_without_sense() {
+    let fault = |bytes: &[u8]| {
+        let error = image(bytes).load().unwrap_err();
+        assert!(matches!(&error, SceneError::Image { .. }), "{error}");
+        error.to_string()
+    };
+    assert!(fault(&ktx2(43, 4, 4, &[0; 63])).contains("63 of 64 bytes"));
+    assert!(fault(&ktx2(97, 1, 1, &[0; 8])).contains("VkFormat 97"));
+    let mut cube = ktx2(43, 1, 1, &[0; 4]);
+    cube[36] = 6;
+    assert!(fault(&cube).contains("one flat image"));
+    let mut beyond = ktx2(43, 1, 1, &[0; 4]);
+    beyond[80..88].fill(0xff);
+    assert!(fault(&beyond).contains("do not fit"));
+    for whole in [ETC1S, UASTC, ASTC] {
+        for length in 0..whole.len() {
+            fault(&whole[..length]);
+        }
+    }
+}
+
+/// Changes single bytes of compressed data; whatever comes of it, it must not be a panic. A linear
+/// congruential generator (Knuth 1998, volume 2, section 3.3.4) chooses, so that a failure repeats.
+#[test]
+fn flipped_bytes_never_panic() {
+    let mut state = 1_u64;
+    let mut draw = |below: usize| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for original in [image(ETC1S), image(UASTC), image(ASTC), grid(), meshopt_file()] {
+        let view = original.json["bufferViews"].as_array().unwrap().len() - 1;
+        let view = if original.json["materials"][0].is_null() { 0 } else { view };
+        let length = original.json["bufferViews"][view]["byteLength"].as_u64().unwrap() as usize;
+        let begin = original.json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize;
+        for _ in 0..300 {
+            let mut file = original.clone();
+            for _ in 0..=draw(4) {
+                file.binary[begin + draw(length)] = draw(256) as u8;
+            }
+            let _ = load("scene.glb", &file.glb());
+        }
+    }
+}
