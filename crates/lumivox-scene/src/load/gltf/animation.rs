@@ -38,7 +38,8 @@ impl Loader<'_> {
                 }
                 let Some(node) = tree.place(number) else { continue };
                 let sampler = &animation.samplers[channel.sampler.value()];
-                let Some((property, components)) = self.property(&part, channel, node) else {
+                let Some((property, components)) = self.property(&part, channel, node, tree)?
+                else {
                     continue;
                 };
                 let Some(track) = self.track(&part, sampler, components, &mut known)? else {
@@ -68,13 +69,14 @@ impl Loader<'_> {
         part: &str,
         channel: &json::animation::Channel,
         node: usize,
-    ) -> Option<(Property, usize)> {
+        tree: &Tree,
+    ) -> Result<Option<(Property, usize)>, SceneError> {
         use json::animation::Property as Path;
-        match channel.target.path {
+        Ok(match channel.target.path {
             Checked::Valid(Path::Translation) => Some((Property::Translation, 3)),
             Checked::Valid(Path::Rotation) => Some((Property::Rotation, 4)),
             Checked::Valid(Path::Scale) => Some((Property::Scale, 3)),
-            Checked::Valid(Path::MorphTargetWeights) => match self.rig.nodes[node].weights.len() {
+            Checked::Valid(Path::MorphTargetWeights) => match tree.targets(self.root(), node) {
                 0 => {
                     self.notes.warn(format!(
                         "{part}: it moves the weights of {}, which has no morph targets; it was \
@@ -83,7 +85,13 @@ impl Loader<'_> {
                     ));
                     None
                 }
-                count => Some((Property::Weights, count)),
+                count => {
+                    // Those that are not given are zero.
+                    let missing = count - self.rig.nodes[node].weights.len();
+                    self.spend_weights(part, missing)?;
+                    self.rig.nodes[node].weights.resize(count, 0.0);
+                    Some((Property::Weights, count))
+                }
             },
             Checked::Invalid => {
                 self.notes.warn(format!(
@@ -91,7 +99,7 @@ impl Loader<'_> {
                 ));
                 None
             }
-        }
+        })
     }
 
     fn track(

@@ -42,18 +42,8 @@ impl Loader<'_> {
         self.spend_bytes(part, bytes)
     }
 
-    /// Takes the elements of an accessor from the budget, before they are read.
-    pub(super) fn spend_vertices(&mut self, part: &str, accessor: usize) -> Result<(), SceneError> {
-        let count = self.root().accessors.get(accessor).map_or(0, |accessor| accessor.count.0);
-        self.spend(part, usize::try_from(count).unwrap_or(usize::MAX))
-    }
-
-    /// Takes what needs about as much memory as these vertices from the budget.
-    pub(super) fn spend(&mut self, part: &str, vertices: usize) -> Result<(), SceneError> {
-        self.spend_bytes(part, (vertices as u64).saturating_mul(PLAIN_VERTEX_BYTES))
-    }
-
-    fn spend_bytes(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
+    /// Takes memory for geometry from the budget, before it is allocated.
+    pub(super) fn spend_bytes(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
         let all = self.budget.geometry_bytes_taken.saturating_add(bytes);
         if all > self.budget.geometry_bytes {
             return Err(SceneError::TooLarge {

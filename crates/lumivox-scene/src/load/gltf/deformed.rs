@@ -24,7 +24,8 @@ impl Loader<'_> {
         let part = format!("mesh \"{name}\"");
         let Some(mut read) = self.read(primitive, name, material)? else { return Ok(None) };
         // It is kept twice: as it is in the file, and deformed.
-        self.spend(&part, read.positions.len())?;
+        let base_bytes = read.positions.len() * (12 + 12 + 16) + read.indices.len() * 4;
+        self.spend_bytes(&part, base_bytes as u64)?;
         let sources = self.sources(&part, primitive, &read)?;
         let targets = self.morph_targets(&part, primitive, site, &sources)?;
         let influences = match skin {
@@ -103,7 +104,7 @@ impl Loader<'_> {
             let mut read = |accessor: Option<gltf::Accessor<'_>>, what: &str| match accessor {
                 Some(accessor) => {
                     let part = format!("{part}, morph target {i}");
-                    self.displacements(&part, what, accessor.index(), sources.count)
+                    self.displacements(&part, what, accessor.index(), sources)
                 }
                 None => Ok(Vec::new()),
             };
@@ -122,9 +123,11 @@ impl Loader<'_> {
         part: &str,
         what: &str,
         accessor: usize,
-        count: usize,
+        sources: &Sources,
     ) -> Result<Vec<Vec3>, SceneError> {
-        self.spend_vertices(part, accessor)?;
+        let count = sources.count;
+        // A vector and a number for each vertex that moves, which may be all.
+        self.spend_bytes(part, sources.of.len() as u64 * 16)?;
         let values = self.read_floats::<3>(accessor, &format!("morphed {what}"))?;
         if values.len() != count {
             let reason = format!("it has {} {what} for {count} vertices", values.len());
@@ -148,53 +151,55 @@ impl Loader<'_> {
         sources: &Sources,
         joints: usize,
     ) -> Result<Influences, SceneError> {
-        let mut bones = vec![Bones::default(); sources.count];
         let sets = (0..).map_while(|set| {
             let joints = primitive.get(&Semantic::Joints(set))?;
             Some((joints.index(), primitive.get(&Semantic::Weights(set)).map(|w| w.index())))
         });
-        let sets: Vec<_> = sets.take(MOST_SETS + 1).collect();
+        let mut sets: Vec<_> = sets.take(MOST_SETS + 1).collect();
         if sets.len() > MOST_SETS {
+            sets.truncate(MOST_SETS);
             self.notes.warn(format!(
                 "{part}: vertices follow {} joints at most, others were ignored",
                 MOST_SETS * 4
             ));
         }
-        for &(joint_accessor, weights) in sets.iter().take(MOST_SETS) {
+        // A joint of two bytes and a weight of four, for the file's vertices and for the mesh's.
+        let numbers = (sources.of.len() + sources.count) as u64 * sets.len() as u64 * 4;
+        self.spend_bytes(part, numbers * 6)?;
+        let mut bones = Bones::new(sources.count, sets.len() * 4);
+        for (joint_accessor, weights) in sets {
             let Some(weights) = weights else {
                 return Err(self.malformed(part, "it has joints without weights"));
             };
-            self.spend_vertices(part, joint_accessor)?;
-            self.spend_vertices(part, weights)?;
             let chosen = self.read_floats::<4>(joint_accessor, "joints")?;
             let weights = self.read_floats::<4>(weights, "weights")?;
             if chosen.len() != sources.count || weights.len() != sources.count {
                 return Err(self.malformed(part, "its attributes differ in length"));
             }
-            for (i, bones) in bones.iter_mut().enumerate() {
-                for (&joint, &weight) in chosen[i].iter().zip(&weights[i]) {
-                    if !weight.is_finite() {
-                        let part = format!("{part}, a weight of vertex {i},");
-                        return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-                    }
-                    // Joints that weigh nothing may be anything.
-                    if weight == 0.0 {
-                        continue;
-                    }
-                    if !(joint >= 0.0 && joint.fract() == 0.0 && joint < joints as f32) {
-                        return Err(SceneError::IndexOutOfRange {
-                            file: self.file.to_owned(),
-                            part: format!("{part}, a joint of vertex {i},"),
-                            index: joint as usize,
-                            count: joints,
-                            target: "joints in its skin",
-                        });
-                    }
-                    bones.add(joint as u16, weight);
+            let pairs = chosen.as_flattened().iter().zip(weights.as_flattened());
+            for (i, (&joint, &weight)) in pairs.enumerate() {
+                let vertex = i / 4;
+                if !weight.is_finite() {
+                    let part = format!("{part}, a weight of vertex {vertex},");
+                    return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
                 }
+                // Joints that weigh nothing may be anything.
+                if weight == 0.0 {
+                    continue;
+                }
+                if !(joint >= 0.0 && joint.fract() == 0.0 && joint < joints as f32) {
+                    return Err(SceneError::IndexOutOfRange {
+                        file: self.file.to_owned(),
+                        part: format!("{part}, a joint of vertex {vertex},"),
+                        index: joint as usize,
+                        count: joints,
+                        target: "joints in its skin",
+                    });
+                }
+                bones.add(vertex, joint as u16, weight);
             }
         }
-        let repaired = bones.iter_mut().filter_map(|bones| bones.repair().then_some(())).count();
+        let repaired = (0..sources.count).filter(|&vertex| bones.repair(vertex)).count();
         if repaired > 0 {
             self.notes.warn(format!(
                 "{part}: {repaired} vertices have joint weights that are negative, or whose sum is \
@@ -208,35 +213,55 @@ impl Loader<'_> {
 /// Sets of four joints that are read.
 const MOST_SETS: usize = 4;
 
-/// The joints of one vertex.
-#[derive(Clone, Copy, Default)]
+/// The joints of the file's vertices, and how many of them each uses.
 struct Bones {
-    count: usize,
-    joints: [u16; MOST_SETS * 4],
-    weights: [f32; MOST_SETS * 4],
+    most: usize,
+    counts: Vec<u8>,
+    joints: Vec<u16>,
+    weights: Vec<f32>,
 }
 
 impl Bones {
-    fn add(&mut self, joint: u16, weight: f32) {
-        self.joints[self.count] = joint;
-        self.weights[self.count] = weight;
-        self.count += 1;
+    fn new(vertices: usize, most: usize) -> Self {
+        Self {
+            most,
+            counts: vec![0; vertices],
+            joints: vec![0; vertices * most],
+            weights: vec![0.0; vertices * most],
+        }
     }
 
-    /// Brings the sum to one. Says whether more was wrong than rounding to eight bits.
-    fn repair(&mut self) -> bool {
-        let has_negative = self.weights.iter().any(|&weight| weight < 0.0);
-        self.weights = self.weights.map(|weight| weight.max(0.0));
-        let sum: f64 = self.weights.into_iter().map(f64::from).sum();
+    fn add(&mut self, vertex: usize, joint: u16, weight: f32) {
+        let at = vertex * self.most + usize::from(self.counts[vertex]);
+        self.joints[at] = joint;
+        self.weights[at] = weight;
+        self.counts[vertex] += 1;
+    }
+
+    /// Brings a vertex's sum to one. Says whether more was wrong than rounding to eight bits.
+    fn repair(&mut self, vertex: usize) -> bool {
+        let begin = vertex * self.most;
+        let count = usize::from(self.counts[vertex]);
+        let weights = &mut self.weights[begin..begin + count];
+        let mut has_negative = false;
+        let mut sum = 0.0;
+        for weight in weights.iter_mut() {
+            has_negative |= *weight < 0.0;
+            *weight = weight.max(0.0);
+            sum += f64::from(*weight);
+        }
         if sum <= 0.0 {
             // Most tools put such vertices on the first joint.
-            *self = Self::default();
-            self.add(0, 1.0);
+            weights.fill(0.0);
+            self.counts[vertex] = 0;
+            self.add(vertex, 0, 1.0);
             return true;
         }
-        self.weights = self.weights.map(|weight| (f64::from(weight) / sum) as f32);
+        for weight in weights {
+            *weight = (f64::from(*weight) / sum) as f32;
+        }
         // Each weight is off by half a 255th at most.
-        has_negative || (sum - 1.0).abs() > 0.5 / 255.0 * self.count as f64 + 1e-3
+        has_negative || (sum - 1.0).abs() > 0.5 / 255.0 * count as f64 + 1e-3
     }
 }
 
@@ -268,13 +293,13 @@ impl Sources {
         }
     }
 
-    fn influences(&self, bones: &[Bones]) -> Influences {
-        let per_vertex = bones.iter().map(|bones| bones.count).max().unwrap_or(0);
-        let each = || self.of.iter().filter_map(|&i| bones.get(i as usize));
+    fn influences(&self, bones: &Bones) -> Influences {
+        let per_vertex = usize::from(bones.counts.iter().copied().max().unwrap_or(0));
+        let begins = || self.of.iter().map(|&vertex| vertex as usize * bones.most);
         Influences {
             per_vertex,
-            joints: each().flat_map(|b| &b.joints[..per_vertex]).copied().collect(),
-            weights: each().flat_map(|b| &b.weights[..per_vertex]).copied().collect(),
+            joints: begins().flat_map(|i| &bones.joints[i..i + per_vertex]).copied().collect(),
+            weights: begins().flat_map(|i| &bones.weights[i..i + per_vertex]).copied().collect(),
         }
     }
 }

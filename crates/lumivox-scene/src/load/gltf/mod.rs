@@ -47,6 +47,7 @@ struct Budget {
     geometry_bytes_taken: u64,
     /// Left. Generous for real scenes.
     instances: usize,
+    weights: usize,
 }
 
 /// The state of loading one file.
@@ -102,6 +103,7 @@ fn load_bytes(
             geometry_bytes: options.budget.geometry_bytes,
             geometry_bytes_taken: 0,
             instances: 1_000_000,
+            weights: 10_000_000,
         },
         skins: HashMap::new(),
         meshes: HashMap::new(),

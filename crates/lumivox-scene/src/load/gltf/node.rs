@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Mat4, Quat, Vec3};
+use gltf::json::Root;
 use gltf::scene::Transform;
 
 use super::{Loader, name_or_index};
@@ -23,6 +24,12 @@ impl Tree {
     /// Where in the rig a node of the file is.
     pub(super) fn place(&self, number: usize) -> Option<usize> {
         self.places.get(number).copied().flatten()
+    }
+
+    /// How many morph targets the mesh of one of the rig's nodes has.
+    pub(super) fn targets(&self, root: &Root, place: usize) -> usize {
+        let mesh = root.nodes[self.numbers[place]].mesh;
+        mesh.map_or(0, |mesh| self.targets[mesh.value()])
     }
 }
 
@@ -195,18 +202,25 @@ impl Loader<'_> {
         if !rest.to_matrix().is_finite() {
             return Err(not_finite("its transform"));
         }
-        let weights = match node.mesh() {
-            Some(mesh) => {
-                let given = node.weights().or_else(|| mesh.weights()).unwrap_or(&[]);
-                let count = tree.targets[mesh.index()];
-                if given.iter().any(|weight| !weight.is_finite()) {
-                    return Err(not_finite("a weight of its morph targets"));
-                }
-                self.spend(&name, count)?;
-                (0..count).map(|i| given.get(i).copied().unwrap_or(0.0)).collect()
-            }
-            None => Vec::new(),
+        let given = match node.mesh() {
+            Some(mesh) => node.weights().or_else(|| mesh.weights()).unwrap_or(&[]),
+            None => &[],
         };
+        if given.iter().any(|weight| !weight.is_finite()) {
+            return Err(not_finite("a weight of its morph targets"));
+        }
+        // Most are zero, and need no memory until an animation moves them.
+        let given = if given.iter().any(|&weight| weight != 0.0) { given } else { &[] };
+        let count = given.len().min(node.mesh().map_or(0, |mesh| tree.targets[mesh.index()]));
+        self.spend_weights(&name, count)?;
+        let weights = given[..count].to_vec();
         Ok(Node { name: name.into(), parent, rest, weights })
+    }
+    /// Nodes share meshes and their weights, so a small file can ask for many.
+    pub(super) fn spend_weights(&mut self, part: &str, count: usize) -> Result<(), SceneError> {
+        let left = self.budget.weights.checked_sub(count);
+        self.budget.weights =
+            left.ok_or_else(|| self.too_many(part, "weights of morph targets"))?;
+        Ok(())
     }
 }
