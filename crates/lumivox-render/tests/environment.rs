@@ -78,8 +78,8 @@ fn around(map: EnvironmentMap, rotation_rad: f32) -> Environment {
     Environment { radiance: Vec3::ONE, map: Some(Arc::new(map)), rotation_rad }
 }
 
-fn render(scene: &Scene, camera: &Camera, settings: RenderSettings) -> Picture {
-    let settings = RenderSettings { exposure: Exposure::Stops(0.0), ..settings };
+fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Picture {
+    let settings = RenderSettings { exposure: Exposure::Stops(0.0), ..settings.clone() };
     let gpu = gpu();
     let mut quiet = |_| {};
     let new = Renderer::new(&gpu, scene, Some(camera), settings, &mut quiet);
@@ -129,7 +129,7 @@ fn the_background_shows_the_map_where_it_is() {
         let position = Vec3::new(300.0, 200.0, -250.0);
         let camera = Camera::look_at(position, position + forward, fov);
         let scene = scene(white(), around(map(256, colors), rotation_rad), false);
-        let picture = render(&scene, &camera, RenderSettings { frames: 1, ..small(View::Final) });
+        let picture = render(&scene, &camera, &RenderSettings { frames: 1, ..small(View::Final) });
         let forward = forward.normalize();
         let right = forward.cross(Vec3::Y).normalize();
         let up = right.cross(forward);
@@ -161,7 +161,7 @@ fn a_mirror_shows_the_map_where_it_is() {
     let position = Vec3::new(2.0, 2.0, 3.0);
     let camera = Camera::look_at(position, Vec3::ZERO, 0.3);
     let scene = scene(metal(0.0), around(map(256, colors), rotation_rad), false);
-    let picture = render(&scene, &camera, small(View::Final));
+    let picture = render(&scene, &camera, &small(View::Final));
     let reflected = Vec3::new(-position.x, position.y, -position.z).normalize();
     let expected = colors(in_map(reflected, rotation_rad));
     close(at(&picture, 32, 32), expected, 0.03, "mirror");
@@ -179,7 +179,7 @@ fn an_open_floor_gets_the_maps_irradiance() {
         for rotation_rad in [0.0, 2.0] {
             // With the direct light of the sun; nothing else shines.
             let scene = scene(white(), around(map.clone(), rotation_rad), false);
-            let picture = render(&scene, &camera, small(View::Final));
+            let picture = render(&scene, &camera, &small(View::Final));
             let pixels = picture.hdr.iter().map(|p| Vec3::new(p[0], p[1], p[2]));
             let mean = pixels.sum::<Vec3>() / picture.hdr.len() as f32;
             close(mean, expected, 0.03, name);
@@ -200,7 +200,7 @@ fn shadows_fall_away_from_the_sun() {
         let there = Mat3::from_rotation_y(rotation_rad) * Vec3::new(-1.0, 0.0, 0.0);
         let scene = scene(white(), around(map.clone(), rotation_rad), true);
         let camera = |to: Vec3| Camera::look_at(to + Vec3::new(0.0, 0.9, 0.01), to, 0.2);
-        let middle = |to: Vec3| at(&render(&scene, &camera(to), small(View::Direct)), 32, 32).x;
+        let middle = |to: Vec3| at(&render(&scene, &camera(to), &small(View::Direct)), 32, 32).x;
         assert!(middle(there) < 1e-3 * lit, "shadow at {there}: {}", middle(there));
         for beside in [-there, there + 0.6 * there.cross(Vec3::Y), there * 1.6, there * 0.42] {
             let found = middle(beside);
@@ -233,7 +233,7 @@ fn the_sun_is_reflected_once() {
     let reflected = |roughness: f32| {
         let scene = scene(metal(roughness), around(map.clone(), 0.0), false);
         let settings = RenderSettings { frames: 16, ..small(View::Final) };
-        render(&scene, &camera, settings)
+        render(&scene, &camera, &settings)
     };
     // The mirror's disc: as bright, as large, and dark beside.
     let mirror = reflected(0.0);
@@ -271,7 +271,7 @@ fn a_sky_lights_the_floor_in_real_units() {
     let mut scene = scene(white(), around(map, 0.0), false);
     scene.lights.push(sun);
     let camera = Camera::look_at(Vec3::new(0.0, 3.0, 0.01), Vec3::ZERO, 0.3);
-    let picture = render(&scene, &camera, small(View::Final));
+    let picture = render(&scene, &camera, &small(View::Final));
     let pixels = picture.hdr.iter().map(|p| Vec3::new(p[0], p[1], p[2]));
     let mean = pixels.sum::<Vec3>() / picture.hdr.len() as f32;
     close(mean, expected, 0.02, "floor");
