@@ -351,8 +351,9 @@ fn bind_lights(
         }
         None => None,
     };
-    // Its brightest parts shine like lamps.
-    lights.extend(map.iter().flat_map(|map| map.lights(radiance, rotation_rad)));
+    // Its brightest parts shine like lamps, and have the first choice of shadow maps.
+    let peaks = map.iter().flat_map(|map| map.lights(radiance, rotation_rad));
+    lights.splice(0..0, peaks);
     let mut maps: Option<ShadowMaps> = None;
     if settings.shadows == ShadowMethod::Map {
         recorder.stage("shadow maps");

@@ -117,10 +117,14 @@ pub(super) fn solid_angle_sr(edge: u32, x: u32, y: u32) -> f32 {
 }
 
 impl Cube {
-    /// Each texel is the mean of samples spread over it: 16, or 4 where there are many texels, which are
-    /// then no wider than those of the panorama.
+    /// Each texel is the mean of samples spread over it: 16, or fewer where there are many texels, down to one
+    /// in the largest cubes, whose texels are as wide as a bilinear sample of the panorama.
     pub(super) fn project(panorama: Panorama<'_>, edge: u32) -> Self {
-        let side = if edge <= 256 { 4 } else { 2 };
+        let side = match edge {
+            0..=256 => 4,
+            257..=512 => 2,
+            _ => 1,
+        };
         let scale = 2.0 / (edge * side) as f32;
         let mut texels = Vec::with_capacity(6 * edge as usize * edge as usize);
         for face in 0..6 {

@@ -94,8 +94,8 @@ impl From<Vec3> for EnvironmentLight<'_> {
 impl EnvironmentMap {
     /// Cuts the peaks out of a panorama, and uploads both parts as cubes with mips.
     ///
-    /// The work is the CPU's: about a second for 4096 x 2048 texels. What is larger is first brought to
-    /// that size, by means.
+    /// The work is the CPU's, a few seconds of one core for 4096 x 2048 texels; what is larger is first
+    /// brought to that size, by means.
     ///
     /// # Errors
     /// [`GiError::Setting`] when the panorama has no texels or not as many as its size says.
