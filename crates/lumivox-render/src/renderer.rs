@@ -1,7 +1,10 @@
 //! A scene rendered to a picture, pass by pass.
 
 use lumivox::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
-use lumivox::{Gi, GiConfig, Grid, Lights, ShadowMaps, VoxelizeStats};
+use lumivox::{
+    EnvironmentLight, EnvironmentMap, Gi, GiConfig, Grid, Lights, Panorama, ShadowMaps,
+    VoxelizeStats,
+};
 use lumivox_scene::{Camera, Scene};
 
 use crate::composite::CompositePass;
@@ -43,7 +46,7 @@ pub struct Renderer {
     direct: DirectPass,
     composite: CompositePass,
     targets: Targets,
-    shadow_bytes: u64,
+    light_bytes: [u64; 2],
     times: Times,
 }
 
@@ -89,7 +92,7 @@ impl Renderer {
         progress(Progress { stage: "light", done: 0, total: 1 });
         let shaders = crate::shaders::library(gi.shaders());
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
-        let (lights, shadow_bytes) =
+        let (lights, light_bytes) =
             bind_lights(gpu, &mut recorder, &shaders, &scene, &lighting, &gi, &settings)?;
         if settings.timing != Timing::Off {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
@@ -122,7 +125,7 @@ impl Renderer {
             direct,
             composite,
             targets,
-            shadow_bytes,
+            light_bytes,
             times,
         })
     }
@@ -293,7 +296,9 @@ impl Renderer {
     /// GPU memory by what it holds.
     pub fn memory(&self) -> Vec<MemoryUse> {
         let mut memory = self.scene.memory.clone();
-        memory.push(MemoryUse::new("shadow maps", self.shadow_bytes));
+        let [shadow_bytes, environment_bytes] = self.light_bytes;
+        memory.push(MemoryUse::new("shadow maps", shadow_bytes));
+        memory.push(MemoryUse::new("environment", environment_bytes));
         let gi = self.gi.memory();
         memory.extend(gi.into_iter().map(|(name, bytes)| MemoryUse::new(name, bytes)));
         memory.push(MemoryUse::new("picture", self.targets.bytes));
@@ -325,7 +330,8 @@ fn validate_level(level: u32, grid: &Grid) -> Result<(), RenderError> {
     })
 }
 
-/// Renders shadow maps if asked for, and binds the lights. Also the bytes of the maps.
+/// Uploads the environment's map, renders shadow maps if asked for, and binds the lights. Also the bytes
+/// of the shadow maps and of the environment's.
 fn bind_lights(
     gpu: &Gpu,
     recorder: &mut Recorder,
@@ -334,8 +340,20 @@ fn bind_lights(
     lighting: &Lighting,
     gi: &Gi,
     settings: &RenderSettings,
-) -> Result<(Lights, u64), RenderError> {
+) -> Result<(Lights, [u64; 2]), RenderError> {
     let mut lights = lighting.to_gpu(scene.radiance_unit);
+    let radiance = lighting.environment.radiance / scene.radiance_unit;
+    let rotation_rad = lighting.environment.rotation_rad;
+    let map = match &lighting.environment.map {
+        Some(map) => {
+            let panorama = Panorama { width: map.width, height: map.height, rgb: &map.rgb };
+            Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?)
+        }
+        None => None,
+    };
+    // Its brightest parts shine like lamps, and have the first choice of shadow maps.
+    let peaks = map.iter().flat_map(|map| map.lights(radiance, rotation_rad));
+    lights.splice(0..0, peaks);
     let mut maps: Option<ShadowMaps> = None;
     if settings.shadows == ShadowMethod::Map {
         recorder.stage("shadow maps");
@@ -344,6 +362,7 @@ fn bind_lights(
     }
     let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);
     let bytes = maps.as_ref().map_or(0, |maps| maps.layers.len() as u64 * layer_bytes);
-    let environment = lighting.environment / scene.radiance_unit;
-    Ok((gi.bind_lights(&lights, environment, maps.as_ref()), bytes))
+    let environment = EnvironmentLight { radiance, map: map.as_ref(), rotation_rad };
+    let environment_bytes = map.as_ref().map_or(0, EnvironmentMap::memory);
+    Ok((gi.bind_lights(&lights, environment, maps.as_ref()), [bytes, environment_bytes]))
 }

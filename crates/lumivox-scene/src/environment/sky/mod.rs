@@ -1,7 +1,7 @@
 //! A clear sky in real units, from first principles: what the sun's light becomes in the air.
 //!
-//! Spectra of the sun outside of the air, of molecules, aerosol and ozone go in ([`spectrum`],
-//! [`atmosphere`]); luminance in cd/m² and illuminance in lux come out, and colours by themselves:
+//! Spectra of the sun outside of the air, of molecules, aerosol and ozone go in (`spectrum`,
+//! `atmosphere`); luminance in cd/m² and illuminance in lux come out, and colours by themselves:
 //! the blue zenith, the white horizon, the red sunset, dusk.
 //!
 //! The published fits (Preetham et al. 1999; Hosek and Wilkie 2012) end where the sun meets the
