@@ -192,6 +192,14 @@ fn concave_faces_are_cut_rightly() {
 }
 
 #[test]
+fn images_are_told() {
+    let text = plain(&["0 0 0", "1 0 0", "0 1 0"], &["3 0 1 2"])
+        .replace("1.0\n", "1.0\ncomment TextureFile my scan.png\n");
+    let scene = load("scan.ply", text.as_bytes()).unwrap();
+    assert!(scene.notes.warnings.iter().any(|w| w.contains("\"my scan.png\" is not shown")));
+}
+
+#[test]
 fn strips_are_triangles() {
     let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
                 property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
