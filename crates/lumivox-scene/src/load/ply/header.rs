@@ -20,7 +20,7 @@ pub(super) enum Encoding {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// The image that a comment of MeshLab's names.
+    /// The image that a comment of `MeshLab`'s kind names.
     pub(super) texture: Option<String>,
     /// Lines that the header has.
     pub(super) lines: u64,
@@ -121,7 +121,7 @@ impl Header {
             let (first, rest) = keyword(&lines.line);
             let fault = match first {
                 b"end_header" => break,
-                b"comment" if rest.starts_with(b"TextureFile") => {
+                b"comment" if keyword(rest).0 == b"TextureFile" => {
                     texture = Some(readable(keyword(rest).1));
                     Ok(())
                 }
