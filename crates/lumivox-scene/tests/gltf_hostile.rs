@@ -79,10 +79,10 @@ fn files_that_are_not_there_or_no_scene() {
     let directory = folder.path().join("folder.gltf");
     std::fs::create_dir(&directory).unwrap();
     assert!(matches!(Scene::load(directory), Err(SceneError::Read { .. })));
-    for name in ["scene.obj", "scene"] {
+    for name in ["scene.fbx", "scene"] {
         let error = load(name, b"").unwrap_err();
         assert!(matches!(&error, SceneError::UnknownFormat { .. }));
-        assert!(error.to_string().contains(".gltf or .glb"));
+        assert!(error.to_string().contains(".gltf, .glb, .obj, .ply or .stl"));
     }
 }
 

@@ -97,12 +97,6 @@ impl From<image::ImageError> for Fault {
     }
 }
 
-/// Decodes the image whose file has these bytes and was called `path`.
-pub(super) fn decode_bytes(bytes: &[u8], path: &Path) -> Result<Pixels, Fault> {
-    let header = header_of(Cursor::new(bytes), bytes.len() as u64, Some(path))?;
-    decode(&Source::Memory(Cow::Borrowed(bytes)), header)
-}
-
 /// Reads the size of an image; of a file only its beginning.
 pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
     match source {

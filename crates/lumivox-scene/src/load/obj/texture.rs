@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use ::image::{Rgba, RgbaImage, imageops};
 use glam::Vec3;
+use image::{Rgba, RgbaImage, imageops};
 
+use super::decode::decode_rgba8;
 use super::map::{Channel, Map};
 use crate::load::files::{Reach, shorten};
-use crate::load::image::Pixels;
-use crate::load::{Notes, color, image, stand_in};
+use crate::load::{Notes, color, stand_in};
 use crate::{Scene, Texture};
 
 /// What white stands above black in a bump map whose `-bm` is 1, as a share of the image's width. MTL
@@ -221,9 +221,12 @@ fn decode(file: &Path, reach: Reach<'_>) -> Result<RgbaImage, String> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let name = shorten(&name);
     let bytes = reach.read(file).map_err(|error| format!("{name} cannot be read: {error}"))?;
-    let Pixels { width, height, rgba8 } = image::decode_bytes(&bytes, file)
+    let image = decode_rgba8(&bytes, file)
         .map_err(|error| format!("{name} cannot be decoded: {error}; convert it to PNG"))?;
-    RgbaImage::from_raw(width, height, rgba8).ok_or_else(|| format!("{name} has no texels"))
+    if image.width() == 0 || image.height() == 0 {
+        return Err(format!("{name} has no texels"));
+    }
+    Ok(image)
 }
 
 /// Brings both images to the larger size of the two.
