@@ -7,6 +7,7 @@ mod color;
 mod files;
 mod geometry;
 mod gltf;
+mod image;
 mod normals;
 mod obj;
 mod ply;
