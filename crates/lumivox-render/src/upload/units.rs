@@ -7,7 +7,7 @@
 
 use std::f32::consts::PI;
 
-use lumivox_scene::{LightKind, Scene};
+use lumivox_scene::{Bounds, LightKind, Scene};
 
 use super::Lighting;
 
@@ -25,7 +25,12 @@ const NEAREST: f32 = 1.0 / 16.0;
 /// It is the power of two that brings the largest of emission, environment and irradiance / pi of the
 /// lights (on a white surface that faces them) to between 512 and 1024.
 pub fn radiance_unit(scene: &Scene, lighting: &Lighting) -> f32 {
-    let nearest_m = scene.bounds().radius_m() * NEAREST;
+    radiance_unit_within(scene.bounds(), scene, lighting)
+}
+
+/// The same for a scene that moves within `bounds`: all its poses share one unit.
+pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> f32 {
+    let nearest_m = bounds.radius_m() * NEAREST;
     let lights = lighting.lights.iter().map(|light| {
         let color = light.color.max_element();
         let irradiance = match light.kind {
