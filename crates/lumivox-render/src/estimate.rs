@@ -17,7 +17,7 @@ use crate::targets::BYTES_PER_PIXEL;
 use crate::upload::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
-/// Measured on the built-in scenes, where it is 1.0 to 1.4.
+/// On the built-in scenes it is 0.9 to 1.5.
 const FACES_PER_VOXEL: f64 = 1.25;
 /// The record of the list (64 bytes), and its light: two colours in full floats.
 const FACE_BYTES: u64 = 64 + 32;
