@@ -174,4 +174,52 @@ pub enum SceneError {
         /// That point.
         point: String,
     },
+
+    /// The file has no such scene.
+    #[error(
+        "{}: has no scene \"{wanted}\"; give one by name or number: {}",
+        file.display(), list(known)
+    )]
+    UnknownScene {
+        /// The scene's file.
+        file: PathBuf,
+        /// The name or number asked for.
+        wanted: String,
+        /// The scenes that exist, each with number and name.
+        known: Vec<String>,
+    },
+
+    /// The scene has no such animation.
+    #[error("{}: has no animation {index}; there are: {}", file.display(), list(known))]
+    UnknownAnimation {
+        /// The scene's file or name.
+        file: PathBuf,
+        /// The number asked for.
+        index: usize,
+        /// The names of those that exist.
+        known: Vec<String>,
+    },
+
+    /// An animation hides everything at a time.
+    #[error(
+        "{}: nothing is visible at {time_s} s, all meshes are scaled to nothing; choose another \
+         time or animation",
+        file.display()
+    )]
+    NothingAtTime {
+        /// The scene's file or name.
+        file: PathBuf,
+        /// The time asked for, in seconds.
+        time_s: f32,
+    },
+}
+
+/// Names in a message; a file may have thousands.
+fn list(names: &[String]) -> String {
+    const MOST: usize = 20;
+    match names.len() {
+        0 => "none".to_owned(),
+        ..=MOST => names.join(", "),
+        all => format!("{} and {} more", names[..MOST].join(", "), all - MOST),
+    }
 }

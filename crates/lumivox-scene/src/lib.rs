@@ -28,6 +28,7 @@ pub mod builtin;
 mod error;
 mod load;
 mod model;
+mod pose;
 mod validate;
 
 pub use error::SceneError;
@@ -37,3 +38,4 @@ pub use model::{
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,
     Texture, TextureRef, Transmission, Unlit, Wrap,
 };
+pub use pose::{AnimationChoice, AnimationInfo, Rig};

@@ -65,16 +65,32 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
 
 /// Instances that a zero scale hides, as some exporters do.
 fn drop_flattened_instances(scene: &mut Scene) {
-    let warnings = &mut scene.notes.warnings;
-    scene.instances.retain(|instance| {
+    let mut notes = std::mem::take(&mut scene.notes);
+    retain_instances(scene, |instance| {
         let keep = is_invertible(instance.world_from_local);
         if !keep {
-            warnings.push(format!(
+            notes.warnings.push(format!(
                 "instance \"{}\" was skipped: its transform has a scale of zero",
                 instance.name
             ));
         }
         keep
+    });
+    scene.notes = notes;
+}
+
+/// Drops instances, and tells the rig which.
+fn retain_instances(scene: &mut Scene, mut keep: impl FnMut(&mut Instance) -> bool) {
+    let Scene { instances, rig, .. } = scene;
+    let mut kept = 0;
+    instances.retain_mut(|instance| {
+        let stays = keep(instance);
+        if stays {
+            kept += 1;
+        } else if let Some(rig) = rig {
+            rig.forget_instance(kept);
+        }
+        stays
     });
 }
 
@@ -84,9 +100,16 @@ pub(crate) fn is_invertible(world_from_local: Mat4) -> bool {
 }
 
 /// Removes triangles of zero area, then meshes without triangles, then instances without a mesh.
+/// Meshes of a scene with a rig keep their numbers: one that has no triangles now may have some at
+/// another time.
 fn drop_degenerate_triangles(scene: &mut Scene) {
     for mesh in &mut scene.meshes {
         scene.notes.degenerate_triangles += drop_degenerate(mesh);
+    }
+    if scene.rig.is_some() {
+        let is_empty: Vec<bool> = scene.meshes.iter().map(|m| m.indices.is_empty()).collect();
+        retain_instances(scene, |instance| !is_empty[instance.mesh]);
+        return;
     }
     let mut kept = Vec::with_capacity(scene.meshes.len());
     let mut count = 0;
@@ -107,14 +130,19 @@ fn drop_degenerate(mesh: &mut Mesh) -> usize {
     let mut write = 0;
     for read in (0..before).step_by(3) {
         let triangle = [mesh.indices[read], mesh.indices[read + 1], mesh.indices[read + 2]];
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
-        if (b - a).cross(c - a).length_squared() > 0.0 {
+        if has_area(triangle.map(|i| mesh.positions[i as usize])) {
             mesh.indices[write..write + 3].copy_from_slice(&triangle);
             write += 3;
         }
     }
     mesh.indices.truncate(write);
     (before - write) / 3
+}
+
+/// Whether a triangle is more than a line, in f64, where no finite f32 triangle vanishes.
+pub(crate) fn has_area(corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    (b - a).cross(c - a).length_squared() > 0.0
 }
 
 /// The length of a list that may be left out.

@@ -3,6 +3,7 @@
 use glam::Mat4;
 
 use super::{Bounds, Camera, Environment, Instance, Light, Material, Mesh, Texture};
+use crate::pose::Rig;
 
 /// Everything that a renderer needs to know of a world.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +24,9 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The surroundings.
     pub environment: Environment,
+    /// What moves, for [`Scene::pose`]; none where a file has no animations. Setting it to none
+    /// keeps what is shown, and frees the memory.
+    pub rig: Option<Rig>,
     /// What was noticed while loading.
     pub notes: LoadNotes,
 }
@@ -63,6 +67,9 @@ impl Scene {
     /// Moves everything, lights and cameras included, by a rigid motion (rotation and translation;
     /// scale would change distances to lights and so their meaning).
     pub fn transform(&mut self, rigid: Mat4) {
+        if let Some(rig) = &mut self.rig {
+            rig.transform(rigid);
+        }
         for instance in &mut self.instances {
             instance.world_from_local = rigid * instance.world_from_local;
         }

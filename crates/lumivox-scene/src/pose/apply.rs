@@ -1,0 +1,192 @@
+//! Brings a pose into the scene.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::Mat4;
+
+use super::rig::{Animation, Parts, Pose, Property, moving};
+use super::{AnimationChoice, Rig, place_camera, place_light};
+use crate::validate::is_invertible;
+use crate::{Instance, Scene, SceneError};
+
+pub(super) fn pose(
+    scene: &mut Scene,
+    choice: AnimationChoice,
+    time_s: f32,
+) -> Result<(), SceneError> {
+    let file = match &scene.rig {
+        Some(rig) => rig.parts.file.clone(),
+        None => scene.name.clone().into(),
+    };
+    if time_s.is_nan() {
+        return Err(SceneError::OutOfRange {
+            file,
+            part: "the time".to_owned(),
+            value: time_s.to_string(),
+            expected: "a number of seconds".to_owned(),
+        });
+    }
+    let animations = scene.rig.as_ref().map_or(&[][..], |rig| &rig.parts.animations);
+    let known = || animations.iter().map(|animation| animation.name.clone()).collect();
+    let playing = match choice {
+        AnimationChoice::All => animations,
+        AnimationChoice::One(index) => match animations.get(index) {
+            Some(animation) => std::slice::from_ref(animation),
+            None => return Err(SceneError::UnknownAnimation { file, index, known: known() }),
+        },
+    };
+    let Some(mut rig) = scene.rig.clone() else { return Ok(()) };
+    let mut pose = Pose::rest(&rig.parts.nodes);
+    for animation in playing {
+        pose.play(animation, time_s);
+    }
+    show(&mut rig, &pose, scene)?;
+    scene.rig = Some(rig);
+    let is_visible = |instance: &Instance| {
+        scene.meshes.get(instance.mesh).is_some_and(|mesh| !mesh.indices.is_empty())
+    };
+    if scene.instances.iter().any(is_visible) {
+        return Ok(());
+    }
+    Err(SceneError::NothingAtTime { file, time_s })
+}
+
+impl Rig {
+    /// Brings a freshly loaded scene into the file's rest pose, with instances, lights and cameras
+    /// of `parts`. The rig stays with the scene if there are animations.
+    pub(crate) fn install(scene: &mut Scene, parts: Parts) -> Result<(), SceneError> {
+        let pose = Pose::rest(&parts.nodes);
+        let mut rig =
+            Self { parts: Arc::new(parts), world_from_file: Mat4::IDENTITY, shown: Vec::new() };
+        show(&mut rig, &pose, scene)?;
+        if !rig.parts.animations.is_empty() {
+            rig.drop_what_never_moves();
+            scene.rig = Some(rig);
+        }
+        Ok(())
+    }
+
+    /// Meshes that no animation deforms have their final shape now.
+    fn drop_what_never_moves(&mut self) {
+        // The rig is new: nobody else holds its parts.
+        let Some(parts) = Arc::get_mut(&mut self.parts) else { return };
+        let moves = moving(&parts.nodes, &parts.animations);
+        let weighs = weighing(parts.nodes.len(), &parts.animations);
+        let skins = &parts.skins;
+        parts.deformed.retain(|deformed| {
+            let bends =
+                deformed.skin.is_some_and(|skin| skins[skin].joints.iter().any(|&j| moves[j]));
+            bends || weighs[deformed.node]
+        });
+    }
+
+    /// Moves everything from now on, in addition.
+    pub(crate) fn transform(&mut self, world_from_world: Mat4) {
+        self.world_from_file = world_from_world * self.world_from_file;
+    }
+
+    /// One of the scene's instances is taken out of its list.
+    pub(crate) fn forget_instance(&mut self, index: usize) {
+        if index < self.shown.len() {
+            self.shown.remove(index);
+        }
+    }
+}
+
+/// Whether an animation moves the weights of each node's morph targets.
+pub(crate) fn weighing(nodes: usize, animations: &[Animation]) -> Vec<bool> {
+    let mut weighs = vec![false; nodes];
+    for channel in animations.iter().flat_map(|animation| &animation.channels) {
+        weighs[channel.node] |= channel.property == Property::Weights;
+    }
+    weighs
+}
+
+fn show(rig: &mut Rig, pose: &Pose, scene: &mut Scene) -> Result<(), SceneError> {
+    let parts = Arc::clone(&rig.parts);
+    let file_from_node = pose.file_from_node(&parts.nodes).map_err(|node| {
+        not_finite(&parts.file, format!("{}, its transform to the world,", parts.nodes[node].name))
+    })?;
+    deform(&parts, pose, &file_from_node, scene)?;
+    place_instances(rig, &parts, &file_from_node, scene)?;
+    for (light, &node) in scene.lights.iter_mut().zip(&parts.lights) {
+        place_light(light, rig.world_from_file * file_from_node[node]);
+    }
+    for (camera, &node) in scene.cameras.iter_mut().zip(&parts.cameras) {
+        place_camera(camera, rig.world_from_file * file_from_node[node]);
+    }
+    Ok(())
+}
+
+fn not_finite(file: &Path, part: String) -> SceneError {
+    SceneError::NotFinite { file: file.to_owned(), part }
+}
+
+fn deform(
+    parts: &Parts,
+    pose: &Pose,
+    file_from_node: &[Mat4],
+    scene: &mut Scene,
+) -> Result<(), SceneError> {
+    // Several meshes often share a skin.
+    let mut joints = vec![None; parts.skins.len()];
+    for deformed in &parts.deformed {
+        let Some(mesh) = scene.meshes.get_mut(deformed.mesh) else { continue };
+        let joints = deformed.skin.map(|skin| {
+            &*joints[skin].get_or_insert_with(|| parts.skins[skin].file_from_mesh(file_from_node))
+        });
+        if !deformed.deform(&pose.weights[deformed.node], joints.map(Vec::as_slice), mesh) {
+            let part = format!("mesh \"{}\", deformed by morph targets or bones,", mesh.name);
+            return Err(not_finite(&parts.file, part));
+        }
+    }
+    Ok(())
+}
+
+/// Brings the scene's first instances up to date. As long as the same ones are visible they stay
+/// in place.
+fn place_instances(
+    rig: &mut Rig,
+    parts: &Parts,
+    file_from_node: &[Mat4],
+    scene: &mut Scene,
+) -> Result<(), SceneError> {
+    let mut visible = Vec::with_capacity(parts.instances.len());
+    for (i, placed) in parts.instances.iter().enumerate() {
+        let world_from_local = rig.world_from_file * placed.file_from_local(file_from_node);
+        if !world_from_local.is_finite() {
+            let part = format!("instance \"{}\", its transform,", placed.name);
+            return Err(not_finite(&parts.file, part));
+        }
+        if !is_invertible(world_from_local) {
+            continue;
+        }
+        // Bones turn the winding by themselves; a mirror of the whole scene still acts.
+        let mirrors = world_from_local.as_dmat4().determinant() < 0.0;
+        let Some(mesh) = placed.meshes[usize::from(mirrors)] else { continue };
+        if scene.meshes.get(mesh).is_some_and(|mesh| !mesh.indices.is_empty()) {
+            visible.push((i, mesh, world_from_local));
+        }
+    }
+    if !visible.iter().map(|v| v.0).eq(rig.shown.iter().copied()) {
+        let others = scene.instances.split_off(rig.shown.len().min(scene.instances.len()));
+        scene.instances = visible
+            .iter()
+            .map(|&(i, mesh, world_from_local)| Instance {
+                name: parts.instances[i].name.to_string(),
+                mesh,
+                material: parts.instances[i].material,
+                world_from_local,
+            })
+            .collect();
+        scene.instances.extend(others);
+        rig.shown = visible.iter().map(|v| v.0).collect();
+        return Ok(());
+    }
+    for (instance, (_, mesh, world_from_local)) in scene.instances.iter_mut().zip(visible) {
+        instance.mesh = mesh;
+        instance.world_from_local = world_from_local;
+    }
+    Ok(())
+}

@@ -1,0 +1,287 @@
+//! Vertices that follow morph targets, then bones (glTF 2.0, sections 3.7.2.2 and 3.7.3.3).
+//!
+//! Each target adds its displacements times its weight. Then each vertex is moved by the weighted
+//! mean of its joints' matrices M: positions by M, tangents by M's linear part, normals by the
+//! inverse transpose of it. That is M's cofactors over its determinant, of which only the sign
+//! matters for a direction: cofactors exist for flattening matrices, too. Tangents are made
+//! orthogonal to their normals again.
+//!
+//! Meshes whose file has no normals are flat: each triangle has its own three vertices, one after
+//! the other, and gets the normal of its deformed plane.
+//!
+//! Where M mirrors, triangles are turned round, so that their fronts stay their fronts, and the
+//! signs of their bitangents with them.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+use rayon::prelude::*;
+
+use crate::Mesh;
+use crate::model::any_tangent;
+use crate::validate::has_area;
+
+/// Vertices that one thread takes at a time; a multiple of three, so that flat triangles stay
+/// together. Some 200 kB of data: it fits the caches.
+const CHUNK: usize = 3 << 10;
+
+/// One of the scene's meshes, and what moves its vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Deformed {
+    /// Index into the scene's meshes.
+    pub(crate) mesh: usize,
+    /// The node whose weights act on the targets.
+    pub(crate) node: usize,
+    /// Index into the rig's skins.
+    pub(crate) skin: Option<usize>,
+    pub(crate) base: Base,
+    /// As many as the node has weights; those that never act may be empty.
+    pub(crate) targets: Vec<Target>,
+    /// Without joints where there is no skin.
+    pub(crate) influences: Influences,
+}
+
+/// The mesh before it is deformed.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Base {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) tangents: Vec<Vec4>,
+    pub(crate) indices: Vec<u32>,
+    /// Whether normals are those of the triangles' planes; then vertices come in threes.
+    pub(crate) is_flat: bool,
+}
+
+/// What a morph target displaces; all other vertices stay.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Target {
+    /// Growing.
+    pub(crate) vertices: Vec<u32>,
+    /// One a vertex of those.
+    pub(crate) positions: Vec<Vec3>,
+    /// As many or none.
+    pub(crate) normals: Vec<Vec3>,
+    /// As many or none.
+    pub(crate) tangents: Vec<Vec3>,
+}
+
+/// Which joints each vertex follows, and how much.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Influences {
+    /// How many each vertex has; those that it does not need weigh nothing.
+    pub(crate) per_vertex: usize,
+    /// Indices into the skin's joints.
+    pub(crate) joints: Vec<u16>,
+    /// At least 0; one for a vertex in sum.
+    pub(crate) weights: Vec<f32>,
+}
+
+/// A piece of the mesh in the making.
+struct Chunk<'a> {
+    /// The number of its first vertex.
+    first: usize,
+    positions: &'a mut [Vec3],
+    normals: &'a mut [Vec3],
+    tangents: &'a mut [Vec4],
+}
+
+impl Deformed {
+    /// Writes the deformed vertices and the triangles that have an area into `mesh`; `false` where
+    /// a number overflows. `joints` holds a matrix for each joint of the skin.
+    pub(super) fn deform(
+        &self,
+        weights: &[f32],
+        joints: Option<&[Affine3A]>,
+        mesh: &mut Mesh,
+    ) -> bool {
+        let count = self.base.positions.len();
+        mesh.positions.resize(count, Vec3::ZERO);
+        mesh.normals.resize(count, Vec3::Y);
+        mesh.tangents.resize(count, Vec4::ZERO);
+        let joints = joints.filter(|joints| !joints.is_empty());
+        let (overflow, mirrors) = (AtomicBool::new(false), AtomicBool::new(false));
+        let chunks = mesh
+            .positions
+            .par_chunks_mut(CHUNK)
+            .zip(mesh.normals.par_chunks_mut(CHUNK))
+            .zip(mesh.tangents.par_chunks_mut(CHUNK))
+            .enumerate();
+        chunks.for_each(|(i, ((positions, normals), tangents))| {
+            let mut chunk = Chunk { first: i * CHUNK, positions, normals, tangents };
+            self.morph(weights, &mut chunk);
+            if let Some(joints) = joints
+                && self.skin(joints, &mut chunk)
+            {
+                mirrors.store(true, Ordering::Relaxed);
+            }
+            if chunk.positions.iter().any(|p| !p.is_finite()) {
+                overflow.store(true, Ordering::Relaxed);
+            }
+        });
+        if overflow.into_inner() {
+            return false;
+        }
+        mesh.indices.clone_from(&self.base.indices);
+        if let Some(joints) = joints
+            && mirrors.into_inner()
+        {
+            self.turn_mirrored(joints, mesh);
+        }
+        drop_flat(mesh);
+        true
+    }
+
+    /// Copies a piece of the base and displaces it.
+    fn morph(&self, weights: &[f32], chunk: &mut Chunk<'_>) {
+        let (first, end) = (chunk.first, chunk.first + chunk.positions.len());
+        chunk.positions.copy_from_slice(&self.base.positions[first..end]);
+        chunk.normals.copy_from_slice(&self.base.normals[first..end]);
+        chunk.tangents.copy_from_slice(&self.base.tangents[first..end]);
+        let mut is_touched = Vec::new();
+        for (target, &weight) in self.targets.iter().zip(weights) {
+            let begin = target.vertices.partition_point(|&v| (v as usize) < first);
+            let stop = target.vertices.partition_point(|&v| (v as usize) < end);
+            if weight == 0.0 || begin == stop {
+                continue;
+            }
+            is_touched.resize(chunk.positions.len(), false);
+            for entry in begin..stop {
+                let vertex = target.vertices[entry] as usize - first;
+                is_touched[vertex] = true;
+                chunk.positions[vertex] += weight * target.positions[entry];
+                if let Some(&normal) = target.normals.get(entry) {
+                    chunk.normals[vertex] += weight * normal;
+                }
+                if let Some(&tangent) = target.tangents.get(entry) {
+                    chunk.tangents[vertex] += (weight * tangent).extend(0.0);
+                }
+            }
+        }
+        if is_touched.is_empty() {
+            return;
+        }
+        if self.base.is_flat {
+            flatten(chunk, |_| false);
+        }
+        for (vertex, _) in is_touched.iter().enumerate().filter(|(_, touched)| **touched) {
+            let normal = unit_or(chunk.normals[vertex], self.base.normals[first + vertex]);
+            chunk.normals[vertex] = normal;
+            chunk.tangents[vertex] = orthogonal(chunk.tangents[vertex], normal);
+        }
+    }
+
+    /// Moves a piece by its joints, and tells whether any vertex was mirrored.
+    fn skin(&self, joints: &[Affine3A], chunk: &mut Chunk<'_>) -> bool {
+        let mut mirrors = false;
+        for vertex in 0..chunk.positions.len() {
+            let matrix = self.matrix(joints, chunk.first + vertex);
+            let linear = matrix.matrix3;
+            let (cofactors, determinant) = cofactors(linear);
+            mirrors |= determinant < 0.0;
+            let sign = determinant.signum();
+            let normal = Vec3A::from(chunk.normals[vertex]);
+            let turned = Vec3::from(cofactors * normal * sign);
+            // A bone of no size leaves no direction; its triangles have no area either.
+            let normal = unit_or(turned, chunk.normals[vertex]);
+            let tangent = chunk.tangents[vertex];
+            let along = Vec3::from(linear * Vec3A::from(tangent.truncate()));
+            chunk.positions[vertex] =
+                matrix.transform_point3a(chunk.positions[vertex].into()).into();
+            chunk.normals[vertex] = normal;
+            chunk.tangents[vertex] = orthogonal(along.extend(tangent.w * sign), normal);
+        }
+        if self.base.is_flat {
+            flatten(chunk, |vertex| mirrors && self.mirrors(joints, vertex));
+            for (normal, tangent) in chunk.normals.iter().zip(chunk.tangents.iter_mut()) {
+                *tangent = orthogonal(*tangent, *normal);
+            }
+        }
+        mirrors
+    }
+
+    /// The weighted mean of a vertex's joints.
+    fn matrix(&self, joints: &[Affine3A], vertex: usize) -> Affine3A {
+        let Influences { per_vertex, joints: chosen, weights } = &self.influences;
+        let range = vertex * per_vertex..(vertex + 1) * per_vertex;
+        let mut sum = Affine3A { matrix3: Mat3A::ZERO, translation: Vec3A::ZERO };
+        for (&joint, &weight) in chosen[range.clone()].iter().zip(&weights[range]) {
+            let joint = &joints[usize::from(joint)];
+            sum.matrix3.x_axis += joint.matrix3.x_axis * weight;
+            sum.matrix3.y_axis += joint.matrix3.y_axis * weight;
+            sum.matrix3.z_axis += joint.matrix3.z_axis * weight;
+            sum.translation += joint.translation * weight;
+        }
+        sum
+    }
+
+    fn mirrors(&self, joints: &[Affine3A], vertex: usize) -> bool {
+        cofactors(self.matrix(joints, vertex).matrix3).1 < 0.0
+    }
+
+    /// Turns triangles round most of whose corners are mirrored.
+    fn turn_mirrored(&self, joints: &[Affine3A], mesh: &mut Mesh) {
+        mesh.indices.par_chunks_exact_mut(3).for_each(|triangle| {
+            let corners = triangle.iter().filter(|&&v| self.mirrors(joints, v as usize)).count();
+            if corners >= 2 {
+                triangle.swap(1, 2);
+            }
+        });
+    }
+}
+
+/// The matrix that takes normals along, but for the determinant's sign, and the determinant.
+fn cofactors(m: Mat3A) -> (Mat3A, f32) {
+    let x = m.y_axis.cross(m.z_axis);
+    let cofactors = Mat3A::from_cols(x, m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+    (cofactors, m.x_axis.dot(x))
+}
+
+/// Gives each three vertices the normal of their plane; the other way round where `is_mirrored`
+/// says so of a vertex's number. Triangles without area keep theirs.
+fn flatten(chunk: &mut Chunk<'_>, is_mirrored: impl Fn(usize) -> bool) {
+    let corners = chunk.positions.chunks_exact(3).zip(chunk.normals.chunks_exact_mut(3));
+    for (i, (positions, normals)) in corners.enumerate() {
+        let [a, b, c] = [0, 1, 2].map(|i: usize| positions[i].as_dvec3());
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+        let sign = if is_mirrored(chunk.first + i * 3) { -1.0 } else { 1.0 };
+        normals.fill((normal * sign).as_vec3());
+    }
+}
+
+/// At unit length; `fallback` where there is no direction.
+fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
+    let squared = v.length_squared();
+    if squared > 1e-30 && squared < 1e30 {
+        return v / squared.sqrt();
+    }
+    // In f64 no finite f32 vector's length overflows or vanishes.
+    v.as_dvec3().try_normalize().map_or(fallback, |v| v.as_vec3())
+}
+
+/// The part of a tangent that is orthogonal to the normal, at unit length (Gram and Schmidt).
+fn orthogonal(tangent: Vec4, normal: Vec3) -> Vec4 {
+    let along = unit_or(tangent.truncate(), Vec3::ZERO);
+    let along = along - normal * normal.dot(along);
+    // Below this, rounding decides where it points.
+    if along.length_squared() > 1e-10 {
+        along.normalize().extend(tangent.w)
+    } else {
+        any_tangent(normal).truncate().extend(tangent.w)
+    }
+}
+
+/// Removes the triangles that have no area at this time.
+fn drop_flat(mesh: &mut Mesh) {
+    let positions = &mesh.positions;
+    let is_seen = |t: &[u32]| has_area([t[0], t[1], t[2]].map(|i| positions[i as usize]));
+    // Most meshes have none: looking on all cores costs less than moving all.
+    if mesh.indices.par_chunks_exact(3).all(is_seen) {
+        return;
+    }
+    let seen = mesh
+        .indices
+        .par_chunks_exact(3)
+        .filter(|t| is_seen(t))
+        .flat_map_iter(|t| [t[0], t[1], t[2]]);
+    mesh.indices = seen.collect();
+}

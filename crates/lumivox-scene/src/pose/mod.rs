@@ -1,0 +1,103 @@
+//! Poses: where everything stands at a time of an animation.
+//!
+//! A scene from a file with animations keeps a [`Rig`]: the tree of nodes, the channels that move
+//! them, the meshes that bones and morph targets deform, and what hangs on which node.
+//! [`Scene::pose`] computes transforms, lights, cameras and vertices anew from what the file says,
+//! so nothing drifts: the same time gives the same bits, whatever was shown before.
+//!
+//! | file | idea |
+//! | --- | --- |
+//! | `sampler.rs` | values between key frames |
+//! | `rig.rs` | the tree of nodes at a time |
+//! | `deform.rs` | vertices that follow morph targets and bones |
+//! | `place.rs` | lights and cameras on nodes |
+//! | `apply.rs` | all of it into the scene |
+
+mod apply;
+mod deform;
+mod place;
+mod rig;
+mod sampler;
+
+use std::sync::Arc;
+
+use glam::Mat4;
+
+use crate::{Scene, SceneError};
+
+pub(crate) use deform::{Base, Deformed, Influences, Target};
+pub(crate) use place::{place_camera, place_light};
+pub(crate) use rig::{
+    Animation, Channel, Local, Node, Parts, Placed, Pose, Property, Skin, handedness, moving,
+};
+pub(crate) use sampler::{Interpolation, Track};
+
+/// An animation of a scene, for lists.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnimationInfo {
+    /// Its name in the file, or its number.
+    pub name: String,
+    /// From 0 to the last key, in seconds.
+    pub duration_s: f32,
+}
+
+/// Which animation [`Scene::pose`] plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnimationChoice {
+    /// The one of this number in [`Scene::animations`].
+    One(usize),
+    /// All at once. Where two move the same, the later one in the list counts.
+    All,
+}
+
+/// What a scene needs to be posed; see [`Scene::rig`]. Cheap to clone.
+#[derive(Clone, PartialEq)]
+pub struct Rig {
+    parts: Arc<Parts>,
+    /// What [`Scene::transform`] did since loading.
+    world_from_file: Mat4,
+    /// Which of the parts' instances the scene's first instances are; the others are hidden.
+    shown: Vec<usize>,
+}
+
+impl std::fmt::Debug for Rig {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Rig")
+            .field("nodes", &self.parts.nodes.len())
+            .field("animations", &self.parts.animations.len())
+            .field("deformed_meshes", &self.parts.deformed.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Scene {
+    /// The animations that [`Scene::pose`] can play, in the file's order; none without a rig.
+    pub fn animations(&self) -> Vec<AnimationInfo> {
+        let animations = self.rig.iter().flat_map(|rig| &rig.parts.animations);
+        animations
+            .map(|a| AnimationInfo { name: a.name.clone(), duration_s: a.duration_s })
+            .collect()
+    }
+
+    /// Shows the scene as it is `time_s` seconds into an animation. Times before 0 show its start,
+    /// times beyond its duration its end; nothing repeats.
+    ///
+    /// Changes transforms and meshes of instances, places of lights and cameras, and positions,
+    /// normals, tangents and triangles of meshes that bones or morph targets deform. What the
+    /// animation does not move is as the file stores it. An instance whose transform is flat at
+    /// that time, or whose triangles are, is left out of [`Scene::instances`] for as long. Meshes
+    /// keep their numbers; one without a visible triangle stays in the list, empty.
+    ///
+    /// The rig's instances, lights and cameras are the first of their lists: append others behind
+    /// them, and posing leaves those alone. Without a rig there is nothing to move:
+    /// [`AnimationChoice::All`] then does nothing.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownAnimation`] for a number beyond the list, [`SceneError::OutOfRange`]
+    /// for a time that is no number, [`SceneError::NotFinite`] where transforms overflow, and
+    /// [`SceneError::NothingAtTime`] where no triangle is left. After the last two the scene must
+    /// be posed anew before it is used.
+    pub fn pose(&mut self, animation: AnimationChoice, time_s: f32) -> Result<(), SceneError> {
+        apply::pose(self, animation, time_s)
+    }
+}

@@ -1,0 +1,31 @@
+//! Puts lights and cameras where their nodes stand.
+
+use glam::{DVec3, Mat4, Vec3};
+
+use crate::{Camera, Light};
+
+/// A direction of a node in the world; `None` where a scale of zero leaves none.
+fn direction(world_from_node: Mat4, local: Vec3) -> Option<Vec3> {
+    let direction = world_from_node.transform_vector3(local).as_dvec3();
+    direction.try_normalize().map(DVec3::as_vec3)
+}
+
+/// Scale does not act on lights, the way of -z does (`KHR_lights_punctual`).
+pub(crate) fn place_light(light: &mut Light, world_from_node: Mat4) {
+    light.position = world_from_node.w_axis.truncate();
+    light.direction = direction(world_from_node, Vec3::NEG_Z).unwrap_or(Vec3::NEG_Z);
+}
+
+/// A camera looks along its node's -z, with +y at the top (glTF 2.0, section 3.10.2). Where a scale
+/// of zero leaves no direction, the world's stands in; then it says `false`.
+pub(crate) fn place_camera(camera: &mut Camera, world_from_node: Mat4) -> bool {
+    camera.position = world_from_node.w_axis.truncate();
+    let axes = (direction(world_from_node, Vec3::NEG_Z), direction(world_from_node, Vec3::Y));
+    let (forward, up) = match axes {
+        (Some(forward), Some(up)) => (forward, up),
+        _ => (Vec3::NEG_Z, Vec3::Y),
+    };
+    camera.forward = forward;
+    camera.up = up;
+    axes.0.is_some() && axes.1.is_some()
+}
