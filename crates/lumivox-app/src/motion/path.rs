@@ -74,7 +74,9 @@ impl PathFile {
     pub fn read(file: &FilePath) -> anyhow::Result<Self> {
         let fail = |what: String| Failure::input(format!("{}: {what}", file.display()));
         let unreadable = |error: std::io::Error| {
-            fail(format!("cannot read the camera path: {error}; check the path and its permissions"))
+            fail(format!(
+                "cannot read the camera path: {error}; check the path and its permissions"
+            ))
         };
         let metadata = std::fs::metadata(file).map_err(unreadable)?;
         if !metadata.is_file() {
@@ -105,7 +107,7 @@ impl PathFile {
     ///
     /// # Errors
     /// A [`Failure`] of input where there is no such camera.
-    pub fn resolve(&self, scene: &Scene) -> anyhow::Result<CameraPath> {
+    pub fn resolve(&self, scene: &Scene, aspect: f32) -> anyhow::Result<CameraPath> {
         let bounds = scene.bounds();
         let mut fov_deg = f64::from(DEFAULT_FOV_DEG);
         let (mut positions, mut targets) = (Vec::new(), Vec::new());
@@ -117,7 +119,7 @@ impl PathFile {
                         NameOrNumber::Number(index) => CameraChoice::Index(*index),
                         NameOrNumber::Name(name) => CameraChoice::Name(name.clone()),
                     };
-                    let camera = resolve(Some(&choice), scene).map_err(|error| {
+                    let camera = resolve(Some(&choice), scene, aspect).map_err(|error| {
                         let file = self.file.display();
                         Failure::input(format!("{file}: key {number}: {error}"))
                     })?;
@@ -203,8 +205,9 @@ fn check(key: &Key) -> Result<(), String> {
             .to_owned()),
         (None, Some(position), Some(target)) => {
             if (Vec3::from(target) - Vec3::from(position)).try_normalize().is_none() {
-                return Err("\"position\" and \"target\" are the same point; move one of them"
-                    .to_owned());
+                return Err(
+                    "\"position\" and \"target\" are the same point; move one of them".to_owned()
+                );
             }
             Ok(())
         }
@@ -269,7 +272,7 @@ mod tests {
         let file = path(text).unwrap();
         assert_eq!((file.start_s(), file.end_s()), (-1.0, 2.0));
         let scene = scene();
-        let path = file.resolve(&scene).unwrap();
+        let path = file.resolve(&scene, 1.0).unwrap();
         let first = path.at(-7.0);
         assert!(first.position.distance(Vec3::new(0.0, 0.0, 5.0)) < 1e-5);
         assert!(first.forward.distance(Vec3::NEG_Z) < 1e-5);
@@ -294,7 +297,7 @@ mod tests {
             { "time_s": 1, "position": [0, 2, 3], "target": [0, 1, 0] },
             { "time_s": 2, "position": [-3, 1, 0], "target": [0, 1, 0] }
         ]"#;
-        let path = path(text).unwrap().resolve(&scene()).unwrap();
+        let path = path(text).unwrap().resolve(&scene(), 1.0).unwrap();
         for step in 0..=20 {
             let camera = path.at(f64::from(step) * 0.1);
             let towards = (Vec3::Y - camera.position).normalize();
@@ -338,7 +341,7 @@ mod tests {
             assert!(needles.iter().all(|needle| error.contains(needle)), "{text}: {error}");
         }
         let text = with(r#"{ "time_s": 1, "camera": "nowhere" }"#);
-        let error = path(&text).unwrap().resolve(&scene()).unwrap_err().to_string();
+        let error = path(&text).unwrap().resolve(&scene(), 1.0).unwrap_err().to_string();
         for needle in ["path.json", "key 1", "\"nowhere\"", "there are"] {
             assert!(error.contains(needle), "{error}");
         }
