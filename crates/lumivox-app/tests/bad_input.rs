@@ -7,29 +7,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{CORNER, container, folder, glb, lumivox, names};
-
-const USAGE: i32 = 2;
-const INPUT: i32 = 3;
-const GPU: i32 = 4;
-const OUTPUT: i32 = 5;
-
-/// Runs `line`, and expects it to fail with `code`, to say all of `needles`, and to change nothing.
-#[track_caller]
-fn expect_error(folder: &Path, line: &str, code: i32, needles: &[&str]) {
-    let before = names(folder);
-    let run = lumivox(folder, line);
-    assert_eq!(run.code, code, "lumivox {line}: {}", run.stderr);
-    assert!(run.stderr.contains("error: "), "lumivox {line}: {}", run.stderr);
-    for needle in needles {
-        assert!(run.stderr.contains(needle), "lumivox {line}: no \"{needle}\" in {}", run.stderr);
-    }
-    for word in ["panicked", "defect", "RUST_BACKTRACE"] {
-        assert!(!run.stderr.contains(word), "lumivox {line}: {}", run.stderr);
-    }
-    assert_eq!(run.stdout, "", "lumivox {line}");
-    assert_eq!(names(folder), before, "lumivox {line}");
-}
+use common::{CORNER, GPU, INPUT, OUTPUT, USAGE, container, expect_error, folder, glb};
 
 #[test]
 fn broken_scenes() {

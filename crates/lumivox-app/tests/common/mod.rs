@@ -48,6 +48,29 @@ impl Run {
     }
 }
 
+/// The exit codes of errors.
+pub const USAGE: i32 = 2;
+pub const INPUT: i32 = 3;
+pub const GPU: i32 = 4;
+pub const OUTPUT: i32 = 5;
+
+/// Runs `line`, and expects it to fail with `code`, to say all of `needles`, and to change nothing.
+#[track_caller]
+pub fn expect_error(folder: &Path, line: &str, code: i32, needles: &[&str]) {
+    let before = names(folder);
+    let run = lumivox(folder, line);
+    assert_eq!(run.code, code, "lumivox {line}: {}", run.stderr);
+    assert!(run.stderr.contains("error: "), "lumivox {line}: {}", run.stderr);
+    for needle in needles {
+        assert!(run.stderr.contains(needle), "lumivox {line}: no \"{needle}\" in {}", run.stderr);
+    }
+    for word in ["panicked", "defect", "RUST_BACKTRACE"] {
+        assert!(!run.stderr.contains(word), "lumivox {line}: {}", run.stderr);
+    }
+    assert_eq!(run.stdout, "", "lumivox {line}");
+    assert_eq!(names(folder), before, "lumivox {line}");
+}
+
 pub fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
