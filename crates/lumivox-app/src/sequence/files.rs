@@ -146,11 +146,6 @@ impl FrameFiles {
         self.folder.join(Path::new(&stem).with_extension("json"))
     }
 
-    /// The folder of all files.
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
     /// All pictures' files in one name.
     pub fn pattern(&self) -> PathBuf {
         self.folder.join(format!("{}{}{}", self.prefix, "#".repeat(self.digits), self.suffix))
