@@ -217,9 +217,11 @@ pub enum SceneError {
 /// Names in a message; a file may have thousands.
 fn list(names: &[String]) -> String {
     const MOST: usize = 20;
-    match names.len() {
-        0 => "none".to_owned(),
-        ..=MOST => names.join(", "),
-        all => format!("{} and {} more", names[..MOST].join(", "), all - MOST),
+    if names.is_empty() {
+        return "none".to_owned();
     }
+    if names.len() <= MOST {
+        return names.join(", ");
+    }
+    format!("{} and {} more", names[..MOST].join(", "), names.len() - MOST)
 }

@@ -36,13 +36,16 @@ pub(super) fn pose(
             None => return Err(SceneError::UnknownAnimation { file, index, known: known() }),
         },
     };
-    let Some(mut rig) = scene.rig.clone() else { return Ok(()) };
+    let Some(rig) = &scene.rig else { return Ok(()) };
     let mut pose = Pose::rest(&rig.parts.nodes);
     for animation in playing {
         pose.play(animation, time_s);
     }
-    show(&mut rig, &pose, scene)?;
-    scene.rig = Some(rig);
+    if let Some(mut rig) = scene.rig.take() {
+        let shown = show(&mut rig, &pose, scene);
+        scene.rig = Some(rig);
+        shown?;
+    }
     let is_visible = |instance: &Instance| {
         scene.meshes.get(instance.mesh).is_some_and(|mesh| !mesh.indices.is_empty())
     };
@@ -162,9 +165,11 @@ fn place_instances(
         if !is_invertible(world_from_local) {
             continue;
         }
-        // Bones turn the winding by themselves; a mirror of the whole scene still acts.
         let mirrors = world_from_local.as_dmat4().determinant() < 0.0;
-        let Some(mesh) = placed.meshes[usize::from(mirrors)] else { continue };
+        let [upright, mirrored] = placed.meshes;
+        // Rounding may turn the sign of transforms that are almost flat: never hide those.
+        let mesh = if mirrors { mirrored.or(upright) } else { upright.or(mirrored) };
+        let Some(mesh) = mesh else { continue };
         if scene.meshes.get(mesh).is_some_and(|mesh| !mesh.indices.is_empty()) {
             visible.push((i, mesh, world_from_local));
         }

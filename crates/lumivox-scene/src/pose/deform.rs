@@ -14,7 +14,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 
 use crate::Mesh;
@@ -162,6 +162,8 @@ impl Deformed {
         }
         if self.base.is_flat {
             flatten(chunk, |_| false);
+            // A corner that moves turns the normals of the other two.
+            is_touched.fill(true);
         }
         for (vertex, _) in is_touched.iter().enumerate().filter(|(_, touched)| **touched) {
             let normal = unit_or(chunk.normals[vertex], self.base.normals[first + vertex]);
@@ -255,7 +257,7 @@ fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
         return v / squared.sqrt();
     }
     // In f64 no finite f32 vector's length overflows or vanishes.
-    v.as_dvec3().try_normalize().map_or(fallback, |v| v.as_vec3())
+    v.as_dvec3().try_normalize().map_or(fallback, DVec3::as_vec3)
 }
 
 /// The part of a tangent that is orthogonal to the normal, at unit length (Gram and Schmidt).

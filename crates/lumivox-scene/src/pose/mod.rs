@@ -25,6 +25,7 @@ use glam::Mat4;
 
 use crate::{Scene, SceneError};
 
+pub(crate) use apply::weighing;
 pub(crate) use deform::{Base, Deformed, Influences, Target};
 pub(crate) use place::{place_camera, place_light};
 pub(crate) use rig::{

@@ -73,7 +73,9 @@ impl<'a> Loader<'a> {
             Dimensions::Vec2 => 2,
             Dimensions::Vec3 => 3,
             Dimensions::Vec4 => 4,
-            _ => return Err(self.bad_accessor(accessor, what, "it holds matrices")),
+            // Without gaps between columns whatever the component type, unlike smaller ones.
+            Dimensions::Mat4 => 16,
+            _ => return Err(self.bad_accessor(accessor, what, "it holds small matrices")),
         };
         let component_size = kind.0.size();
         let element = components * component_size;

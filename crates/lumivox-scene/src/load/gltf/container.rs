@@ -8,11 +8,13 @@ use gltf::json::validation::{Error as Fault, Validate};
 use gltf::json::{Path as JsonPath, Root};
 
 use super::Notes;
+use super::repair::read_root;
 use crate::SceneError;
 use crate::load::files::{self, Reach};
 
 /// What of glTF's extensions is understood.
-pub(super) const SUPPORTED: [&str; 4] = [
+pub(super) const SUPPORTED: [&str; 5] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -50,7 +52,7 @@ pub(super) fn parse(
     // Some exporters write a byte order mark, which JSON forbids.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut root =
-        Root::from_slice(json).map_err(|error| malformed("the JSON", error.to_string()))?;
+        read_root(json, notes).map_err(|error| malformed("the JSON", error.to_string()))?;
 
     check_extensions(file, &mut root, notes)?;
     drop_primitives_without_positions(&mut root, notes);

@@ -2,15 +2,27 @@
 //!
 //! Files come from anywhere, so nothing in them is believed: sizes are checked against the bytes
 //! that exist before memory is taken, indices before they are used, paths before they are followed.
-//! Only what the default scene (or else the first) reaches is loaded. One primitive becomes one
-//! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding.
+//! Only what one of the file's scenes reaches is loaded. One primitive becomes one
+//! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding,
+//! and where bones or morph targets deform it, each use gets its own.
+//!
+//! Nodes go into a [`Rig`] first, which then places everything: at rest now, and at other times
+//! when asked to.
 
 mod accessor;
+mod animation;
 mod container;
+mod copies;
+mod deformed;
 mod image;
+mod lights;
 mod material;
 mod node;
 mod primitive;
+mod put;
+mod repair;
+mod scenes;
+mod skin;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -19,7 +31,8 @@ use gltf::json::Root;
 
 use super::files::{self, Reach};
 use super::{LoadOptions, Notes, tangents};
-use crate::{Scene, SceneError};
+use crate::pose::Parts;
+use crate::{Rig, Scene, SceneError};
 
 /// How much memory a scene may take, whatever its file claims. Generous for real scenes: a small
 /// file can refer to the same data many times over.
@@ -42,8 +55,12 @@ struct Loader<'a> {
     document: &'a gltf::Document,
     buffers: &'a [Vec<u8>],
     scene: Scene,
+    /// What places the scene's instances, lights and cameras.
+    rig: Parts,
     notes: Notes,
     budget: Budget,
+    /// From glTF skin to the rig's.
+    skins: HashMap<usize, usize>,
     /// From (glTF mesh, primitive, mirrored) to a scene's mesh; `None` where it was skipped.
     meshes: HashMap<(usize, usize, bool), Option<usize>>,
     /// From glTF material to a scene's; the default material has none.
@@ -74,15 +91,18 @@ fn load_bytes(
         document: &parsed.document,
         buffers: &parsed.buffers,
         scene: Scene { name: name.unwrap_or_default(), ..Scene::default() },
+        rig: Parts { file: file.to_owned(), ..Parts::default() },
         notes,
         budget: Budget::default(),
+        skins: HashMap::new(),
         meshes: HashMap::new(),
         materials: HashMap::new(),
         textures: HashMap::new(),
     };
-    loader.load_nodes()?;
+    loader.load_nodes(options.scene.as_deref())?;
     let mut scene = loader.scene;
     scene.notes.warnings = loader.notes.warnings;
+    Rig::install(&mut scene, loader.rig)?;
     crate::validate::validate(&mut scene, file)?;
     Ok(scene)
 }

@@ -1,180 +1,212 @@
 //! The node hierarchy: where meshes, lights and cameras stand.
 
-use glam::{DVec3, Mat4, Quat, Vec3};
-use gltf::camera::Projection;
-use gltf::khr_lights_punctual::Kind;
+use std::sync::Arc;
+
+use glam::{Mat4, Quat, Vec3};
 use gltf::scene::Transform;
 
 use super::{Loader, name_or_index};
-use crate::validate::is_invertible;
-use crate::{Camera, Instance, Light, LightKind, SceneError};
+use crate::SceneError;
+use crate::pose::{Local, Node, Pose, handedness, moving, weighing};
+
+/// Which of the file's nodes are in the rig, and where.
+pub(super) struct Tree {
+    /// The file's number of each of the rig's nodes.
+    numbers: Vec<usize>,
+    /// From the file's number to the rig's.
+    places: Vec<Option<usize>>,
+    /// How many morph targets each of the file's meshes has.
+    targets: Vec<usize>,
+}
+
+impl Tree {
+    /// Where in the rig a node of the file is.
+    pub(super) fn place(&self, number: usize) -> Option<usize> {
+        self.places.get(number).copied().flatten()
+    }
+}
+
+/// A node that something is put on.
+pub(super) struct Site {
+    pub(super) name: Arc<str>,
+    /// Its place in the rig.
+    pub(super) node: usize,
+    /// At rest.
+    pub(super) world_from_node: Mat4,
+    /// Whether it can keep handedness, and whether it can mirror.
+    pub(super) handedness: [bool; 2],
+    /// Whether an animation moves it.
+    pub(super) moves: bool,
+    /// Whether an animation moves its morph targets' weights.
+    pub(super) weighs: bool,
+}
 
 impl Loader<'_> {
-    /// Walks the default scene, or else the first; a file without scenes shows all root nodes.
-    pub(super) fn load_nodes(&mut self) -> Result<(), SceneError> {
-        let document = self.document;
-        let nodes: Vec<_> = document.nodes().collect();
-        let scene = document.default_scene().or_else(|| document.scenes().next());
-        let roots: Vec<usize> = if let Some(scene) = scene {
-            scene.nodes().map(|node| node.index()).collect()
-        } else {
-            let mut is_child = vec![false; nodes.len()];
-            for child in nodes.iter().flat_map(gltf::Node::children) {
-                is_child[child.index()] = true;
-            }
-            (0..nodes.len()).filter(|&i| !is_child[i]).collect()
+    /// Loads all that hangs on the nodes of a scene; see [`Loader::roots`].
+    pub(super) fn load_nodes(&mut self, wanted: Option<&str>) -> Result<(), SceneError> {
+        let nodes: Vec<_> = self.document.nodes().collect();
+        let targets = self.document.meshes().map(|mesh| {
+            mesh.primitives().map(|primitive| primitive.morph_targets().len()).max().unwrap_or(0)
+        });
+        let mut tree = Tree {
+            numbers: Vec::new(),
+            places: vec![None; nodes.len()],
+            targets: targets.collect(),
         };
-        // Nodes form trees: whoever is met twice has two parents or is its own ancestor.
-        let mut met = vec![false; nodes.len()];
-        let mut open: Vec<_> = roots.into_iter().rev().map(|root| (root, Mat4::IDENTITY)).collect();
-        while let Some((index, world_from_parent)) = open.pop() {
-            let node = &nodes[index];
-            if std::mem::replace(&mut met[index], true) {
-                let part = name_or_index(node.name(), "node", index);
+        for root in self.roots(wanted)? {
+            self.walk(&nodes, root, &mut tree, true)?;
+        }
+        let in_scene = tree.numbers.len();
+        self.walk_to_joints(&nodes, &mut tree)?;
+        self.load_animations(&tree)?;
+
+        let rig = &self.rig;
+        let world_from_node =
+            Pose::rest(&rig.nodes).file_from_node(&rig.nodes).map_err(|node| {
+                let part = format!("{}, its transform to the world,", rig.nodes[node].name);
+                SceneError::NotFinite { file: self.file.to_owned(), part }
+            })?;
+        let handedness = handedness(&rig.nodes, &rig.animations);
+        let moves = moving(&rig.nodes, &rig.animations);
+        let weighs = weighing(rig.nodes.len(), &rig.animations);
+        for node in 0..in_scene {
+            let site = Site {
+                name: self.rig.nodes[node].name.clone(),
+                node,
+                world_from_node: world_from_node[node],
+                handedness: handedness[node],
+                moves: moves[node],
+                weighs: weighs[node],
+            };
+            let gltf = &nodes[tree.numbers[node]];
+            if let Some(mesh) = gltf.mesh() {
+                self.put_mesh(gltf, &mesh, &site, &tree)?;
+            }
+            if let Some(light) = gltf.light() {
+                self.put_light(&light, &site);
+            }
+            if let Some(camera) = gltf.camera() {
+                self.put_camera(&camera, &site);
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts a node and all below it into the rig, parents first. Nodes form trees: whoever is met
+    /// twice has two parents or is its own ancestor. That is an error where asked for.
+    fn walk(
+        &mut self,
+        nodes: &[gltf::Node<'_>],
+        root: usize,
+        tree: &mut Tree,
+        must_be_tree: bool,
+    ) -> Result<(), SceneError> {
+        let mut open = vec![(root, None)];
+        while let Some((number, parent)) = open.pop() {
+            let node = &nodes[number];
+            if tree.places[number].is_some() {
+                if !must_be_tree {
+                    continue;
+                }
+                let part = name_or_index(node.name(), "node", number);
                 return Err(self.malformed(&part, "it is its own ancestor or has two parents"));
             }
-            let world_from_local = world_from_parent * self.local_transform(node)?;
-            self.load_node(node, world_from_local)?;
+            let place = self.rig.nodes.len();
+            tree.places[number] = Some(place);
+            tree.numbers.push(number);
+            let read = self.read_node(node, parent, tree)?;
+            self.rig.nodes.push(read);
             let first_child = open.len();
-            open.extend(node.children().map(|child| (child.index(), world_from_local)));
+            open.extend(node.children().map(|child| (child.index(), Some(place))));
             // The last one is taken first: keep the file's order.
             open[first_child..].reverse();
         }
         Ok(())
     }
 
-    fn local_transform(&self, node: &gltf::Node<'_>) -> Result<Mat4, SceneError> {
-        let parent_from_local = match node.transform() {
-            Transform::Matrix { matrix } => Mat4::from_cols_array_2d(&matrix),
+    /// Joints should belong to the scene whose meshes they move. Where they do not, they still have
+    /// a place: that in their own tree.
+    fn walk_to_joints(
+        &mut self,
+        nodes: &[gltf::Node<'_>],
+        tree: &mut Tree,
+    ) -> Result<(), SceneError> {
+        let joints: Vec<_> = (0..tree.numbers.len())
+            .filter_map(|place| nodes[tree.numbers[place]].skin())
+            .flat_map(|skin| skin.joints().map(|joint| joint.index()))
+            .filter(|&joint| tree.places[joint].is_none())
+            .collect();
+        if joints.is_empty() {
+            return Ok(());
+        }
+        let mut parents = vec![None; nodes.len()];
+        for node in nodes {
+            for child in node.children() {
+                parents[child.index()] = Some(node.index());
+            }
+        }
+        for joint in joints {
+            if tree.places[joint].is_some() {
+                continue;
+            }
+            // Nodes in a ring have no top: then any of them will do.
+            let mut top = joint;
+            for _ in 0..nodes.len() {
+                let Some(parent) = parents[top] else { break };
+                top = parent;
+            }
+            self.walk(nodes, top, tree, false)?;
+            // A tree that the scene reaches into from the middle.
+            if tree.places[joint].is_none() {
+                self.walk(nodes, joint, tree, false)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn read_node(
+        &mut self,
+        node: &gltf::Node<'_>,
+        parent: Option<usize>,
+        tree: &Tree,
+    ) -> Result<Node, SceneError> {
+        let name = name_or_index(node.name(), "node", node.index());
+        let not_finite = |what: &str| SceneError::NotFinite {
+            file: self.file.to_owned(),
+            part: format!("{name}, {what},"),
+        };
+        let rest = match node.transform() {
+            Transform::Matrix { matrix } => Local::Matrix(Mat4::from_cols_array_2d(&matrix)),
             Transform::Decomposed { translation, rotation, scale } => {
                 let rotation = Quat::from_array(rotation);
                 let length = rotation.length();
                 if length <= 0.0 {
-                    let part = name_or_index(node.name(), "node", node.index());
                     return Err(
-                        self.malformed(&part, "its rotation is a quaternion of length zero")
+                        self.malformed(&name, "its rotation is a quaternion of length zero")
                     );
                 }
-                Mat4::from_scale_rotation_translation(
-                    Vec3::from_array(scale),
-                    rotation / length,
-                    Vec3::from_array(translation),
-                )
+                Local::Parts {
+                    translation: Vec3::from_array(translation),
+                    rotation: rotation / length,
+                    scale: Vec3::from_array(scale),
+                }
             }
         };
-        if parent_from_local.is_finite() {
-            return Ok(parent_from_local);
+        if !rest.to_matrix().is_finite() {
+            return Err(not_finite("its transform"));
         }
-        let part = format!("{}, its transform,", name_or_index(node.name(), "node", node.index()));
-        Err(SceneError::NotFinite { file: self.file.to_owned(), part })
-    }
-
-    fn load_node(
-        &mut self,
-        node: &gltf::Node<'_>,
-        world_from_local: Mat4,
-    ) -> Result<(), SceneError> {
-        let name = name_or_index(node.name(), "node", node.index());
-        if !world_from_local.is_finite() {
-            let part = format!("{name}, its transform to the world,");
-            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
-        }
-        if let Some(mesh) = node.mesh() {
-            self.load_mesh(&name, &mesh, world_from_local)?;
-        }
-        if let Some(light) = node.light() {
-            self.scene.lights.push(convert_light(&light, world_from_local));
-        }
-        if let Some(camera) = node.camera() {
-            match convert_camera(&camera, world_from_local) {
-                Some(camera) => self.scene.cameras.push(camera),
-                None => self.notes.warn(format!(
-                    "camera {} at {name}: only perspective cameras with sensible numbers are \
-                     supported, it was skipped",
-                    camera.index()
-                )),
+        let weights = match node.mesh() {
+            Some(mesh) => {
+                let given = node.weights().or_else(|| mesh.weights()).unwrap_or(&[]);
+                let count = tree.targets[mesh.index()];
+                if given.iter().any(|weight| !weight.is_finite()) {
+                    return Err(not_finite("a weight of its morph targets"));
+                }
+                self.spend(&name, count)?;
+                (0..count).map(|i| given.get(i).copied().unwrap_or(0.0)).collect()
             }
-        }
-        Ok(())
+            None => Vec::new(),
+        };
+        Ok(Node { name: name.into(), parent, rest, weights })
     }
-
-    fn load_mesh(
-        &mut self,
-        node: &str,
-        mesh: &gltf::Mesh<'_>,
-        world_from_local: Mat4,
-    ) -> Result<(), SceneError> {
-        if !is_invertible(world_from_local) {
-            self.notes.warn(format!("{node}: its mesh was skipped, for it is scaled to zero"));
-            return Ok(());
-        }
-        let mirrored = world_from_local.as_dmat4().determinant() < 0.0;
-        for primitive in mesh.primitives() {
-            let material = self.material(&primitive.material())?;
-            let Some(mesh) = self.primitive(mesh, &primitive, mirrored, material)? else {
-                continue;
-            };
-            let left = self.budget.instances.checked_sub(1);
-            self.budget.instances = left.ok_or_else(|| self.too_many(node, "instances"))?;
-            self.scene.instances.push(Instance {
-                name: node.to_owned(),
-                mesh,
-                material,
-                world_from_local,
-            });
-        }
-        Ok(())
-    }
-}
-
-/// A direction of the node in the world; `None` where a scale of zero leaves none.
-fn direction(world_from_local: Mat4, local: Vec3) -> Option<Vec3> {
-    let direction = world_from_local.transform_vector3(local).as_dvec3();
-    direction.try_normalize().map(DVec3::as_vec3)
-}
-
-/// Scale does not act on lights, the way of -z does (`KHR_lights_punctual`).
-fn convert_light(light: &gltf::khr_lights_punctual::Light<'_>, world_from_local: Mat4) -> Light {
-    let intensity = light.intensity();
-    // The extension wants a range above zero; zero is a common "unlimited".
-    let range_m = light.range().filter(|&range| range != 0.0);
-    let kind = match light.kind() {
-        Kind::Directional => {
-            LightKind::Directional { illuminance_lux: intensity, angular_radius_rad: 0.0 }
-        }
-        Kind::Point => LightKind::Point { intensity_cd: intensity, range_m },
-        Kind::Spot { inner_cone_angle, outer_cone_angle } => LightKind::Spot {
-            intensity_cd: intensity,
-            range_m,
-            // Files with a hard edge have both equal, up to rounding.
-            inner_angle_rad: inner_cone_angle.min(outer_cone_angle),
-            outer_angle_rad: outer_cone_angle,
-        },
-    };
-    Light {
-        name: name_or_index(light.name(), "light", light.index()),
-        kind,
-        color: Vec3::from_array(light.color()),
-        position: world_from_local.w_axis.truncate(),
-        direction: direction(world_from_local, Vec3::NEG_Z).unwrap_or(Vec3::NEG_Z),
-        radius_m: 0.0,
-    }
-}
-
-fn convert_camera(camera: &gltf::Camera<'_>, world_from_local: Mat4) -> Option<Camera> {
-    let Projection::Perspective(perspective) = camera.projection() else { return None };
-    let forward = direction(world_from_local, Vec3::NEG_Z)?;
-    let up = direction(world_from_local, Vec3::Y)?;
-    let (fov, near_m) = (perspective.yfov(), perspective.znear());
-    if !(fov > 0.0 && fov < std::f32::consts::PI && near_m > 0.0) {
-        return None;
-    }
-    Some(Camera {
-        name: name_or_index(camera.name(), "camera", camera.index()),
-        position: world_from_local.w_axis.truncate(),
-        forward,
-        up,
-        vertical_fov_rad: fov,
-        near_m,
-    })
 }

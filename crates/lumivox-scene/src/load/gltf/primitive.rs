@@ -21,10 +21,7 @@ impl Loader<'_> {
         if let Some(&known) = self.meshes.get(&key) {
             return Ok(known);
         }
-        let mut name = name_or_index(mesh.name(), "mesh", mesh.index());
-        if mesh.primitives().len() > 1 {
-            name = format!("{name}, primitive {}", primitive.index());
-        }
+        let name = mesh_name(mesh, primitive);
         let needs_tangents = self.scene.materials[material].normal_texture.is_some();
         let loaded = self.read(primitive, name, needs_tangents)?.map(|mut mesh| {
             if mirrored {
@@ -37,7 +34,8 @@ impl Loader<'_> {
         Ok(loaded)
     }
 
-    fn read(
+    /// Reads a primitive's triangles, in the file's order.
+    pub(super) fn read(
         &mut self,
         primitive: &gltf::Primitive<'_>,
         name: String,
@@ -124,9 +122,14 @@ impl Loader<'_> {
     }
 
     /// Takes the elements of an accessor from the budget, before they are read.
-    fn spend_vertices(&mut self, part: &str, accessor: usize) -> Result<(), SceneError> {
+    pub(super) fn spend_vertices(&mut self, part: &str, accessor: usize) -> Result<(), SceneError> {
         let count = self.root().accessors.get(accessor).map_or(0, |accessor| accessor.count.0);
-        let left = usize::try_from(count).ok().and_then(|n| self.budget.vertices.checked_sub(n));
+        self.spend(part, usize::try_from(count).unwrap_or(usize::MAX))
+    }
+
+    /// Takes what needs as much memory as these vertices from the budget.
+    pub(super) fn spend(&mut self, part: &str, vertices: usize) -> Result<(), SceneError> {
+        let left = self.budget.vertices.checked_sub(vertices);
         self.budget.vertices = left.ok_or_else(|| self.too_many(part, "vertices"))?;
         Ok(())
     }
@@ -134,12 +137,6 @@ impl Loader<'_> {
     fn warn_of_ignored(&mut self, primitive: &gltf::Primitive<'_>, part: &str) {
         if primitive.get(&Semantic::Colors(0)).is_some() {
             self.notes.warn(format!("{part}: vertex colours are not supported and were ignored"));
-        }
-        if primitive.morph_targets().len() > 0 {
-            self.notes.warn(format!("{part}: morph targets are not supported and were ignored"));
-        }
-        if primitive.get(&Semantic::Joints(0)).is_some() {
-            self.notes.warn(format!("{part}: skinning is not supported, the bind pose is shown"));
         }
     }
 
@@ -193,9 +190,18 @@ impl Loader<'_> {
     }
 }
 
+/// What messages call a primitive.
+pub(super) fn mesh_name(mesh: &gltf::Mesh<'_>, primitive: &gltf::Primitive<'_>) -> String {
+    let name = name_or_index(mesh.name(), "mesh", mesh.index());
+    if mesh.primitives().len() > 1 {
+        return format!("{name}, primitive {}", primitive.index());
+    }
+    name
+}
+
 /// A list of triangles out of a list, strip or fan (glTF 2.0, section 3.7.2.1). Left-over vertices
 /// are dropped.
-fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
+pub(super) fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => indices
             .windows(3)

@@ -1,0 +1,189 @@
+//! Animations: channels that move nodes along key frames (glTF 2.0, section 3.11).
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use gltf::json;
+use gltf::json::validation::Checked;
+
+use super::node::Tree;
+use super::{Loader, name_or_index};
+use crate::SceneError;
+use crate::pose::{Animation, Channel, Interpolation, Local, Property, Track};
+
+/// Numbers that were read already, by accessor and numbers an element: many channels share their
+/// times.
+type Known = HashMap<(usize, usize), Arc<[f32]>>;
+
+impl Loader<'_> {
+    /// Reads all animations into the rig. Channels of nodes that are not in it are left out.
+    pub(super) fn load_animations(&mut self, tree: &Tree) -> Result<(), SceneError> {
+        let mut known = Known::new();
+        for (i, animation) in self.root().animations.iter().enumerate() {
+            let name = name_or_index(animation.name.as_deref(), "animation", i);
+            let mut channels = Vec::new();
+            let mut duration_s = 0.0_f32;
+            for (j, channel) in animation.channels.iter().enumerate() {
+                let part = format!("animation \"{name}\", channel {j}");
+                let number = channel.target.node.value();
+                // The JSON library's validation leaves this out.
+                if number >= self.root().nodes.len() {
+                    return Err(SceneError::IndexOutOfRange {
+                        file: self.file.to_owned(),
+                        part: format!("{part}, its node"),
+                        index: number,
+                        count: self.root().nodes.len(),
+                        target: "nodes",
+                    });
+                }
+                let Some(node) = tree.place(number) else { continue };
+                let sampler = &animation.samplers[channel.sampler.value()];
+                let Some((property, components)) = self.property(&part, channel, node) else {
+                    continue;
+                };
+                let Some(track) = self.track(&part, sampler, components, &mut known)? else {
+                    continue;
+                };
+                if property == Property::Rotation
+                    && let Some(key) = track.first_zero_rotation()
+                {
+                    let reason = format!("key {key} is a rotation of length zero");
+                    return Err(self.malformed(&part, &reason));
+                }
+                if property != Property::Weights {
+                    self.split_matrix(node)?;
+                }
+                duration_s = duration_s.max(track.times_s.last().copied().unwrap_or(0.0));
+                channels.push(Channel { node, property, track });
+            }
+            self.rig.animations.push(Animation { name, duration_s, channels });
+        }
+        Ok(())
+    }
+
+    /// What moves, and how many numbers its values have. `None`, with a warning, where that is not
+    /// supported.
+    fn property(
+        &mut self,
+        part: &str,
+        channel: &json::animation::Channel,
+        node: usize,
+    ) -> Option<(Property, usize)> {
+        use json::animation::Property as Path;
+        match channel.target.path {
+            Checked::Valid(Path::Translation) => Some((Property::Translation, 3)),
+            Checked::Valid(Path::Rotation) => Some((Property::Rotation, 4)),
+            Checked::Valid(Path::Scale) => Some((Property::Scale, 3)),
+            Checked::Valid(Path::MorphTargetWeights) => match self.rig.nodes[node].weights.len() {
+                0 => {
+                    self.notes.warn(format!(
+                        "{part}: it moves the weights of {}, which has no morph targets; it was \
+                         ignored",
+                        self.rig.nodes[node].name
+                    ));
+                    None
+                }
+                count => Some((Property::Weights, count)),
+            },
+            Checked::Invalid => {
+                self.notes.warn(format!(
+                    "{part}: only translation, rotation, scale and weights can move; it was ignored"
+                ));
+                None
+            }
+        }
+    }
+
+    fn track(
+        &mut self,
+        part: &str,
+        sampler: &json::animation::Sampler,
+        components: usize,
+        known: &mut Known,
+    ) -> Result<Option<Track>, SceneError> {
+        let interpolation = match sampler.interpolation {
+            Checked::Valid(json::animation::Interpolation::Step) => Interpolation::Step,
+            Checked::Valid(json::animation::Interpolation::Linear) => Interpolation::Linear,
+            Checked::Valid(json::animation::Interpolation::CubicSpline) => {
+                Interpolation::CubicSpline
+            }
+            Checked::Invalid => {
+                return Err(self.malformed(part, "its interpolation is unknown"));
+            }
+        };
+        let times_s = self.numbers::<1>(part, sampler.input.value(), "times", known)?;
+        if times_s.is_empty() {
+            self.notes.warn(format!("{part}: it has no keys and was ignored"));
+            return Ok(None);
+        }
+        if let Some(key) = times_s.windows(2).position(|pair| pair[1] < pair[0]) {
+            let reason = format!(
+                "the times of its keys fall from {} to {} s at key {}",
+                times_s[key],
+                times_s[key + 1],
+                key + 1
+            );
+            return Err(self.malformed(part, &reason));
+        }
+        let output = sampler.output.value();
+        let values = match components {
+            3 if !self.is_scalar(output) => self.numbers::<3>(part, output, "values", known)?,
+            4 if !self.is_scalar(output) => self.numbers::<4>(part, output, "values", known)?,
+            _ => self.numbers::<1>(part, output, "values", known)?,
+        };
+        let per_key = components.checked_mul(interpolation.values_per_key());
+        if per_key.and_then(|n| n.checked_mul(times_s.len())) != Some(values.len()) {
+            let reason = format!(
+                "it has {} numbers for {} keys of {} numbers each",
+                values.len(),
+                times_s.len(),
+                per_key.unwrap_or(0)
+            );
+            return Err(self.malformed(part, &reason));
+        }
+        Ok(Some(Track { times_s, values, components, interpolation }))
+    }
+
+    fn is_scalar(&self, accessor: usize) -> bool {
+        let scalar = Checked::Valid(json::accessor::Type::Scalar);
+        self.root().accessors.get(accessor).is_some_and(|accessor| accessor.type_ == scalar)
+    }
+
+    fn numbers<const N: usize>(
+        &self,
+        part: &str,
+        accessor: usize,
+        what: &str,
+        known: &mut Known,
+    ) -> Result<Arc<[f32]>, SceneError> {
+        if let Some(known) = known.get(&(accessor, N)) {
+            return Ok(Arc::clone(known));
+        }
+        let numbers = self.read_floats::<N>(accessor, what)?.into_flattened();
+        if let Some(i) = numbers.iter().position(|number| !number.is_finite()) {
+            let part = format!("{part}, number {i} of its {what},");
+            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
+        }
+        let numbers: Arc<[f32]> = numbers.into();
+        known.insert((accessor, N), Arc::clone(&numbers));
+        Ok(numbers)
+    }
+
+    /// A node that moves should have no matrix, but some exporters write one: its parts then.
+    fn split_matrix(&mut self, node: usize) -> Result<(), SceneError> {
+        let node = &mut self.rig.nodes[node];
+        let Local::Matrix(matrix) = node.rest else { return Ok(()) };
+        let name = node.name.clone();
+        let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
+        let parts = Local::Parts { translation, rotation, scale };
+        if matrix.determinant() == 0.0 || !parts.to_matrix().is_finite() {
+            return Err(self.malformed(&name, "an animation moves it, but its matrix is flat"));
+        }
+        node.rest = parts;
+        self.notes.warn(format!(
+            "{name}: an animation moves it, so its matrix was split into translation, rotation and \
+             scale; shear is lost"
+        ));
+        Ok(())
+    }
+}

@@ -1,0 +1,281 @@
+//! Meshes that morph targets or bones deform. Each use of one is a mesh of its own.
+
+use glam::Vec3;
+use gltf::Semantic;
+
+use super::Loader;
+use super::node::Site;
+use super::primitive::{mesh_name, to_triangles};
+use crate::pose::{Base, Deformed, Influences, Target};
+use crate::{Mesh, SceneError};
+
+impl Loader<'_> {
+    /// Loads a primitive as the site's node deforms it. `None` where it holds no triangles.
+    pub(super) fn deformed(
+        &mut self,
+        mesh: &gltf::Mesh<'_>,
+        primitive: &gltf::Primitive<'_>,
+        site: &Site,
+        mirrored: bool,
+        material: usize,
+        skin: Option<usize>,
+    ) -> Result<Option<usize>, SceneError> {
+        let name = mesh_name(mesh, primitive);
+        let part = format!("mesh \"{name}\"");
+        let needs_tangents = self.scene.materials[material].normal_texture.is_some();
+        let Some(mut read) = self.read(primitive, name, needs_tangents)? else { return Ok(None) };
+        // It is kept twice: as it is in the file, and deformed.
+        self.spend(&part, read.positions.len())?;
+        let sources = self.sources(&part, primitive, &read)?;
+        let targets = self.morph_targets(&part, primitive, site, &sources)?;
+        let influences = match skin {
+            Some(skin) => {
+                let joints = self.rig.skins[skin].joints.len();
+                self.influences(&part, primitive, &sources, joints)?
+            }
+            None => Influences::default(),
+        };
+        if mirrored {
+            read.flip_winding();
+        }
+        let index = self.scene.meshes.len();
+        self.rig.deformed.push(Deformed {
+            mesh: index,
+            node: site.node,
+            skin,
+            base: Base {
+                positions: read.positions.clone(),
+                normals: read.normals.clone(),
+                tangents: read.tangents.clone(),
+                indices: read.indices.clone(),
+                is_flat: primitive.get(&Semantic::Normals).is_none(),
+            },
+            targets,
+            influences,
+        });
+        self.scene.meshes.push(read);
+        Ok(Some(index))
+    }
+
+    /// The file's vertex behind each of the mesh's. Flat shading and tangents split vertices, but
+    /// keep the order of the triangles' corners.
+    fn sources(
+        &self,
+        part: &str,
+        primitive: &gltf::Primitive<'_>,
+        mesh: &Mesh,
+    ) -> Result<Sources, SceneError> {
+        let count = primitive
+            .get(&Semantic::Positions)
+            .map_or(0, |accessor| self.root().accessors[accessor.index()].count.0 as usize);
+        let corners = match primitive.indices() {
+            Some(indices) => self.read_indices(indices.index())?,
+            None => (0..count as u32).collect(),
+        };
+        let corners = to_triangles(primitive.mode(), &corners);
+        if corners.len() != mesh.indices.len() || corners.iter().any(|&c| c as usize >= count) {
+            return Err(self.malformed(part, "its triangles cannot be deformed"));
+        }
+        // Vertices of no triangle may be anything that exists.
+        let last = (count.max(1) - 1) as u32;
+        let mut of: Vec<u32> = (0..mesh.positions.len() as u32).map(|i| i.min(last)).collect();
+        for (&vertex, &corner) in mesh.indices.iter().zip(&corners) {
+            of[vertex as usize] = corner;
+        }
+        Ok(Sources { of, count })
+    }
+
+    fn morph_targets(
+        &mut self,
+        part: &str,
+        primitive: &gltf::Primitive<'_>,
+        site: &Site,
+        sources: &Sources,
+    ) -> Result<Vec<Target>, SceneError> {
+        let keeps_tangents = primitive.get(&Semantic::Tangents).is_some();
+        let is_flat = primitive.get(&Semantic::Normals).is_none();
+        let mut targets = Vec::new();
+        for (i, given) in primitive.morph_targets().enumerate() {
+            let rest = self.rig.nodes[site.node].weights.get(i).copied().unwrap_or(0.0);
+            if !site.weighs && rest == 0.0 {
+                targets.push(Target::default());
+                continue;
+            }
+            let mut read = |accessor: Option<gltf::Accessor<'_>>, what: &str| match accessor {
+                Some(accessor) => {
+                    let part = format!("{part}, morph target {i}");
+                    self.displacements(&part, what, accessor.index(), sources.count)
+                }
+                None => Ok(Vec::new()),
+            };
+            let positions = read(given.positions(), "positions")?;
+            // Flat meshes take their normals from the triangles, generated tangents go along.
+            let normals = read(given.normals().filter(|_| !is_flat), "normals")?;
+            let tangents =
+                read(given.tangents().filter(|_| keeps_tangents && !is_flat), "tangents")?;
+            targets.push(sources.target(&positions, &normals, &tangents));
+        }
+        Ok(targets)
+    }
+
+    fn displacements(
+        &mut self,
+        part: &str,
+        what: &str,
+        accessor: usize,
+        count: usize,
+    ) -> Result<Vec<Vec3>, SceneError> {
+        self.spend_vertices(part, accessor)?;
+        let values = self.read_floats::<3>(accessor, &format!("morphed {what}"))?;
+        if values.len() != count {
+            let reason = format!("it has {} {what} for {count} vertices", values.len());
+            return Err(self.malformed(part, &reason));
+        }
+        let values: Vec<Vec3> = values.into_iter().map(Vec3::from_array).collect();
+        match values.iter().position(|v| !v.is_finite()) {
+            None => Ok(values),
+            Some(i) => Err(SceneError::NotFinite {
+                file: self.file.to_owned(),
+                part: format!("{part}, {what} {i},"),
+            }),
+        }
+    }
+
+    /// Which joints move each vertex. What exporters get wrong about weights is repaired.
+    fn influences(
+        &mut self,
+        part: &str,
+        primitive: &gltf::Primitive<'_>,
+        sources: &Sources,
+        joints: usize,
+    ) -> Result<Influences, SceneError> {
+        let mut bones = vec![Bones::default(); sources.count];
+        let sets = (0..).map_while(|set| {
+            let joints = primitive.get(&Semantic::Joints(set))?;
+            Some((joints.index(), primitive.get(&Semantic::Weights(set)).map(|w| w.index())))
+        });
+        let sets: Vec<_> = sets.take(MOST_SETS + 1).collect();
+        if sets.len() > MOST_SETS {
+            self.notes.warn(format!(
+                "{part}: vertices follow {} joints at most, others were ignored",
+                MOST_SETS * 4
+            ));
+        }
+        for &(joint_accessor, weights) in sets.iter().take(MOST_SETS) {
+            let Some(weights) = weights else {
+                return Err(self.malformed(part, "it has joints without weights"));
+            };
+            self.spend_vertices(part, joint_accessor)?;
+            self.spend_vertices(part, weights)?;
+            let chosen = self.read_floats::<4>(joint_accessor, "joints")?;
+            let weights = self.read_floats::<4>(weights, "weights")?;
+            if chosen.len() != sources.count || weights.len() != sources.count {
+                return Err(self.malformed(part, "its attributes differ in length"));
+            }
+            for (i, bones) in bones.iter_mut().enumerate() {
+                for (&joint, &weight) in chosen[i].iter().zip(&weights[i]) {
+                    if !weight.is_finite() {
+                        let part = format!("{part}, a weight of vertex {i},");
+                        return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
+                    }
+                    // Joints that weigh nothing may be anything.
+                    if weight == 0.0 {
+                        continue;
+                    }
+                    if !(joint >= 0.0 && joint.fract() == 0.0 && joint < joints as f32) {
+                        return Err(SceneError::IndexOutOfRange {
+                            file: self.file.to_owned(),
+                            part: format!("{part}, a joint of vertex {i},"),
+                            index: joint as usize,
+                            count: joints,
+                            target: "joints in its skin",
+                        });
+                    }
+                    bones.add(joint as u16, weight);
+                }
+            }
+        }
+        let repaired = bones.iter_mut().filter_map(|bones| bones.repair().then_some(())).count();
+        if repaired > 0 {
+            self.notes.warn(format!(
+                "{part}: {repaired} vertices have joint weights that are negative, or whose sum is \
+                 not one; they were repaired"
+            ));
+        }
+        Ok(sources.influences(&bones))
+    }
+}
+
+/// Sets of four joints that are read.
+const MOST_SETS: usize = 4;
+
+/// The joints of one vertex.
+#[derive(Clone, Copy, Default)]
+struct Bones {
+    count: usize,
+    joints: [u16; MOST_SETS * 4],
+    weights: [f32; MOST_SETS * 4],
+}
+
+impl Bones {
+    fn add(&mut self, joint: u16, weight: f32) {
+        self.joints[self.count] = joint;
+        self.weights[self.count] = weight;
+        self.count += 1;
+    }
+
+    /// Brings the sum to one. Says whether more was wrong than rounding to eight bits.
+    fn repair(&mut self) -> bool {
+        let has_negative = self.weights.iter().any(|&weight| weight < 0.0);
+        self.weights = self.weights.map(|weight| weight.max(0.0));
+        let sum: f64 = self.weights.into_iter().map(f64::from).sum();
+        if sum <= 0.0 {
+            // Most tools put such vertices on the first joint.
+            *self = Self::default();
+            self.add(0, 1.0);
+            return true;
+        }
+        self.weights = self.weights.map(|weight| (f64::from(weight) / sum) as f32);
+        // Each weight is off by half a 255th at most.
+        has_negative || (sum - 1.0).abs() > 0.5 / 255.0 * self.count as f64 + 1e-3
+    }
+}
+
+/// The file's vertices behind a mesh's.
+struct Sources {
+    of: Vec<u32>,
+    /// How many the file has.
+    count: usize,
+}
+
+impl Sources {
+    /// Keeps what moves at all. Lists are empty or one a vertex of the file.
+    fn target(&self, positions: &[Vec3], normals: &[Vec3], tangents: &[Vec3]) -> Target {
+        let at = |list: &[Vec3], i: u32| list.get(i as usize).copied().unwrap_or(Vec3::ZERO);
+        let moves = |i: u32| {
+            [positions, normals, tangents].into_iter().any(|list| at(list, i) != Vec3::ZERO)
+        };
+        let vertices: Vec<u32> =
+            (0..self.of.len() as u32).filter(|&v| moves(self.of[v as usize])).collect();
+        let pick = |list: &[Vec3]| -> Vec<Vec3> {
+            vertices.iter().map(|&v| at(list, self.of[v as usize])).collect()
+        };
+        let pick_some = |list: &[Vec3]| if list.is_empty() { Vec::new() } else { pick(list) };
+        Target {
+            positions: pick(positions),
+            normals: pick_some(normals),
+            tangents: pick_some(tangents),
+            vertices,
+        }
+    }
+
+    fn influences(&self, bones: &[Bones]) -> Influences {
+        let per_vertex = bones.iter().map(|bones| bones.count).max().unwrap_or(0);
+        let each = || self.of.iter().filter_map(|&i| bones.get(i as usize));
+        Influences {
+            per_vertex,
+            joints: each().flat_map(|b| &b.joints[..per_vertex]).copied().collect(),
+            weights: each().flat_map(|b| &b.weights[..per_vertex]).copied().collect(),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Meshes on nodes: one mesh can stand on many nodes, mirrored or not, many times on one node, or
+//! be deformed by each in its own way.
+
+use glam::Mat4;
+use gltf::Semantic;
+
+use super::Loader;
+use super::node::{Site, Tree};
+use crate::SceneError;
+use crate::pose::Placed;
+use crate::validate::is_invertible;
+
+impl Loader<'_> {
+    pub(super) fn put_mesh(
+        &mut self,
+        node: &gltf::Node<'_>,
+        mesh: &gltf::Mesh<'_>,
+        site: &Site,
+        tree: &Tree,
+    ) -> Result<(), SceneError> {
+        let copies = self.read_copies(node, &site.name)?;
+        let is_skinned = |primitive: &gltf::Primitive<'_>| {
+            node.skin().is_some() && primitive.get(&Semantic::Joints(0)).is_some()
+        };
+        // Whatever the node's own scale, joints show what they move.
+        let is_flat = !site.moves && !is_invertible(site.world_from_node);
+        if is_flat && !mesh.primitives().any(|primitive| is_skinned(&primitive)) {
+            self.notes
+                .warn(format!("{}: its mesh was skipped, for it is scaled to zero", site.name));
+            return Ok(());
+        }
+        for primitive in mesh.primitives() {
+            // Counted before it is looked at: what is not shown takes time, too.
+            self.spend_instances(&site.name, 1)?;
+            match node.skin() {
+                Some(skin) if is_skinned(&primitive) => {
+                    if copies.is_some() {
+                        self.notes.warn(format!(
+                            "{}: it has bones and copies (EXT_mesh_gpu_instancing), which do not \
+                             go together: the copies were ignored",
+                            site.name
+                        ));
+                    }
+                    let skin = self.skin(&skin, tree)?;
+                    self.put_skinned(mesh, &primitive, site, skin)?;
+                }
+                skin => {
+                    if skin.is_some() {
+                        self.notes.warn(format!(
+                            "{}: its mesh has no joints for its skin, bones do not move it",
+                            site.name
+                        ));
+                    }
+                    self.put_copies(mesh, &primitive, site, copies.as_deref())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Joints alone place a skinned mesh (glTF 2.0, section 3.7.3.3).
+    fn put_skinned(
+        &mut self,
+        mesh: &gltf::Mesh<'_>,
+        primitive: &gltf::Primitive<'_>,
+        site: &Site,
+        skin: usize,
+    ) -> Result<(), SceneError> {
+        let material = self.material(&primitive.material())?;
+        if let Some(mesh) = self.deformed(mesh, primitive, site, false, material, Some(skin))? {
+            self.rig.instances.push(Placed {
+                name: site.name.clone(),
+                node: None,
+                node_from_local: None,
+                meshes: [Some(mesh), None],
+                material,
+            });
+        }
+        Ok(())
+    }
+
+    fn put_copies(
+        &mut self,
+        mesh: &gltf::Mesh<'_>,
+        primitive: &gltf::Primitive<'_>,
+        site: &Site,
+        copies: Option<&[Mat4]>,
+    ) -> Result<(), SceneError> {
+        let material = self.material(&primitive.material())?;
+        let rest = &self.rig.nodes[site.node].weights;
+        let is_morphed = primitive.morph_targets().len() > 0
+            && (site.weighs || rest.iter().any(|&weight| weight != 0.0));
+        // Mirrored and not; loaded when first needed.
+        let mut sides: [Option<Option<usize>>; 2] = [None; 2];
+        let one = [None];
+        let many: Vec<Option<Mat4>>;
+        let places = match copies {
+            None => &one[..],
+            Some(copies) => {
+                self.spend_instances(&site.name, copies.len())?;
+                many = copies.iter().copied().map(Some).collect();
+                &many[..]
+            }
+        };
+        for &node_from_local in places {
+            let flips = node_from_local.is_some_and(|m| m.as_dmat4().determinant() < 0.0);
+            let mut meshes = [None; 2];
+            for mirrored in [false, true] {
+                if !site.handedness[usize::from(mirrored != flips)] {
+                    continue;
+                }
+                let side = usize::from(mirrored);
+                meshes[side] = match sides[side] {
+                    Some(known) => known,
+                    None if is_morphed => {
+                        self.deformed(mesh, primitive, site, mirrored, material, None)?
+                    }
+                    None => self.primitive(mesh, primitive, mirrored, material)?,
+                };
+                sides[side] = Some(meshes[side]);
+            }
+            if meshes != [None; 2] {
+                self.rig.instances.push(Placed {
+                    name: site.name.clone(),
+                    node: Some(site.node),
+                    node_from_local,
+                    meshes,
+                    material,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn spend_instances(&mut self, part: &str, count: usize) -> Result<(), SceneError> {
+        let left = self.budget.instances.checked_sub(count);
+        self.budget.instances = left.ok_or_else(|| self.too_many(part, "instances"))?;
+        Ok(())
+    }
+}
