@@ -109,6 +109,17 @@ pub enum SceneError {
         reason: String,
     },
 
+    /// A picture cannot be the surroundings of a scene.
+    #[error("{}: cannot be an environment map: {reason}; {remedy}", file.display())]
+    EnvironmentMap {
+        /// The picture's file.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+
     /// A number is NaN or infinite.
     #[error("{}: {part} has a number that is not finite; repair it in the modelling program", file.display())]
     NotFinite {

@@ -25,12 +25,14 @@
 )]
 
 pub mod builtin;
+mod environment;
 mod error;
 mod load;
 mod model;
 mod pose;
 mod validate;
 
+pub use environment::sky;
 pub use error::SceneError;
 pub use load::{LoadOptions, LoadProgress, MemoryBudget};
 pub use model::{

@@ -88,7 +88,7 @@ pub struct Environment {
 ///
 /// The texel in the middle of the picture lies in the direction -z; from there columns go to the
 /// right (+x), rows go down from +y at the top edge to -y at the bottom edge.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnvironmentMap {
     /// A name for lists and messages.
     pub name: String,
@@ -99,4 +99,7 @@ pub struct EnvironmentMap {
     /// Linear RGB, at least 0, row by row from the top; `width * height` texels. Radiance in cd/m²
     /// where [`Environment::radiance`] is 1.
     pub rgb: Vec<[f32; 3]>,
+    /// Sentences for the user on what was repaired or assumed while loading; they belong into
+    /// [`LoadNotes::warnings`](super::LoadNotes) of the scene that the map is put into.
+    pub warnings: Vec<String>,
 }

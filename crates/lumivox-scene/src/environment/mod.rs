@@ -1,0 +1,15 @@
+//! Surroundings: pictures of them from files, and a computed sky.
+//!
+//! A picture is equirectangular (see [`EnvironmentMap`] for which texel lies where). Files seldom
+//! hold cd/m²: panoramas are stitched from photographs in a unit of their own. One unit of a file
+//! counts as 1 cd/m², and [`Environment::radiance`](crate::Environment::radiance) multiplies it.
+
+mod exr;
+mod hdr;
+mod load;
+mod measure;
+mod repair;
+pub mod sky;
+
+#[cfg(test)]
+mod tests;

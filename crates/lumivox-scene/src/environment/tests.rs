@@ -1,0 +1,276 @@
+//! Panoramas from files that the tests write.
+
+use std::io::Cursor;
+use std::path::PathBuf;
+
+use glam::Vec3;
+use image::{ImageFormat, Rgb, Rgb32FImage, RgbImage};
+
+use crate::{EnvironmentMap, SceneError};
+
+/// A picture with a gradient, a bright texel and values above 1.
+fn texel(x: u32, y: u32) -> [f32; 3] {
+    if (x, y) == (5, 1) {
+        return [1000.0, 800.0, 250.0];
+    }
+    [0.25 * (1 + x) as f32, 0.5 + y as f32, 2.0]
+}
+
+fn picture(width: u32, height: u32) -> Rgb32FImage {
+    Rgb32FImage::from_fn(width, height, |x, y| Rgb(texel(x, y)))
+}
+
+struct Folder {
+    folder: tempfile::TempDir,
+}
+
+impl Folder {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    fn load(&self, name: &str, bytes: &[u8]) -> Result<EnvironmentMap, SceneError> {
+        EnvironmentMap::load(self.file(name, bytes))
+    }
+}
+
+fn hdr_bytes(picture: &Rgb32FImage) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, ImageFormat::Hdr).unwrap();
+    bytes.into_inner()
+}
+
+fn exr_bytes(
+    width: usize,
+    height: usize,
+    pixel: impl Fn(exr::prelude::Vec2<usize>) -> (f32, f32, f32) + Sync,
+) -> Vec<u8> {
+    use exr::prelude::*;
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_channels((width, height), SpecificChannels::rgb(pixel))
+        .write()
+        .to_buffered(&mut bytes)
+        .unwrap();
+    bytes.into_inner()
+}
+
+fn close(actual: [f32; 3], expected: [f32; 3], share: f32) {
+    // The exponent of a Radiance texel is that of its largest channel.
+    let most = Vec3::from(expected).max_element();
+    let error = (Vec3::from(actual) - Vec3::from(expected)).abs().max_element();
+    assert!(error <= share * most, "{actual:?}, not {expected:?}");
+}
+
+#[test]
+fn radiance_and_openexr_hold_the_same_texels() {
+    let folder = Folder::new();
+    let (width, height) = (16, 8);
+    let hdr = folder.load("a.hdr", &hdr_bytes(&picture(width, height))).unwrap();
+    let exr = exr_bytes(16, 8, |at| texel(at.0 as u32, at.1 as u32).into());
+    let exr = folder.load("a sky.exr", &exr).unwrap();
+    assert_eq!((hdr.name.as_str(), exr.name.as_str()), ("a", "a sky"));
+    for map in [&hdr, &exr] {
+        assert_eq!((map.width, map.height), (width, height));
+        assert!(map.warnings.is_empty(), "{:?}", map.warnings);
+        for (index, rgb) in map.rgb.iter().enumerate() {
+            let expected = texel(index as u32 % width, index as u32 / width);
+            // 8 bits of mantissa, shared.
+            close(*rgb, expected, 1.0 / 128.0);
+        }
+    }
+}
+
+/// A bright texel lights what faces it: the picture's middle is -z, its right half +x, its top +y.
+#[test]
+fn texels_lie_where_the_convention_says() {
+    let (width, height) = (64, 32);
+    let cases = [
+        ((31, 15), Vec3::NEG_Z),
+        ((47, 15), Vec3::X),
+        ((15, 15), Vec3::NEG_X),
+        ((0, 15), Vec3::Z),
+        ((20, 0), Vec3::Y),
+        ((20, 31), Vec3::NEG_Y),
+    ];
+    for ((x, y), direction) in cases {
+        let mut map = EnvironmentMap { width, height, ..EnvironmentMap::default() };
+        map.rgb = vec![[0.0; 3]; (width * height) as usize];
+        map.rgb[(y * width + x) as usize] = [7.0; 3];
+        // A texel is 0.1 rad wide, so its middle is up to 0.07 rad off the corner meant.
+        assert!(map.direction(x as f32 + 0.5, y as f32 + 0.5).dot(direction) > 0.99);
+        let facing = map.irradiance(direction).x;
+        let expected = 7.0 * map.solid_angle_sr(y) as f32;
+        assert!((facing / expected - 1.0).abs() < 0.01, "{direction}: {facing} {expected}");
+        assert!(map.irradiance(-direction).x == 0.0);
+    }
+}
+
+#[test]
+fn constant_surroundings_have_their_closed_forms() {
+    let (width, height) = (128, 64);
+    let rgb = vec![[2.0, 3.0, 4.0]; (width * height) as usize];
+    let map = EnvironmentMap { width, height, rgb, ..EnvironmentMap::default() };
+    assert!((map.mean_radiance() - Vec3::new(2.0, 3.0, 4.0)).abs().max_element() < 1e-5);
+    for normal in [Vec3::Y, Vec3::X, Vec3::new(0.6, 0.0, -0.8)] {
+        let error = map.irradiance(normal) / std::f32::consts::PI - Vec3::new(2.0, 3.0, 4.0);
+        assert!(error.abs().max_element() < 2e-3, "{error}");
+    }
+}
+
+/// What a camera multiplied is divided out again; other programs' signatures are as good.
+#[test]
+fn radiance_files_are_brought_to_their_unit() {
+    let folder = Folder::new();
+    let bytes = hdr_bytes(&picture(16, 8));
+    let text = b"#?RADIANCE\n";
+    assert!(bytes.starts_with(text));
+    let mut changed = b"#?RGBE\nEXPOSURE=2\nEXPOSURE= 4\nCOLORCORR=1 0.5 1\n".to_vec();
+    changed.extend_from_slice(&bytes[text.len()..]);
+    let map = folder.load("a.pic", &changed).unwrap();
+    close(map.rgb[0], [0.25 / 8.0, 0.5 / 4.0, 2.0 / 8.0], 1.0 / 128.0);
+}
+
+#[test]
+fn pictures_for_screens_are_decoded_from_srgb_and_told() {
+    let folder = Folder::new();
+    let mut bytes = Cursor::new(Vec::new());
+    let picture = RgbImage::from_fn(8, 4, |x, _| Rgb([if x == 0 { 255 } else { 188 }, 10, 0]));
+    picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
+    // The first bytes count, not the name.
+    let map = folder.load("sky.hdr", &bytes.into_inner()).unwrap();
+    assert_eq!(map.rgb[0][0], 1.0);
+    // 188 is the code of half the light (0.5029), 10 lies in the straight part of the curve.
+    close(map.rgb[1], [0.502_886, 0.003_035, 0.0], 1e-5);
+    assert!(map.warnings[0].contains("cut off at white"), "{:?}", map.warnings);
+}
+
+#[test]
+fn what_is_no_radiance_is_repaired_and_told() {
+    let folder = Folder::new();
+    let bytes = exr_bytes(8, 4, |at| match (at.0, at.1) {
+        (0, 0) => (-1.0, f32::NAN, 1.0),
+        (1, 0) => (f32::INFINITY, -2.0, 5.0),
+        _ => (1.0, 1.0, 1.0),
+    });
+    let map = folder.load("a.exr", &bytes).unwrap();
+    assert_eq!(map.rgb[..3], [[0.0, 0.0, 1.0], [5.0, 0.0, 5.0], [1.0; 3]]);
+    let told = map.warnings.join("; ");
+    for part in ["2 negative", "1 undefined (NaN)", "1 infinite values, which count as 5"] {
+        assert!(told.contains(part), "{told}");
+    }
+}
+
+#[test]
+fn other_layouts_are_told() {
+    let folder = Folder::new();
+    let map = folder.load("cross.hdr", &hdr_bytes(&picture(12, 16))).unwrap();
+    assert!(map.warnings[0].contains("12 x 16"), "{:?}", map.warnings);
+}
+
+/// Blender prefixes the channels of a layer; a data window may be smaller than the picture.
+#[test]
+fn openexr_layers_and_windows_are_understood() {
+    use exr::prelude::*;
+    let folder = Folder::new();
+    let mut bytes = Cursor::new(Vec::new());
+    let channels = SpecificChannels::build()
+        .with_channel("View Layer.Combined.R")
+        .with_channel("View Layer.Combined.G")
+        .with_channel("View Layer.Combined.B")
+        .with_pixel_fn(|at| (at.0 as f32, at.1 as f32, 9.0_f32));
+    let mut attributes = LayerAttributes::named("layer");
+    attributes.layer_position = Vec2(2, 1);
+    attributes.white_luminance = Some(100.0);
+    let layer = Layer::new((4, 2), attributes, Encoding::FAST_LOSSLESS, channels);
+    let mut image = Image::from_layer(layer);
+    image.attributes.display_window = IntegerBounds::new((0, 0), (8, 4));
+    image.write().to_buffered(&mut bytes).unwrap();
+    let map = folder.load("a.exr", &bytes.into_inner()).unwrap();
+    assert_eq!((map.width, map.height), (8, 4));
+    assert_eq!(map.rgb[8 + 2], [0.0, 0.0, 900.0]);
+    assert_eq!(map.rgb[2 * 8 + 5], [300.0, 100.0, 900.0]);
+    assert_eq!(map.rgb[0], [0.0; 3]);
+    assert!(map.warnings[0].contains("4 x 2 of its 8 x 4"), "{:?}", map.warnings);
+}
+
+#[test]
+fn openexr_may_be_grey() {
+    use exr::prelude::*;
+    let folder = Folder::new();
+    let mut bytes = Cursor::new(Vec::new());
+    let channels =
+        SpecificChannels::build().with_channel("Y").with_pixel_fn(|at| (at.0 as f32 + 0.5,));
+    Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
+    let map = folder.load("a.exr", &bytes.into_inner()).unwrap();
+    assert_eq!(map.rgb[3], [3.5; 3]);
+}
+
+#[test]
+fn bad_files_say_what_is_wrong() {
+    use exr::prelude::*;
+    let folder = Folder::new();
+    let message = |name: &str, bytes: &[u8]| folder.load(name, bytes).unwrap_err().to_string();
+
+    let missing = EnvironmentMap::load(folder.folder.path().join("none.hdr")).unwrap_err();
+    assert!(matches!(missing, SceneError::Read { .. }), "{missing}");
+    assert!(matches!(EnvironmentMap::load(folder.folder.path()), Err(SceneError::Read { .. })));
+
+    let text = message("a.hdr", b"what is this");
+    assert!(text.contains("a.hdr") && text.contains("give a Radiance (.hdr)"), "{text}");
+
+    // A bomb: few bytes, many texels.
+    let bomb = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 16384\n\x01\x02\x03\x04";
+    let text = message("a.hdr", bomb);
+    assert!(text.contains("claims 16384 x 8192 texels in"), "{text}");
+    let huge = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4294967295 +X 4294967295\n";
+    assert!(!message("a.hdr", huge).is_empty());
+    let large = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 40000\n";
+    let text = message("a.hdr", large);
+    assert!(text.contains("40000 x 20000") && text.contains("scale it down"), "{text}");
+
+    let xyz = b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 2\n";
+    assert!(message("a.hdr", xyz).contains("xyze"), "{}", message("a.hdr", xyz));
+    let turned = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 1 +X 2\n";
+    assert!(message("a.hdr", turned).contains("Orientation +Y +X"));
+
+    let mut bytes = Cursor::new(Vec::new());
+    let channels = SpecificChannels::build().with_channel("Z").with_pixel_fn(|_| (1.0_f32,));
+    Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
+    let text = message("depth.exr", &bytes.into_inner());
+    assert!(text.contains("but Z") && text.contains("plain RGB"), "{text}");
+}
+
+/// Cut and changed files of each kind: an error or a map, never a panic.
+#[test]
+fn broken_files_never_panic() {
+    let folder = Folder::new();
+    let hdr = hdr_bytes(&picture(16, 8));
+    let exr = exr_bytes(16, 8, |at| texel(at.0 as u32, at.1 as u32).into());
+    let mut random = 1_u32;
+    for whole in [hdr, exr] {
+        for _ in 0..300 {
+            let mut bytes = whole.clone();
+            for _ in 0..3 {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let at = (random >> 8) as usize % bytes.len();
+                bytes[at] = (random >> 3) as u8;
+            }
+            if random.is_multiple_of(3) {
+                bytes.truncate((random >> 5) as usize % whole.len());
+            }
+            if let Ok(map) = folder.load("a", &bytes) {
+                assert!(map.rgb.iter().flatten().all(|c| c.is_finite() && *c >= 0.0));
+            }
+        }
+    }
+    // Run lengths of zero, whose factor grows with each.
+    let mut runs = b"#?RADIANCE\n\n-Y 1 +X 16\n\x09\x09\x09\x09".to_vec();
+    runs.extend([1, 1, 1, 0].repeat(12));
+    folder.load("a.hdr", &runs).unwrap_err();
+}
