@@ -5,6 +5,7 @@ use glam::Vec3;
 use lumivox_render::ShadowMethod;
 use lumivox_scene::Light;
 
+use crate::args::light::Surroundings;
 use crate::args::{choices, light, number, size};
 
 /// Light.
@@ -27,12 +28,42 @@ pub struct LightArgs {
     #[arg(allow_hyphen_values = true)]
     pub sun: Option<Light>,
 
-    /// Radiance of the surroundings in cd/m2, each from 0 to 1e10 [default: the scene's]
+    /// The surroundings: radiance in cd/m2, each from 0 to 1e10, or a panorama's file, .hdr or .exr
+    /// [default: the scene's]
     ///
-    /// It replaces the scene's own. A clear blue sky has about 2000,2600,3600.
-    #[arg(long, value_name = "R,G,B", value_parser = light::environment)]
+    /// It replaces the scene's own. A clear blue sky has about 2000,2600,3600. A panorama is
+    /// equirectangular, twice as wide as high; its middle lies towards -z. One unit of it is 1 cd/m2
+    /// unless it says otherwise, see --environment-intensity. PNG and JPEG are read, too.
+    #[arg(long, value_name = "R,G,B|FILE", value_parser = light::environment)]
+    #[arg(allow_hyphen_values = true, conflicts_with = "sky")]
+    pub environment: Option<Surroundings>,
+
+    /// Turn of the panorama about the vertical in degrees, -360 to 360, counter-clockwise seen from
+    /// above [default: the scene's, mostly 0]
+    #[arg(long, value_name = "DEGREES", value_parser = number::number(-360.0..=360.0))]
+    #[arg(allow_negative_numbers = true, conflicts_with = "sky")]
+    pub environment_rotation: Option<f32>,
+
+    /// Number that the radiance of the surroundings is multiplied by, 0 to 1e10
+    #[arg(long, value_name = "FACTOR", value_parser = number::number(0.0..=1e10))]
+    #[arg(default_value = "1", allow_negative_numbers = true)]
+    pub environment_intensity: f32,
+
+    /// A clear sky and its sun, which stands towards X,Y,Z, or ELEVATION,AZIMUTH in degrees [default:
+    /// none]
+    ///
+    /// It replaces the scene's surroundings, computed in cd/m2 and lux. The elevation is from -90 to
+    /// 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards -z, 90 towards +x.
+    #[arg(long, value_name = "X,Y,Z|ELEVATION,AZIMUTH", value_parser = light::sky)]
     #[arg(allow_hyphen_values = true)]
-    pub environment: Option<Vec3>,
+    pub sky: Option<Vec3>,
+
+    /// Haze of the sky, a number from 1 (the clearest) to 10
+    ///
+    /// Higher: paler, brighter round the sun, a weaker sun.
+    #[arg(long, value_name = "NUMBER", value_parser = number::number(1.0..=10.0))]
+    #[arg(default_value = "2", allow_negative_numbers = true, requires = "sky")]
+    pub turbidity: f32,
 
     /// How shadows of lamps and sun are found
     #[arg(long, value_name = "HOW", value_parser = choices::shadows())]

@@ -4,6 +4,7 @@
 //! the GPU and its limits; then the scene; then the work.
 
 mod clock;
+mod light;
 mod report;
 mod sequence;
 mod settings;
@@ -51,6 +52,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
     settings.trace.validate()?;
     let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
     args.scene.scene.check()?;
+    light::check(&args.light)?;
 
     let mut clock = Clock::start();
     let progress = Progress::start(bars, "loading");
@@ -60,7 +62,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
         settings.timing = Timing::for_device(&gpu.device);
     }
     let mut scene = args.scene.load(&progress)?;
-    add_light(&mut scene, args);
+    light::add(&mut scene, &args.light, &progress)?;
     let asked = Asked {
         time: args.motion.time,
         fps: f64::from(args.motion.fps),
@@ -103,13 +105,6 @@ fn asks_for_sequence(args: &RenderArgs) -> bool {
         Some(TimeChoice::Range(..)) => true,
         Some(TimeChoice::At(_)) => false,
         None => motion.orbit.is_some() || motion.camera_path.is_some(),
-    }
-}
-
-fn add_light(scene: &mut Scene, args: &RenderArgs) {
-    scene.lights.extend(args.light.sun.clone());
-    if let Some(radiance) = args.light.environment {
-        scene.environment.radiance = radiance;
     }
 }
 

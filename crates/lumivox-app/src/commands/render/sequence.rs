@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use super::clock::Seconds;
 use super::report::CameraReport;
 use super::settings::SettingsReport;
-use super::{Stage, words};
+use super::{Stage, light, words};
 use crate::args::number::ExposureChoice;
 use crate::cli::RenderArgs;
 use crate::motion::{Moments, PathFile, When};
@@ -156,7 +156,7 @@ fn settings_of(
         "scene": scene_settings(args),
         "size": args.size.to_array(),
         "exposure": args.exposure.to_string(),
-        "light": light_settings(args),
+        "light": light::settings(&args.light),
         "time": [moments.range_s.start, moments.range_s.end],
         "fps": moments.fps,
         "animation": animation_name(&stage.scene, stage.schedule.animation),
@@ -177,20 +177,6 @@ fn scene_settings(args: &RenderArgs) -> Value {
         "file": args.scene.scene.stamp(),
         "scene_in_file": load.scene_in_file,
         "texture_memory": load.texture_memory,
-    })
-}
-
-fn light_settings(args: &RenderArgs) -> Value {
-    let sun = args.light.sun.as_ref().map(|sun| {
-        let strength = match sun.kind {
-            lumivox_scene::LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-            _ => 0.0,
-        };
-        json!({ "towards_sun": (-sun.direction).to_array(), "lux": strength })
-    });
-    json!({
-        "sun": sun,
-        "environment": args.light.environment.map(|radiance| radiance.to_array()),
     })
 }
 
