@@ -34,7 +34,7 @@ mod validate;
 
 pub use environment::sky;
 pub use error::SceneError;
-pub use load::{LoadOptions, LoadProgress, MemoryBudget};
+pub use load::{EXTENSIONS, LoadOptions, LoadProgress, MemoryBudget, extensions_in_words};
 pub use model::{
     AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,

@@ -54,8 +54,9 @@ impl SceneSource {
             }
             Self::File(file) => match std::fs::metadata(file) {
                 Ok(metadata) if metadata.is_dir() => Err(Failure::input(format!(
-                    "{}: is a folder; give a .gltf or .glb file",
-                    file.display()
+                    "{}: is a folder; give a {} file",
+                    file.display(),
+                    lumivox_scene::extensions_in_words()
                 ))
                 .into()),
                 Ok(_) => Ok(()),

@@ -3,6 +3,7 @@
 //! Files come from anywhere, so nothing in them is believed: sizes are checked against the bytes
 //! that exist before memory is taken, indices before they are used, paths before they are followed.
 
+mod extensions;
 mod files;
 mod gltf;
 mod tangents;
@@ -10,6 +11,7 @@ mod tangents;
 use std::path::Path;
 
 use crate::{Scene, SceneError};
+pub use extensions::{EXTENSIONS, extensions_in_words};
 use files::Reach;
 
 /// How a scene is loaded. The default loads all that a file shows by itself, and reads no file

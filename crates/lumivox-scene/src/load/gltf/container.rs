@@ -9,8 +9,8 @@ use gltf::json::{Path as JsonPath, Root};
 
 use super::Notes;
 use super::repair::read_root;
-use crate::SceneError;
 use crate::load::files::{self, Reach};
+use crate::{LoadNotes, SceneError};
 
 /// What of glTF's extensions is understood.
 pub(super) const SUPPORTED: [&str; 5] = [
@@ -28,6 +28,7 @@ const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 pub(super) struct Parsed {
     pub(super) document: Document,
     pub(super) buffers: Vec<Vec<u8>>,
+    pub(super) about: LoadNotes,
 }
 
 pub(super) fn parse(
@@ -53,13 +54,14 @@ pub(super) fn parse(
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut root =
         read_root(json, notes).map_err(|error| malformed("the JSON", error.to_string()))?;
+    let about = super::about::about(&root);
 
     check_extensions(file, &mut root, notes)?;
     drop_primitives_without_positions(&mut root, notes);
     check_position_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
     check_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
     let buffers = read_buffers(file, &root, binary, reach)?;
-    Ok(Parsed { document: Document::from_json_without_validation(root), buffers })
+    Ok(Parsed { document: Document::from_json_without_validation(root), buffers, about })
 }
 
 /// The JSON and the binary chunk. Lengths are checked against what is there.
