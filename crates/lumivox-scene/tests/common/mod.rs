@@ -3,6 +3,8 @@
 // Each test file uses its part of this.
 #![allow(dead_code)]
 
+pub mod tube;
+
 use std::path::{Path, PathBuf};
 
 use lumivox_scene::{Scene, SceneError};
@@ -80,6 +82,35 @@ impl File {
 
     pub fn mesh(&mut self, primitive: Value) -> usize {
         self.push("meshes", json!({ "name": "thing", "primitives": [primitive] }))
+    }
+
+    /// An accessor of single floats.
+    pub fn floats(&mut self, values: &[f32]) -> usize {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let view = self.view(&bytes);
+        self.accessor(view, 5126, values.len(), "SCALAR")
+    }
+
+    /// An animation whose channels (node, path, interpolation, values) share their times.
+    pub fn animation(
+        &mut self,
+        name: &str,
+        times_s: &[f32],
+        channels: &[(usize, &str, &str, usize)],
+    ) -> usize {
+        let input = self.floats(times_s);
+        let (samplers, channels): (Vec<_>, Vec<_>) = channels
+            .iter()
+            .enumerate()
+            .map(|(i, (node, path, interpolation, output))| {
+                (
+                    json!({ "input": input, "output": output, "interpolation": interpolation }),
+                    json!({ "sampler": i, "target": { "node": node, "path": path } }),
+                )
+            })
+            .unzip();
+        let animation = json!({ "name": name, "samplers": samplers, "channels": channels });
+        self.push("animations", animation)
     }
 
     /// A node; a root of the scene where asked.
