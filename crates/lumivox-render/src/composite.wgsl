@@ -4,10 +4,10 @@ import package::constants::{
     VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_NORMAL,
     VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR,
 };
-import package::light::lights::light_globals;
+import package::light::environment::environment_background;
 import package::trace::brdf::{fresnel_schlick, PI};
 import package::trace::gbuffer::{
-    gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface, view, Surface,
+    gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface, ray_direction, view, Surface,
 };
 
 struct CompositeSettings {
@@ -104,7 +104,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if surface.depth > 0.0 {
         textureStore(picture, pixel, vec4f(shade(pixel, surface), 1.0));
     } else if shows_environment() {
-        textureStore(picture, pixel, vec4f(light_globals.environment, 0.0));
+        textureStore(picture, pixel, vec4f(environment_background(ray_direction(pixel)), 0.0));
     } else {
         textureStore(picture, pixel, vec4f(0.0));
     }

@@ -1,5 +1,6 @@
 // Light that reaches the visible surfaces straight from the lamps and the sun.
 
+import package::light::environment::glossy_share;
 import package::light::lights::{incident_light, light_globals, lights};
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{
@@ -63,7 +64,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let fresnel = fresnel_schlick(specular.rgb, dot(half_vector, to_camera));
         // What the gloss reflects does not enter: glTF 2.0, appendix B.3.
         diffuse += irradiance * (1.0 - fresnel) * albedo / PI;
-        glossy += irradiance * fresnel
+        glossy += glossy_share(light, alpha) * irradiance * fresnel
             * ggx_distribution(saturate(dot(normal, half_vector)), alpha)
             * ggx_visibility(n_dot_v, n_dot_l, alpha);
     }

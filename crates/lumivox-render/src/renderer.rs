@@ -1,7 +1,10 @@
 //! A scene rendered to a picture, pass by pass.
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
-use lumivox::{Gi, GiConfig, Grid, Lights, ShadowMaps, VoxelizeStats};
+use lumivox::{
+    EnvironmentLight, EnvironmentMap, Gi, GiConfig, Grid, Lights, Panorama, ShadowMaps,
+    VoxelizeStats,
+};
 use lumivox_scene::{Camera, Scene};
 
 use crate::composite::CompositePass;
@@ -46,6 +49,7 @@ pub struct Renderer {
     direct: DirectPass,
     composite: CompositePass,
     targets: Targets,
+    environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
     times: Times,
 }
@@ -98,12 +102,13 @@ impl Renderer {
             ShadowMethod::Cone => None,
         };
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
+        let map = environment_map(gpu, &lighting)?;
         let (lights, shadow_bytes) = bind_lights(
             gpu,
             &mut recorder,
             shadow_pass.as_ref(),
             &scene,
-            &lighting,
+            (&lighting, map.as_ref()),
             &gi,
             settings.shadow_resolution,
         );
@@ -139,6 +144,7 @@ impl Renderer {
             direct,
             composite,
             targets,
+            environment: map,
             shadow_bytes,
             times,
         })
@@ -147,7 +153,7 @@ impl Renderer {
     /// Shows the same scene in another pose; the mean starts anew. The camera stays.
     ///
     /// Vertices and transforms are uploaded, voxelized and lit again. All else stays: pipelines,
-    /// textures, targets, the grid and the unit of radiance. So a scene that moves out of the grid
+    /// textures, targets, the grid, the unit of radiance and the environment's map. So a scene that moves out of the grid
     /// loses what is outside; give [`RenderSettings::grid_bounds`] when the renderer is made.
     /// `progress` hears of the stages `upload`, `voxelize` and `light`.
     ///
@@ -181,7 +187,7 @@ impl Renderer {
             &mut recorder,
             self.shadow_pass.as_ref(),
             &self.scene,
-            &lighting,
+            (&lighting, self.environment.as_ref()),
             gi,
             settings.shadow_resolution,
         );
@@ -366,6 +372,8 @@ impl Renderer {
     pub fn memory(&self) -> Vec<MemoryUse> {
         let mut memory = self.scene.memory.clone();
         memory.push(MemoryUse::new("shadow maps", self.shadow_bytes));
+        let environment_bytes = self.environment.as_ref().map_or(0, EnvironmentMap::memory);
+        memory.push(MemoryUse::new("environment", environment_bytes));
         let gi = self.gi.memory();
         memory.extend(gi.into_iter().map(|(name, bytes)| MemoryUse::new(name, bytes)));
         memory.push(MemoryUse::new("picture", self.targets.bytes));
@@ -415,17 +423,28 @@ async fn upload(
     uploaded
 }
 
+/// Uploads the environment's map, if there is one.
+fn environment_map(gpu: &Gpu, lighting: &Lighting) -> Result<Option<EnvironmentMap>, RenderError> {
+    let Some(map) = &lighting.environment.map else { return Ok(None) };
+    let panorama = Panorama { width: map.width, height: map.height, rgb: &map.rgb };
+    Ok(Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?))
+}
+
 /// Renders shadow maps if there is a pass for them, and binds the lights. Also the bytes of the maps.
 fn bind_lights(
     gpu: &Gpu,
     recorder: &mut Recorder,
     shadow_pass: Option<&ShadowMapPass>,
     scene: &GpuScene,
-    lighting: &Lighting,
+    (lighting, map): (&Lighting, Option<&EnvironmentMap>),
     gi: &Gi,
     shadow_resolution: u32,
 ) -> (Lights, u64) {
     let mut lights = lighting.to_gpu(scene.radiance_unit);
+    let radiance = lighting.environment.radiance / scene.radiance_unit;
+    let rotation_rad = lighting.environment.rotation_rad;
+    // Its brightest parts shine like lamps.
+    lights.extend(map.iter().flat_map(|map| map.lights(radiance, rotation_rad)));
     let mut maps: Option<ShadowMaps> = None;
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");
@@ -433,6 +452,6 @@ fn bind_lights(
     }
     let layer_bytes = 4 * u64::from(shadow_resolution).pow(2);
     let bytes = maps.as_ref().map_or(0, |maps| maps.layers.len() as u64 * layer_bytes);
-    let environment = lighting.environment / scene.radiance_unit;
+    let environment = EnvironmentLight { radiance, map, rotation_rad };
     (gi.bind_lights(&lights, environment, maps.as_ref()), bytes)
 }

@@ -202,7 +202,7 @@ fn assign_layers(lights: &mut [Light], bounds: Bounds, resolution: u32) -> Vec<S
 fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
     let least_near_m = bounds.radius_m() * NEAR_SHARE;
     match *source {
-        LightSource::Directional { direction, .. } => {
+        LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. } => {
             vec![parallel_layer(direction, bounds, resolution)]
         }
         LightSource::Spot { position, direction, outer_angle_rad, radius_m, .. } => {

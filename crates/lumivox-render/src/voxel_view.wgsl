@@ -2,7 +2,7 @@
 // "A fast voxel traversal algorithm for ray tracing").
 
 import package::grid::{grid, grid_from_world};
-import package::light::lights::light_globals;
+import package::light::environment::environment_background;
 import package::trace::gbuffer::{position_from_depth, view};
 import package::volume::load_cell;
 
@@ -120,6 +120,6 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if hit.is_hit {
         textureStore(picture, pixel, vec4f(hit.radiance * outline(hit), 1.0));
     } else {
-        textureStore(picture, pixel, vec4f(light_globals.environment, 0.0));
+        textureStore(picture, pixel, vec4f(environment_background(direction), 0.0));
     }
 }

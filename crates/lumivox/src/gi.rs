@@ -3,7 +3,9 @@
 use glam::UVec2;
 
 use crate::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
-use crate::light::{Light, Lighting, Lights, ShadowMaps, lights_layout};
+use crate::light::{
+    EnvironmentLight, EnvironmentMap, Light, Lighting, Lights, ShadowMaps, lights_layout,
+};
 use crate::trace::{
     Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
     gbuffer_layout,
@@ -48,6 +50,8 @@ pub struct Gi {
     tracer: Tracer,
     lights_layout: wgpu::BindGroupLayout,
     gbuffer_layout: wgpu::BindGroupLayout,
+    /// Stands in where an environment has no map.
+    white: EnvironmentMap,
     /// Gathers of the last call of `light`, the one on screen included.
     bounces: u32,
 }
@@ -82,6 +86,7 @@ impl Gi {
             tracer,
             lights_layout,
             gbuffer_layout,
+            white: EnvironmentMap::white(device, queue),
             bounces: 0,
         })
     }
@@ -111,15 +116,17 @@ impl Gi {
         Ok(Voxelized { stats, times })
     }
 
-    /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is the radiance of what lies
-    /// outside the grid.
-    pub fn bind_lights(
+    /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the grid: a
+    /// radiance, or an [`EnvironmentLight`] with a map, whose own lights ([`EnvironmentMap::lights`])
+    /// belong among `lights`.
+    pub fn bind_lights<'a>(
         &self,
         lights: &[Light],
-        environment: glam::Vec3,
+        environment: impl Into<EnvironmentLight<'a>>,
         shadow_maps: Option<&ShadowMaps>,
     ) -> Lights {
-        Lights::new(&self.device, &self.lights_layout, lights, environment, shadow_maps)
+        let (layout, white) = (&self.lights_layout, &self.white);
+        Lights::new(&self.device, layout, lights, environment.into(), white, shadow_maps)
     }
 
     /// Lights the voxels: direct light and emission, then bounces.

@@ -39,6 +39,7 @@ pub fn library() -> ShaderLibrary {
         .constant_u32("LIGHT_DIRECTIONAL", crate::light::LIGHT_DIRECTIONAL)
         .constant_u32("LIGHT_POINT", crate::light::LIGHT_POINT)
         .constant_u32("LIGHT_SPOT", crate::light::LIGHT_SPOT)
+        .constant_u32("LIGHT_ENVIRONMENT", crate::light::LIGHT_ENVIRONMENT)
         .constant_u32("SHADOW_NONE", crate::light::SHADOW_NONE)
         .constant_u32("SHADOW_MAP", crate::light::SHADOW_MAP)
         .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE);

@@ -4,15 +4,15 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 use lumivox::{Light, LightSource, Shadow};
-use lumivox_scene::{LightKind, Scene};
+use lumivox_scene::{Environment, LightKind, Scene};
 
 /// What shines in a scene, apart from its surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
     /// Analytic lights.
     pub lights: Vec<lumivox_scene::Light>,
-    /// Radiance of what lies around the scene, cd/m².
-    pub environment: Vec3,
+    /// What lies around the scene.
+    pub environment: Environment,
 }
 
 impl Lighting {
@@ -22,10 +22,10 @@ impl Lighting {
     /// everywhere, and a sun of pi lux from above and one side, which adds 1 cd/m² to a white surface
     /// that faces it. A warning in the log says so.
     pub fn of(scene: &Scene) -> Self {
-        let given = Self { lights: scene.lights.clone(), environment: scene.environment.radiance };
+        let given = Self { lights: scene.lights.clone(), environment: scene.environment.clone() };
         let emits = |material: &lumivox_scene::Material| material.emissive.max_element() > 0.0;
         let shines = !given.lights.is_empty()
-            || given.environment.max_element() > 0.0
+            || given.environment.radiance.max_element() > 0.0
             || scene.materials.iter().any(emits);
         if shines {
             return given;
@@ -46,7 +46,8 @@ impl Lighting {
             direction: Vec3::new(-0.4, -0.8, -0.45).normalize(),
             ..lumivox_scene::Light::default()
         };
-        Self { lights: vec![sun], environment: Vec3::ONE }
+        let environment = Environment { radiance: Vec3::ONE, ..Environment::default() };
+        Self { lights: vec![sun], environment }
     }
 
     /// The lights for the GPU, divided by the unit of radiance, with shadows by cones.
@@ -96,7 +97,7 @@ mod tests {
             material.emissive = Vec3::ZERO;
         }
         let default = Lighting::of(&scene);
-        assert_eq!(default.environment, Vec3::ONE);
+        assert_eq!(default.environment.radiance, Vec3::ONE);
         scene.lights = default.lights;
         scene.validate().expect("the default sun is a valid light");
     }

@@ -7,7 +7,8 @@
 
 use std::f32::consts::PI;
 
-use lumivox_scene::{Bounds, LightKind, Scene};
+use glam::Vec3;
+use lumivox_scene::{Bounds, Environment, LightKind, Scene};
 
 use super::Lighting;
 
@@ -22,7 +23,8 @@ const NEAREST: f32 = 1.0 / 16.0;
 
 /// The unit for a scene, in cd/m².
 ///
-/// It is the power of two that brings the largest of emission, environment and irradiance / pi of the
+/// It is the power of two that brings the largest of emission, of the environment's radiance (of a map,
+/// four times its mean: see below) and of irradiance / pi of the
 /// lights (on a white surface that faces them) to between 512 and 1024.
 pub fn radiance_unit(scene: &Scene, lighting: &Lighting) -> f32 {
     radiance_unit_within(scene.bounds(), scene, lighting)
@@ -44,7 +46,7 @@ pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lig
     let emission = scene.materials.iter().map(|material| material.emissive.max_element());
     let brightest = lights
         .chain(emission)
-        .chain([lighting.environment.max_element()])
+        .chain([surroundings(&lighting.environment)])
         .filter(|radiance| radiance.is_finite())
         .fold(0.0, f32::max);
     if brightest <= 0.0 {
@@ -54,15 +56,22 @@ pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lig
     (brightest / BRIGHTEST).log2().ceil().clamp(-100.0, 100.0).exp2()
 }
 
+/// The most that a white surface reflects of the surroundings: irradiance / pi is at most four times
+/// the mean radiance, if all of it came from one direction.
+fn surroundings(environment: &Environment) -> f32 {
+    let mean = environment.map.as_ref().map_or(Vec3::ONE, |map| 4.0 * map.mean_radiance());
+    (environment.radiance * mean).max_element()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn the_brightest_comes_to_lie_where_it_shall() {
         let unit_of = |radiance: f32| {
-            let environment = Vec3::new(0.0, radiance, 0.0);
+            let radiance = Vec3::new(0.0, radiance, 0.0);
+            let environment = Environment { radiance, ..Environment::default() };
             radiance_unit(&Scene::default(), &Lighting { lights: Vec::new(), environment })
         };
         for radiance in [1e-6_f32, 0.3, 1.0, 1000.0, 1024.0, 3e9] {

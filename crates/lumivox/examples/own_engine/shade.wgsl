@@ -1,9 +1,10 @@
 // The engine's own shading: it links against Lumivox's modules for its lights, their shadows and the G-buffer,
 // adds the traced irradiance, and keeps a running mean over frames.
 
+import package::light::environment::environment_background;
 import package::light::lights::{incident_light, light_globals, lights};
 import package::light::visibility::light_visibility;
-import package::trace::gbuffer::{gbuffer_diffuse, load_surface, view};
+import package::trace::gbuffer::{gbuffer_diffuse, load_surface, ray_direction, view};
 
 @group(1) @binding(0) var irradiance: texture_2d<f32>;
 @group(1) @binding(1) var<storage, read_write> picture: array<vec4f>;
@@ -15,7 +16,7 @@ fn shade(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let surface = load_surface(pixel);
-    var color = light_globals.environment;
+    var color = environment_background(ray_direction(pixel));
     if surface.depth > 0.0 {
         var sum = textureLoad(irradiance, pixel, 0).rgb;
         for (var i = 0u; i < light_globals.light_count; i++) {

@@ -6,12 +6,14 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
+use super::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroupBuilder, LayoutBuilder, uniform_buffer, upload};
 
 /// Values of `Light::kind` in the shaders.
 pub(crate) const LIGHT_DIRECTIONAL: u32 = 0;
 pub(crate) const LIGHT_POINT: u32 = 1;
 pub(crate) const LIGHT_SPOT: u32 = 2;
+pub(crate) const LIGHT_ENVIRONMENT: u32 = 3;
 /// Values of `Light::shadow` in the shaders.
 pub(crate) const SHADOW_NONE: u32 = 0;
 pub(crate) const SHADOW_MAP: u32 = 1;
@@ -27,6 +29,16 @@ pub enum LightSource {
         /// Irradiance on a surface that faces it, RGB.
         irradiance: Vec3,
         /// Half the angle under which the source is seen, rad; for soft shadows. The sun: 0.00465.
+        angular_radius_rad: f32,
+    },
+    /// Parallel light from a bright part of an environment map, which is seen there: mirrors show the map,
+    /// not this light's highlight. [`crate::EnvironmentMap::lights`] makes them.
+    Environment {
+        /// The way the light travels; unit length.
+        direction: Vec3,
+        /// Irradiance on a surface that faces it, RGB.
+        irradiance: Vec3,
+        /// Half the angle under which the source is seen, rad.
         angular_radius_rad: f32,
     },
     /// Light into all directions alike.
@@ -125,6 +137,9 @@ pub(crate) struct LightRecord {
 pub(crate) struct LightGlobals {
     pub(crate) environment: [f32; 3],
     pub(crate) light_count: u32,
+    pub(crate) environment_turn: [f32; 2],
+    pub(crate) mirror_alpha: f32,
+    pub(crate) padding: u32,
 }
 
 /// `ShadowLayer` of `shadow_map.wgsl`.
@@ -148,6 +163,13 @@ impl Light {
         match self.source {
             LightSource::Directional { direction, irradiance, angular_radius_rad } => LightRecord {
                 kind: LIGHT_DIRECTIONAL,
+                direction: direction.to_array(),
+                intensity: irradiance.to_array(),
+                radius: angular_radius_rad.tan(),
+                ..base
+            },
+            LightSource::Environment { direction, irradiance, angular_radius_rad } => LightRecord {
+                kind: LIGHT_ENVIRONMENT,
                 direction: direction.to_array(),
                 intensity: irradiance.to_array(),
                 radius: angular_radius_rad.tan(),
@@ -196,6 +218,9 @@ pub fn lights_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         .storage()
         .depth_2d_array()
         .sampler_comparison()
+        .texture_cube()
+        .texture_cube()
+        .sampler()
         .build(device, "lights")
 }
 
@@ -211,14 +236,15 @@ pub struct Lights {
 }
 
 impl Lights {
-    /// Uploads lights. `environment` is the radiance of what lies outside the grid, the same from everywhere.
+    /// Uploads lights. `environment` is what lies outside the grid; `white` stands in for its map.
     ///
     /// A light whose shadow layer does not exist in `maps` gets its shadows by cones instead.
-    pub fn new(
+    pub(crate) fn new(
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
         lights: &[Light],
-        environment: Vec3,
+        environment: EnvironmentLight<'_>,
+        white: &EnvironmentMap,
         maps: Option<&ShadowMaps>,
     ) -> Self {
         let layer_count = maps.map_or(0, |maps| maps.layers.len() as u32);
@@ -250,8 +276,14 @@ impl Lights {
                 padding: [0; 2],
             })
             .collect();
-        let globals =
-            LightGlobals { environment: environment.to_array(), light_count: records.len() as u32 };
+        let map = environment.map.unwrap_or(white);
+        let globals = LightGlobals {
+            environment: (environment.radiance * map.unit).to_array(),
+            light_count: records.len() as u32,
+            environment_turn: [environment.rotation_rad.cos(), environment.rotation_rad.sin()],
+            mirror_alpha: mirror_alpha(&records),
+            padding: 0,
+        };
         let globals = uniform_buffer(device, "light globals", &globals);
         let lights = upload(device, "lights", &padded(&records));
         let layers = upload(device, "shadow layers", &padded(&layers));
@@ -279,6 +311,13 @@ impl Lights {
             compare: Some(wgpu::CompareFunction::GreaterEqual),
             ..Default::default()
         });
+        let environment_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("environment"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
         let builder =
             BindGroupBuilder::new(layout).buffer(&globals).buffer(&lights).buffer(&layers);
         let builder = match (maps, &no_map) {
@@ -286,13 +325,25 @@ impl Lights {
             (None, Some(view)) => builder.view(view),
             (None, None) => unreachable!("a stand-in is made where there are no maps"),
         };
-        let group = builder.sampler(&sampler).build(device, "lights");
+        let group = builder
+            .sampler(&sampler)
+            .view(&map.sharp)
+            .view(&map.soft)
+            .sampler(&environment_sampler)
+            .build(device, "lights");
         Self {
             group,
             count: records.len() as u32,
             has_cone_shadows: records.iter().any(|light| light.shadow == SHADOW_CONE),
         }
     }
+}
+
+/// The alpha below which a lobe shows the shape of the widest light that is a part of the environment: the
+/// microfacets' normals turn by half of what the reflection does. 0 without such lights.
+fn mirror_alpha(records: &[LightRecord]) -> f32 {
+    let parts = records.iter().filter(|light| light.kind == LIGHT_ENVIRONMENT);
+    parts.map(|light| 0.5 * light.radius).fold(0.0, f32::max)
 }
 
 /// The records, or a single zero one where there are none: WebGPU has no empty bindings.

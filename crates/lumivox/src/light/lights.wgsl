@@ -1,18 +1,18 @@
 // Lights and the environment: group 2 of every pass that evaluates direct light or looks at the sky.
 
-import package::constants::{LIGHT_DIRECTIONAL, LIGHT_SPOT};
+import package::constants::{LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_SPOT};
 
 struct Light {
     position_in_world: vec3f,
-    // LIGHT_DIRECTIONAL, LIGHT_POINT or LIGHT_SPOT.
+    // LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT or LIGHT_ENVIRONMENT.
     kind: u32,
     // The way the light travels; unit length.
     direction: vec3f,
     // Distance at which the light ends, m; 0: it never does.
     range_m: f32,
-    // Directional: irradiance across the beam. Point and spot: radiant intensity.
+    // Directional and environment: irradiance across the beam. Point and spot: radiant intensity.
     intensity: vec3f,
-    // Point and spot: radius of the source, m. Directional: tangent of its angular radius.
+    // Point and spot: radius of the source, m. The others: tangent of its angular radius.
     radius: f32,
     // Spot: the intensity is scaled by clamp(cos(angle) * spot_scale + spot_offset, 0, 1)^2.
     spot_scale: f32,
@@ -24,8 +24,14 @@ struct Light {
 }
 
 struct LightGlobals {
+    // What the values of the environment's map are multiples of; without a map, its radiance.
     environment: vec3f,
     light_count: u32,
+    // Cosine and sine of the map's rotation about y.
+    environment_turn: vec2f,
+    // Lobes of a smaller alpha show the peaks of the environment's map in place of their lights' highlights.
+    mirror_alpha: f32,
+    padding: u32,
 }
 
 @group(2) @binding(0) var<uniform> light_globals: LightGlobals;
@@ -40,8 +46,13 @@ struct Incident {
     irradiance: vec3f,
 }
 
+// Whether a light is infinitely far, and its light parallel.
+fn is_parallel(light: Light) -> bool {
+    return light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT;
+}
+
 fn incident_light(light: Light, position_in_world: vec3f) -> Incident {
-    if light.kind == LIGHT_DIRECTIONAL {
+    if is_parallel(light) {
         return Incident(-light.direction, 3e38, light.intensity);
     }
     let to_light = light.position_in_world - position_in_world;

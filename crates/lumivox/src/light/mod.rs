@@ -4,6 +4,7 @@
 //! `E` is the irradiance from the analytic lights (`direct.wgsl`) and, for each bounce, what cones gather from
 //! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
 
+mod environment;
 mod lights;
 #[cfg(test)]
 mod tests;
@@ -19,8 +20,10 @@ use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
 use crate::voxels::VoxelList;
 
+pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, Peak};
 pub(crate) use lights::{
-    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP, SHADOW_NONE, lights_layout,
+    LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP,
+    SHADOW_NONE, lights_layout,
 };
 pub use lights::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 #[cfg(test)]
@@ -28,6 +31,7 @@ pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("light::environment", include_str!("environment/environment.wgsl")),
     ("light::lights", include_str!("lights.wgsl")),
     ("light::shadow_map", include_str!("shadow_map.wgsl")),
     ("light::visibility", include_str!("visibility.wgsl")),

@@ -1,8 +1,8 @@
 // The share of a light that reaches a point: from a shadow map, or by a cone as wide as the source.
 
-import package::constants::{LIGHT_DIRECTIONAL, SHADOW_CONE, SHADOW_MAP};
+import package::constants::{SHADOW_CONE, SHADOW_MAP};
 import package::grid::{grid, grid_from_world};
-import package::light::lights::{Incident, Light};
+import package::light::lights::{is_parallel, Incident, Light};
 import package::light::shadow_map::shadow_map_visibility;
 import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
 
@@ -21,7 +21,7 @@ fn shadow_cone_visibility(
     let settings = shadow_cone_settings();
     var tan_half_angle = light.radius;
     var reach = 3e38;
-    if light.kind != LIGHT_DIRECTIONAL {
+    if !is_parallel(light) {
         tan_half_angle = light.radius / max(incident.distance_m, light.radius);
         // Not into the source itself, nor into what carries it.
         reach = (incident.distance_m - light.radius) / grid.voxel_size_m - 2.0;

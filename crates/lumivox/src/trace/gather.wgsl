@@ -2,7 +2,7 @@
 // the environment through what is left open.
 
 import package::grid::grid_from_world;
-import package::light::lights::light_globals;
+import package::light::environment::environment_radiance;
 import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
 import package::trace::hemisphere::{basis, cell_cone, cell_jitter};
 
@@ -42,8 +42,8 @@ fn gather(
             cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
         let level_offset = fract(level_start + f32(cell) * 0.618034);
         let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings);
-        sum.irradiance +=
-            weight * (traced.radiance + traced.transmittance * light_globals.environment);
+        sum.irradiance += weight
+            * (traced.radiance + traced.transmittance * environment_radiance(direction, growth));
         sum.openness += traced.openness;
         sum.samples += traced.samples;
     }

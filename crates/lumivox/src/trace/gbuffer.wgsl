@@ -56,6 +56,15 @@ fn position_from_depth(pixel: vec2u, depth: f32) -> vec3f {
     return world.xyz / world.w;
 }
 
+// The unit vector from the camera through a pixel's centre, from where it meets infinity: points nearby would
+// lose its digits to the camera's own position.
+fn ray_direction(pixel: vec2u) -> vec3f {
+    let uv = (vec2f(pixel) + 0.5) / vec2f(view.size);
+    let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+    let far = view.world_from_clip * vec4f(ndc, 0.0, 1.0);
+    return normalize(far.xyz - far.w * view.position_in_world);
+}
+
 fn load_surface(pixel: vec2u) -> Surface {
     let depth = textureLoad(gbuffer_depth, pixel, 0);
     let normals = textureLoad(gbuffer_normals, pixel, 0);

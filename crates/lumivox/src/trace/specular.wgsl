@@ -7,7 +7,7 @@
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::grid::grid_from_world;
-import package::light::lights::light_globals;
+import package::light::environment::environment_reflection;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_masking, ggx_visibility,
     sample_visible_normal,
@@ -67,12 +67,16 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
     let level_offset = fract(start.x + start.y + 0.754878 * f32(view.frame & 0xffffu));
     let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings.cones);
-    let radiance = traced.radiance + traced.transmittance * light_globals.environment;
+    // A mirror shows the surroundings sharply, though its cone never reads the finest cells far away.
+    let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
+    let outside = environment_reflection(direction, outside_width, alpha);
+    let radiance = traced.radiance + traced.transmittance * outside;
 
     let fresnel = fresnel_schlick(material.rgb, dot(local_view, half_vector));
     let both = ggx_visibility(local_view.z, local_light.z, alpha) * 4.0 * local_view.z
         * local_light.z;
     let weight = fresnel * (both / masking);
-    textureStore(
-        specular_out, invocation.xy, vec4f(radiance * weight, samples + f32(traced.samples)));
+    // A mirror of the sun may exceed the largest half float.
+    let reflected = min(radiance * weight, vec3f(65504.0));
+    textureStore(specular_out, invocation.xy, vec4f(reflected, samples + f32(traced.samples)));
 }
