@@ -120,6 +120,23 @@ pub enum SceneError {
         remedy: &'static str,
     },
 
+    /// The vertices and indices need more memory than the budget has.
+    #[error(
+        "{}: with {part} the scene's vertices and indices need {} MiB or more, beyond the budget of \
+         {} MiB; simplify or split the scene, or raise the budget for geometry",
+        file.display(), needed_bytes.div_ceil(1 << 20), budget_bytes >> 20
+    )]
+    TooMuchGeometry {
+        /// The scene's file.
+        file: PathBuf,
+        /// The part that did not fit any more.
+        part: String,
+        /// What it and all before it need, in bytes.
+        needed_bytes: u64,
+        /// What there is, in bytes.
+        budget_bytes: u64,
+    },
+
     /// A number is NaN or infinite.
     #[error("{}: {part} has a number that is not finite; repair it in the modelling program", file.display())]
     NotFinite {

@@ -4,7 +4,7 @@
 //! 3.4). Light is in photometric units: luminance in cd/m², illuminance in lux, intensity in
 //! candela. This crate knows no GPU; renderers upload what they find here.
 //!
-//! A [`Scene`] comes from [`Scene::load`] (a `.gltf` or `.glb` file), from [`builtin::scene`] (made
+//! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY or STL file), from [`builtin::scene`] (made
 //! in code, see [`builtin::names`]), or from hand-filled fields followed by [`Scene::validate`].
 //! In each case the same promises hold afterwards:
 //!
@@ -34,7 +34,9 @@ mod validate;
 
 pub use environment::sky;
 pub use error::SceneError;
-pub use load::{EXTENSIONS, LoadOptions, LoadProgress, MemoryBudget, extensions_in_words};
+pub use load::{
+    EXTENSIONS, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words,
+};
 pub use model::{
     AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,

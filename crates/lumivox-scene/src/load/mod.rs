@@ -3,10 +3,22 @@
 //! Files come from anywhere, so nothing in them is believed: sizes are checked against the bytes
 //! that exist before memory is taken, indices before they are used, paths before they are followed.
 
+mod color;
 mod extensions;
 mod files;
+mod geometry;
 mod gltf;
+mod image;
+mod normals;
+mod obj;
+mod ply;
+mod polygon;
+mod stand_in;
+mod stl;
+mod stream;
 mod tangents;
+mod text;
+mod units;
 
 use std::path::Path;
 
@@ -14,19 +26,45 @@ use crate::{Scene, SceneError};
 pub use extensions::{EXTENSIONS, extensions_in_words};
 use files::Reach;
 
+pub use units::UpAxis;
+
 /// How a scene is loaded. The default loads all that a file shows by itself, and reads no file
 /// outside of the scene's folder.
-#[derive(Default)]
 pub struct LoadOptions<'a> {
     /// Whether the scene may name files outside of its own folder. Default: no.
     pub allow_outside: bool,
     /// Which of a file's scenes to load (glTF), by name or number. Default: the one that the file
     /// marks, else the first.
     pub scene: Option<String>,
+    /// Which axis of the file points up. Default: y. Ask for z where a model of CAD or a scan lies on
+    /// its back.
+    pub up: UpAxis,
+    /// The length of the file's unit in metres, above 0. Default: 1; 0.001 for files in millimetres,
+    /// as those of CAD mostly are. Lengths and places are multiplied, strengths of lights are not.
+    pub unit_m: f32,
+    /// How sharp an edge must be to stay an edge, in radians from 0 (all edges stay) to pi (none
+    /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: what each format
+    /// means by leaving them out: PLY is smooth, STL is flat, OBJ is flat outside of its smoothing
+    /// groups.
+    pub crease_rad: Option<f32>,
     /// How much memory the scene may take.
     pub budget: MemoryBudget,
     /// Told how far loading is, now and then.
     pub progress: Option<&'a mut dyn FnMut(LoadProgress)>,
+}
+
+impl Default for LoadOptions<'_> {
+    fn default() -> Self {
+        Self {
+            allow_outside: false,
+            scene: None,
+            up: UpAxis::Y,
+            unit_m: 1.0,
+            crease_rad: None,
+            budget: MemoryBudget::default(),
+            progress: None,
+        }
+    }
 }
 
 /// How much memory a scene may take.
@@ -62,7 +100,6 @@ impl LoadOptions<'_> {
         if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
     }
 
-    #[expect(dead_code, reason = "loaders will tell")]
     fn tell(&mut self, stage: &'static str, done: u64, total: u64) {
         if let Some(progress) = &mut self.progress {
             progress(LoadProgress { stage, done, total });
@@ -75,13 +112,17 @@ impl std::fmt::Debug for LoadOptions<'_> {
         f.debug_struct("LoadOptions")
             .field("allow_outside", &self.allow_outside)
             .field("scene", &self.scene)
+            .field("up", &self.up)
+            .field("unit_m", &self.unit_m)
+            .field("crease_rad", &self.crease_rad)
             .field("budget", &self.budget)
             .finish_non_exhaustive()
     }
 }
 
 impl Scene {
-    /// Reads a scene from a `.gltf` or `.glb` file (glTF 2.0), and validates it.
+    /// Reads a scene from a file, and validates it: `.gltf` or `.glb` (glTF 2.0), `.obj` with its
+    /// materials (Wavefront), `.ply` (Stanford) or `.stl` (stereolithography).
     ///
     /// What the file uses beyond this crate's reach becomes a warning in [`Scene::notes`] and in
     /// the log.
@@ -103,12 +144,17 @@ impl Scene {
         options: &mut LoadOptions<'_>,
     ) -> Result<Self, SceneError> {
         let path = path.as_ref();
+        units::check(path, options)?;
         let extension =
             path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-        let scene = match extension.as_str() {
+        let mut scene = match extension.as_str() {
             "gltf" | "glb" => gltf::load(path, options)?,
+            "obj" => obj::load(path, options)?,
+            "ply" => ply::load(path, options)?,
+            "stl" => stl::load(path, options)?,
             _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
         };
+        units::apply(&mut scene, path, options)?;
         for warning in &scene.notes.warnings {
             tracing::warn!("{}: {warning}", path.display());
         }

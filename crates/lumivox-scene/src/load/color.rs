@@ -1,0 +1,79 @@
+//! Colours as files write them, and as light is: sRGB (IEC 61966-2-1:1999) to linear.
+
+/// The linear value of an sRGB-encoded one, both from 0 to 1.
+pub(super) fn linear_from_srgb(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Makes linear channels of the numbers of a file.
+pub(super) enum Decoder {
+    /// Floats are linear.
+    Float,
+    /// Bytes are sRGB-encoded where they are colours; what each of them means.
+    Bytes(Box<[f32; 256]>),
+    /// So are larger integers, as shares of their largest value.
+    Integers(u32),
+}
+
+impl Decoder {
+    /// For integers up to `full`.
+    pub(super) fn integers(full: u32) -> Self {
+        if full != 255 {
+            return Self::Integers(full);
+        }
+        let mut table = Box::new([0.0; 256]);
+        for (i, linear) in table.iter_mut().enumerate() {
+            *linear = linear_from_srgb(i as f32 / 255.0);
+        }
+        Self::Bytes(table)
+    }
+
+    /// A channel that is no colour, such as alpha; limited to 0..1, zero where it is no number.
+    pub(super) fn linear(&self, value: f64) -> f32 {
+        let full = match self {
+            Self::Float => 1.0,
+            Self::Bytes(_) => 255.0,
+            Self::Integers(full) => f64::from(*full),
+        };
+        if value.is_nan() { 0.0 } else { (value / full).clamp(0.0, 1.0) as f32 }
+    }
+
+    /// A channel of a colour; limited likewise.
+    pub(super) fn color(&self, value: f64) -> f32 {
+        match self {
+            Self::Float => self.linear(value),
+            // The cast saturates.
+            Self::Bytes(table) => table[usize::from(value as u8)],
+            Self::Integers(_) => linear_from_srgb(self.linear(value)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_is_that_of_the_standard() {
+        // IEC 61966-2-1: the middle of the bytes is about a fifth of the light.
+        assert!((linear_from_srgb(0.5) - 0.214_04).abs() < 1e-4);
+        assert_eq!(linear_from_srgb(0.0), 0.0);
+        assert!((linear_from_srgb(1.0) - 1.0).abs() < 1e-6);
+        // Both pieces meet.
+        assert!((linear_from_srgb(0.04045) - linear_from_srgb(0.040_451)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn types_decide_how_channels_are_read() {
+        let byte = Decoder::integers(255);
+        assert!((byte.color(255.0) - 1.0).abs() < 1e-6);
+        assert!((byte.color(128.0) - 0.2159).abs() < 1e-4);
+        assert!((byte.linear(128.0) - 0.50196).abs() < 1e-4);
+        let short = Decoder::integers(65535);
+        assert!((short.color(32768.0) - 0.2140).abs() < 1e-4);
+        let float = Decoder::Float;
+        assert_eq!(float.color(0.5), 0.5);
+        assert_eq!(float.color(f64::NAN), 0.0);
+        assert_eq!(float.color(7.0), 1.0);
+    }
+}

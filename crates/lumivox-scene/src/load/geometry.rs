@@ -1,0 +1,92 @@
+//! The memory that vertices and indices take, counted before it is taken.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3, Vec4};
+
+use crate::{Mesh, SceneError};
+
+/// Vertices that indices of 32 bits can name; the last number is left to "none".
+const MOST_VERTICES: usize = u32::MAX as usize;
+
+/// What is left of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
+pub(super) struct GeometryBudget<'f> {
+    file: &'f Path,
+    all: u64,
+    spent: u64,
+}
+
+impl<'f> GeometryBudget<'f> {
+    pub(super) fn new(file: &'f Path, bytes: u64) -> Self {
+        Self { file, all: bytes, spent: 0 }
+    }
+
+    /// Takes what so many vertices and indices need; `part` names them in the error.
+    pub(super) fn spend(
+        &mut self,
+        part: impl FnOnce() -> String,
+        vertices: usize,
+        indices: usize,
+        colors: bool,
+    ) -> Result<(), SceneError> {
+        // Beyond that, indices of 32 bits cannot tell vertices apart.
+        let more =
+            if vertices <= MOST_VERTICES { bytes(vertices, indices, colors) } else { u64::MAX };
+        self.spent = self.spent.saturating_add(more);
+        self.check(part, 0)
+    }
+
+    /// Whether so many more bytes, as a reader needs them while it reads, would fit.
+    pub(super) fn check(&self, part: impl FnOnce() -> String, more: u64) -> Result<(), SceneError> {
+        let needed_bytes = self.spent.saturating_add(more);
+        if needed_bytes <= self.all {
+            return Ok(());
+        }
+        Err(SceneError::TooMuchGeometry {
+            file: self.file.to_owned(),
+            part: part(),
+            needed_bytes,
+            budget_bytes: self.all,
+        })
+    }
+}
+
+impl GeometryBudget<'_> {
+    /// Takes the copies of vertices that normals which differ from corner to corner may need: at most
+    /// one a corner.
+    pub(super) fn spend_split(&mut self, mesh: &Mesh) -> Result<(), SceneError> {
+        let more = mesh.indices.len().saturating_sub(mesh.positions.len());
+        let part = || format!("mesh \"{}\", its vertices split at edges,", mesh.name);
+        self.spend(part, more, 0, !mesh.colors.is_empty())
+    }
+}
+
+/// Bytes of a [`Mesh`] with one set of texture coordinates.
+fn bytes(vertices: usize, indices: usize, colors: bool) -> u64 {
+    let vertex = 2 * size_of::<Vec3>()
+        + size_of::<Vec2>()
+        + size_of::<Vec4>()
+        + if colors { size_of::<Vec4>() } else { 0 };
+    (vertices as u64)
+        .saturating_mul(vertex as u64)
+        .saturating_add((indices as u64).saturating_mul(4))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_numbers() {
+        let mut budget = GeometryBudget::new(Path::new("scan.ply"), 3 << 20);
+        let part = || "the scan".to_owned();
+        budget.spend(part, 20_000, 60_000, false).unwrap();
+        assert_eq!(budget.spent, 20_000 * 48 + 60_000 * 4);
+        budget.check(part, 1 << 20).unwrap();
+        let error = budget.spend(part, 30_000, 60_000, true).unwrap_err().to_string();
+        assert!(error.contains("scan.ply: with the scan"), "{error}");
+        assert!(error.contains("4 MiB") && error.contains("budget of 3 MiB"), "{error}");
+        let mut budget = GeometryBudget::new(Path::new("scan.ply"), u64::MAX - 1);
+        assert!(budget.spend(part, MOST_VERTICES + 1, 0, false).is_err());
+    }
+}

@@ -1,0 +1,136 @@
+//! The distinct corners of a file's polygons: place, texture coordinates, normal.
+//!
+//! Chains from each place to its corners are shorter than hashing, and lie in memory as the file
+//! does: five million corners take their 16 bytes each and a second.
+
+/// A corner of polygons, as numbers of what was listed before.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Corner {
+    pub(super) position: u32,
+    /// [`Corner::NONE`] where there are no texture coordinates.
+    pub(super) uv: u32,
+    pub(super) normal: Normal,
+}
+
+impl Corner {
+    pub(super) const NONE: u32 = u32::MAX;
+}
+
+/// Where a corner's normal comes from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Normal(u32);
+
+impl Normal {
+    /// That of the face.
+    pub(super) const FLAT: Self = Self(u32::MAX);
+    const GROUP: u32 = 1 << 31;
+
+    /// One of the file's. Past what 31 bits name, it is that of the face.
+    pub(super) fn given(number: u32) -> Self {
+        if number < Self::GROUP { Self(number) } else { Self::FLAT }
+    }
+
+    /// The mean over the smoothing group of that number.
+    pub(super) fn group(number: u32) -> Self {
+        Self(number | Self::GROUP)
+    }
+
+    pub(super) fn as_given(self) -> Option<usize> {
+        (self.0 < Self::GROUP).then_some(self.0 as usize)
+    }
+
+    pub(super) fn is_group(self) -> bool {
+        self.0 >= Self::GROUP && self != Self::FLAT
+    }
+}
+
+/// The table.
+#[derive(Default)]
+pub(super) struct Corners {
+    list: Vec<Corner>,
+    /// The next corner at the same place.
+    next: Vec<u32>,
+    /// The last corner at each place.
+    heads: Vec<u32>,
+}
+
+impl Corners {
+    /// Corners looked through at one place before another is made: more than real meshes have, and a
+    /// bound on what a hostile one costs.
+    const LONGEST_CHAIN: usize = 32;
+
+    /// The number of a corner; a new one where it was not met before.
+    pub(super) fn number(&mut self, corner: Corner) -> u32 {
+        let place = corner.position as usize;
+        if self.heads.len() <= place {
+            self.heads.resize(place + 1, Corner::NONE);
+        }
+        if let Some(known) = self.find(corner.position, |other| *other == corner) {
+            return known;
+        }
+        let number = self.list.len() as u32;
+        self.list.push(corner);
+        self.next.push(self.heads[place]);
+        self.heads[place] = number;
+        number
+    }
+
+    /// The first corner of a place's chain that fits.
+    pub(super) fn find(&self, position: u32, fits: impl Fn(&Corner) -> bool) -> Option<u32> {
+        let mut number = self.heads[position as usize];
+        for _ in 0..Self::LONGEST_CHAIN {
+            let corner = self.list.get(number as usize)?;
+            if fits(corner) {
+                return Some(number);
+            }
+            number = self.next[number as usize];
+        }
+        None
+    }
+
+    pub(super) fn get(&self, number: u32) -> Corner {
+        self.list[number as usize]
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Gives back what only new corners need.
+    pub(super) fn close(&mut self) {
+        self.next = Vec::new();
+        self.heads = Vec::new();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_corners_are_one() {
+        let mut corners = Corners::default();
+        let corner = |position, uv, normal| Corner { position, uv, normal };
+        let all = [
+            corner(5, 1, Normal::given(2)),
+            corner(5, 1, Normal::group(2)),
+            corner(5, Corner::NONE, Normal::FLAT),
+            corner(0, 1, Normal::given(2)),
+        ];
+        for _ in 0..2 {
+            assert_eq!(all.map(|c| corners.number(c)), [0, 1, 2, 3]);
+        }
+        assert_eq!(corners.len(), 4);
+        assert!(all[1].normal.is_group() && !all[2].normal.is_group());
+        assert_eq!(all[0].normal.as_given(), Some(2));
+    }
+
+    #[test]
+    fn a_crowded_place_costs_no_square() {
+        let mut corners = Corners::default();
+        for uv in 0..100_000 {
+            corners.number(Corner { position: 0, uv, normal: Normal::FLAT });
+        }
+        assert_eq!(corners.len(), 100_000);
+    }
+}

@@ -1,0 +1,136 @@
+//! Where the files lie that an OBJ or MTL file names.
+//!
+//! Names are often written on another machine: with backslashes, in another case, or with the whole
+//! path of a folder that is not here. Looked for are, in this order: the path as it stands; the same
+//! whatever the case; and the bare name in the folder of the file that names it and in the scene's.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::load::files::{self, Reach};
+use crate::load::text::readable;
+
+/// The file that `naming`, of the scene `scene`, calls `name`; or why there is none, with a remedy.
+pub(super) fn find(
+    scene: &Path,
+    naming: &Path,
+    name: &[u8],
+    reach: Reach,
+) -> Result<PathBuf, String> {
+    let text = decode(name);
+    let mut reason = None;
+    for base in [naming, scene] {
+        match files::resolve(base, "", &text, reach) {
+            Ok(path) if path.is_file() => return Ok(path),
+            Ok(path) => {
+                let folder = base.parent().unwrap_or(Path::new(""));
+                let below = path.strip_prefix(folder).unwrap_or(&path);
+                if let Some(found) = ignoring_case(folder, below) {
+                    return Ok(found);
+                }
+            }
+            Err(crate::SceneError::RefusedUri { reason: why, .. }) => reason = Some(why),
+            Err(error) => reason = Some(error.to_string()),
+        }
+    }
+    let bare = text.rsplit(['/', '\\']).next().unwrap_or_default();
+    for base in [naming, scene] {
+        let folder = base.parent().unwrap_or(Path::new(""));
+        // A bare name may still be "..", or hold a drive.
+        let Ok(path) = files::resolve(base, "", bare, Reach::OwnFolder) else { continue };
+        let below = path.strip_prefix(folder).unwrap_or(&path);
+        if let Some(found) = ignoring_case(folder, below) {
+            return Ok(found);
+        }
+    }
+    let name = readable(name);
+    Err(match reason {
+        Some(reason) => format!(
+            "\"{name}\" is not read, for {reason}, and no file of its bare name lies beside the \
+             scene; copy it there or allow files outside of the scene's folder"
+        ),
+        None => format!("\"{name}\" does not exist; put it beside the scene"),
+    })
+}
+
+/// Text of UTF-8, or else of Latin-1, as older programs wrote.
+fn decode(name: &[u8]) -> String {
+    match std::str::from_utf8(name) {
+        Ok(text) => text.to_owned(),
+        Err(_) => name.iter().map(|&byte| char::from(byte)).collect(),
+    }
+}
+
+/// The file at `below` in `folder`, in upper or lower case.
+fn ignoring_case(folder: &Path, below: &Path) -> Option<PathBuf> {
+    let mut at = folder.to_owned();
+    for component in below.components() {
+        let Component::Normal(wanted) = component else {
+            at.push(component);
+            continue;
+        };
+        let exact = at.join(wanted);
+        if exact.exists() {
+            at = exact;
+            continue;
+        }
+        let wanted = wanted.to_string_lossy().to_lowercase();
+        let listed = if at.as_os_str().is_empty() { Path::new(".") } else { at.as_path() };
+        let mut names: Vec<_> = std::fs::read_dir(listed)
+            .ok()?
+            .filter_map(|entry| Some(entry.ok()?.file_name()))
+            .filter(|name| name.to_string_lossy().to_lowercase() == wanted)
+            .collect();
+        // Several that differ by case alone: the same one in every run.
+        names.sort_unstable();
+        at.push(names.first()?);
+    }
+    at.is_file().then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_other_systems_are_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.obj");
+        let textures = folder.path().join("Textures");
+        std::fs::create_dir(&textures).unwrap();
+        let wood = textures.join("Wood Planks.PNG");
+        std::fs::write(&wood, "wood").unwrap();
+        let stone = folder.path().join("stone.png");
+        std::fs::write(&stone, "stone").unwrap();
+        let find = |name: &[u8]| find(&scene, &scene, name, Reach::OwnFolder);
+        for name in [
+            "Textures/Wood Planks.PNG",
+            "textures\\wood planks.png",
+            ".\\TEXTURES\\Wood Planks.png",
+        ] {
+            assert_eq!(find(name.as_bytes()).unwrap().canonicalize().unwrap(), wood, "{name}");
+        }
+        for name in
+            ["C:\\Maps\\Stone.png", "/home/me/stone.png", "../../stone.PNG", "maps/stone.png"]
+        {
+            assert_eq!(find(name.as_bytes()).unwrap(), stone, "{name}");
+        }
+    }
+
+    #[test]
+    fn files_outside_are_refused_with_a_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let below = folder.path().join("below");
+        std::fs::create_dir(&below).unwrap();
+        let secret = folder.path().join("secret.png");
+        std::fs::write(&secret, "secret").unwrap();
+        let scene = below.join("scene.obj");
+        let refused = find(&scene, &scene, b"../secret.png", Reach::OwnFolder).unwrap_err();
+        assert!(refused.contains("leaves the scene's folder"), "{refused}");
+        assert!(refused.contains("allow files outside"), "{refused}");
+        let allowed = find(&scene, &scene, b"../secret.png", Reach::Anywhere).unwrap();
+        assert_eq!(allowed.canonicalize().unwrap(), secret.canonicalize().unwrap());
+        for name in [&b".."[..], b"", b".", b"a/..", b"c:", b"a\0b", b"caf\xe9.png"] {
+            assert!(find(&scene, &scene, name, Reach::OwnFolder).is_err(), "{name:?}");
+        }
+    }
+}

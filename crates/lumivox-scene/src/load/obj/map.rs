@@ -1,0 +1,190 @@
+//! Statements of MTL that name an image: options, then the file.
+
+use glam::{Affine2, Vec2};
+
+use crate::load::text::{keyword, number, readable};
+use crate::{Texture, TextureRef, Wrap};
+
+/// An image and how it is used.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Map {
+    /// The file, in any encoding.
+    pub(super) file: Vec<u8>,
+    /// `-s`: multiplies texture coordinates. Default: one.
+    pub(super) scale: Vec2,
+    /// `-o`: added to them after. Default: zero.
+    pub(super) offset: Vec2,
+    /// `-bm`: the strength of bumps. Default: 1.
+    pub(super) bump: f32,
+    /// `-clamp`: whether the image does not repeat. Default: no.
+    pub(super) clamp: bool,
+    /// `-imfchan`: the channel of an image that stands for one number.
+    pub(super) channel: Channel,
+}
+
+/// Where an image holds one number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) enum Channel {
+    /// Luminance; for opacities alpha, where the image has any.
+    #[default]
+    Unsaid,
+    Red,
+    Green,
+    Blue,
+    Alpha,
+    Luminance,
+}
+
+impl Map {
+    /// Reads what follows the keyword; the second part of the answer names the options that were
+    /// ignored. `None` where no file is named.
+    pub(super) fn parse(mut rest: &[u8]) -> Option<(Self, Vec<String>)> {
+        let mut map = Self {
+            file: Vec::new(),
+            scale: Vec2::ONE,
+            offset: Vec2::ZERO,
+            bump: 1.0,
+            clamp: false,
+            channel: Channel::Unsaid,
+        };
+        let mut ignored = Vec::new();
+        while rest.starts_with(b"-") {
+            let (option, mut after) = keyword(rest);
+            match option {
+                b"-s" => map.scale = vector(&mut after, 1.0),
+                b"-o" => map.offset = vector(&mut after, 0.0),
+                b"-bm" => map.bump = values(&mut after, 1).first().copied().unwrap_or(1.0),
+                b"-clamp" => map.clamp = word(&mut after).eq_ignore_ascii_case(b"on"),
+                b"-imfchan" => {
+                    map.channel = match word(&mut after) {
+                        b"r" => Channel::Red,
+                        b"g" => Channel::Green,
+                        b"b" => Channel::Blue,
+                        b"m" => Channel::Alpha,
+                        b"l" => Channel::Luminance,
+                        _ => Channel::Unsaid,
+                    };
+                }
+                b"-t" | b"-mm" | b"-boost" | b"-texres" => {
+                    let most = if option == b"-t" { 3 } else { 2 };
+                    let changes = values(&mut after, most);
+                    // Exporters write the defaults, too.
+                    let neutral = match option {
+                        b"-t" => changes.iter().all(|&value| value == 0.0),
+                        b"-mm" => changes == [0.0, 1.0],
+                        _ => false,
+                    };
+                    if !neutral {
+                        ignored.push(readable(option));
+                    }
+                }
+                b"-blendu" | b"-blendv" | b"-cc" | b"-type" => {
+                    let value = word(&mut after);
+                    let neutral = match option {
+                        b"-cc" => value == b"off",
+                        b"-type" => false,
+                        _ => value == b"on",
+                    };
+                    if !neutral {
+                        ignored.push(readable(option));
+                    }
+                }
+                // No option: a name that begins so.
+                _ => break,
+            }
+            rest = after;
+        }
+        map.file = rest.to_vec();
+        let finite = map.scale.is_finite() && map.offset.is_finite() && map.bump.is_finite();
+        if !finite {
+            (map.scale, map.offset, map.bump) = (Vec2::ONE, Vec2::ZERO, 1.0);
+            ignored.push("a number that is not finite".to_owned());
+        }
+        (!map.file.is_empty()).then_some((map, ignored))
+    }
+
+    /// The texture as this statement uses it.
+    pub(super) fn reference(&self, texture: usize) -> TextureRef {
+        // OBJ's v grows upwards: v' = 1 - (s (1 - v) + o).
+        let (s, o) = (self.scale, self.offset);
+        let transform = Affine2::from_cols(
+            Vec2::new(s.x, 0.0),
+            Vec2::new(0.0, s.y),
+            Vec2::new(o.x, 1.0 - s.y - o.y),
+        );
+        TextureRef { transform, ..TextureRef::new(texture) }
+    }
+
+    /// Whether both lie on a surface alike, so that one image can hold both.
+    pub(super) fn lies_like(&self, other: &Self) -> bool {
+        (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
+    }
+
+    pub(super) fn set_sampler(&self, texture: &mut Texture) {
+        if self.clamp {
+            texture.sampler.wrap_u = Wrap::ClampToEdge;
+            texture.sampler.wrap_v = Wrap::ClampToEdge;
+        }
+    }
+}
+
+/// Takes the next word.
+fn word<'t>(rest: &mut &'t [u8]) -> &'t [u8] {
+    let (word, after) = keyword(rest);
+    *rest = after;
+    word
+}
+
+/// Takes up to `most` numbers.
+fn values(rest: &mut &[u8], most: usize) -> Vec<f32> {
+    let mut values = Vec::new();
+    while values.len() < most {
+        let (word, after) = keyword(rest);
+        // A file's name can be a number; something must be left.
+        let Some(value) = number(word).filter(|_| !after.is_empty()) else { break };
+        values.push(value);
+        *rest = after;
+    }
+    values
+}
+
+/// Takes `u [v [w]]`; w is for solid textures.
+fn vector(rest: &mut &[u8], default: f32) -> Vec2 {
+    let values = values(rest, 3);
+    let at = |i: usize| values.get(i).copied().unwrap_or(default);
+    Vec2::new(at(0), at(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_and_names_with_spaces() {
+        let (map, ignored) =
+            Map::parse(b"-s 2 3 1 -o 0.5 0.25 -bm 0.3 -clamp on -imfchan g my wood.png").unwrap();
+        assert_eq!(map.file, b"my wood.png");
+        assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.25)));
+        assert_eq!((map.bump, map.clamp, map.channel), (0.3, true, Channel::Green));
+        assert!(ignored.is_empty());
+
+        let (map, ignored) = Map::parse(b"-s 2 -t 0 0 0 -mm 0 1 -boost 3 -blendu off 7").unwrap();
+        assert_eq!((map.file.as_slice(), map.scale), (&b"7"[..], Vec2::new(2.0, 1.0)));
+        assert_eq!(ignored, ["-boost", "-blendu"]);
+
+        assert_eq!(Map::parse(b"-odd.png").unwrap().0.file, b"-odd.png");
+        assert!(Map::parse(b"").is_none());
+        assert!(Map::parse(b"-clamp on").is_none());
+        assert_eq!(Map::parse(b"-s nan 1 a.png").unwrap().0.scale, Vec2::ONE);
+    }
+
+    #[test]
+    fn scale_and_offset_are_those_of_the_images_lower_left_corner() {
+        let (map, _) = Map::parse(b"-s 2 4 -o 0.25 0.125 a.png").unwrap();
+        let transform = map.reference(3).transform;
+        // In OBJ (0.5, 0.5) becomes (1.25, 2.125); both are turned upside down here.
+        let moved = transform.transform_point2(Vec2::new(0.5, 1.0 - 0.5));
+        assert!((moved - Vec2::new(1.25, 1.0 - 2.125)).length() < 1e-6, "{moved}");
+        assert_eq!(Map::parse(b"a.png").unwrap().0.reference(3), TextureRef::new(3));
+    }
+}

@@ -1,0 +1,79 @@
+//! Reads OBJ with MTL (Wavefront, "Advanced Visualizer manual", appendix B1 and B2, 1995; `Pr`, `Pm`
+//! and the like by Exocortex, "Extension to Wavefront MTL to support physically-based rendering",
+//! 2014).
+//!
+//! Read are vertices (with colours), polygons, objects, groups, smoothing groups and materials; free-form
+//! surfaces, lines and points are skipped with a warning. The faces of one object and group with one
+//! material become a mesh and an instance of that name.
+//!
+//! Corners without a normal are smooth among the faces of their smoothing group, across meshes. Outside
+//! of groups they are flat: that is the state in which the format begins ("the default is off"), and
+//! programs that mean smooth surfaces write normals or groups. [`LoadOptions::crease_rad`] says
+//! otherwise; then edges between two materials stay.
+//!
+//! A material has no sides in MTL, and many files are wound as it came: all are seen from both.
+//!
+//! The file is read line by line ([`read`]) into shared lists of places, texture coordinates and
+//! normals, a table of the distinct corners, and the corners of each part's triangles, which become the
+//! mesh's indices in place ([`mesh`]).
+//!
+//! `tobj` 4.0 was weighed: it keeps no smoothing groups, wants UTF-8, joins no lines, fans concave
+//! polygons, holds all faces beside the meshes, and knows neither texture options nor the keys of
+//! physically-based materials.
+
+mod corners;
+mod find;
+mod map;
+mod material;
+mod mesh;
+mod mtl;
+mod read;
+mod texture;
+
+use std::path::Path;
+
+use super::geometry::GeometryBudget;
+use super::{LoadOptions, Notes, stream, tangents};
+use crate::{Instance, Scene, SceneError};
+
+pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
+    let (reach, crease_rad, memory) = (options.reach(), options.crease_rad, options.budget);
+    let mut notes = Notes::default();
+    let mut budget = GeometryBudget::new(file, memory.geometry_bytes);
+    let (reader, _) = stream::open(file, options)?;
+    let mut model = read::read(file, reader, &mut notes, &budget)?;
+    let normals = model.group_normals();
+    let parts = std::mem::take(&mut model.parts);
+
+    let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let mut scene = Scene { name: name.unwrap_or_default(), ..Scene::default() };
+    let library = mtl::Library::load(file, reach, &model.libraries, &mut notes)?;
+    let mut materials = material::Materials::new(file, reach, library, options);
+    let mut builder = mesh::Builder::new(&model, &normals, crease_rad);
+    for part in parts {
+        let Some(built) = builder.build(part, &mut budget, &mut notes)? else { continue };
+        let colored = !built.mesh.colors.is_empty();
+        let name = built.material.map(|i| model.materials[i].as_slice());
+        let material = materials.get(name, colored, &mut scene, &mut notes);
+        let mut mesh = built.mesh;
+        if scene.materials[material].normal_texture.is_some() {
+            tangents::generate(&mut mesh);
+        }
+        scene.instances.push(Instance {
+            name: built.name,
+            mesh: scene.meshes.len(),
+            material,
+            world_from_local: glam::Mat4::IDENTITY,
+        });
+        scene.meshes.push(mesh);
+    }
+    drop(model);
+    materials.finish(&mut notes);
+    if scene.meshes.is_empty() {
+        let reason = "it has no faces".to_owned();
+        return Err(SceneError::NoTriangles { file: file.to_owned(), reason });
+    }
+    scene.notes.warnings = notes.warnings;
+    crate::validate::validate(&mut scene, file)?;
+    Ok(scene)
+}

@@ -1,0 +1,248 @@
+//! The statements of MTL files.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+
+use super::find::find;
+use super::map::Map;
+use crate::SceneError;
+use crate::load::files::Reach;
+use crate::load::text::{Lines, keyword, number, numbers, readable, words};
+use crate::load::{LoadOptions, Notes, stream};
+
+/// The materials of all libraries of a scene.
+#[derive(Default)]
+pub(super) struct Library {
+    materials: HashMap<Vec<u8>, Mtl>,
+}
+
+/// One material as its file says it; `None` is not said.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mtl {
+    /// The file that it stands in.
+    pub(super) file: PathBuf,
+    pub(super) diffuse: Option<Vec3>,
+    pub(super) specular: Option<Vec3>,
+    pub(super) emission: Option<Vec3>,
+    pub(super) scalars: BTreeMap<Scalar, f32>,
+    pub(super) maps: BTreeMap<Slot, Map>,
+}
+
+/// Statements of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Scalar {
+    Shininess,
+    Ior,
+    Opacity,
+    Transparency,
+    Illumination,
+    Roughness,
+    Metallic,
+    Sheen,
+    Clearcoat,
+    ClearcoatRoughness,
+}
+
+/// Statements of one image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Slot {
+    Diffuse,
+    Specular,
+    Emission,
+    Opacity,
+    Bump,
+    Normal,
+    Roughness,
+    Metallic,
+    Sheen,
+}
+
+impl Library {
+    /// Reads what `mtllib` names in the scene `file`. What is missing is a warning.
+    pub(super) fn load(
+        file: &Path,
+        reach: Reach,
+        names: &[Vec<u8>],
+        notes: &mut Notes,
+    ) -> Result<Self, SceneError> {
+        let mut library = Self::default();
+        for name in names {
+            // One name with spaces, or several names.
+            let found = match find(file, file, name, reach) {
+                Ok(path) => vec![Ok(path)],
+                Err(reason) if words(name).count() < 2 => vec![Err(reason)],
+                Err(_) => words(name).map(|name| find(file, file, name, reach)).collect(),
+            };
+            for path in found {
+                match path {
+                    Ok(path) => library.read(&path, notes)?,
+                    Err(reason) => {
+                        let beside = file.with_extension("mtl");
+                        let instead = if beside.is_file() {
+                            library.read(&beside, notes)?;
+                            "; the one of the scene's own name was read instead"
+                        } else {
+                            ""
+                        };
+                        notes.warn(format!("the material library {reason}{instead}"));
+                    }
+                }
+            }
+        }
+        Ok(library)
+    }
+
+    pub(super) fn get(&self, name: &[u8]) -> Option<&Mtl> {
+        self.materials.get(name)
+    }
+
+    fn read(&mut self, file: &Path, notes: &mut Notes) -> Result<(), SceneError> {
+        let mut options = LoadOptions::default();
+        let (reader, _) = stream::open(file, &mut options)?;
+        let mut lines = Lines::new(file, reader, 0);
+        let mut current: Option<(Vec<u8>, Mtl)> = None;
+        while lines.advance_joined()? {
+            let (first, rest) = keyword(lines.line());
+            if first.is_empty() || first.starts_with(b"#") {
+                continue;
+            }
+            if first.eq_ignore_ascii_case(b"newmtl") {
+                let mtl = Mtl { file: file.to_owned(), ..Mtl::default() };
+                let done = current.replace((rest.to_vec(), mtl));
+                self.insert(done);
+                continue;
+            }
+            let said = match &mut current {
+                Some((_, mtl)) => mtl.statement(first, rest),
+                None => Err("it comes before the first \"newmtl\"".to_owned()),
+            };
+            if let Err(reason) = said {
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                let word = readable(first);
+                notes.warn(format!(
+                    "{name}, line {}: \"{word}\" was ignored: {reason}",
+                    lines.number()
+                ));
+            }
+        }
+        self.insert(current);
+        Ok(())
+    }
+
+    /// The first material of a name counts.
+    fn insert(&mut self, named: Option<(Vec<u8>, Mtl)>) {
+        if let Some((name, mtl)) = named {
+            self.materials.entry(name).or_insert(mtl);
+        }
+    }
+}
+
+impl Mtl {
+    pub(super) fn scalar(&self, scalar: Scalar) -> Option<f32> {
+        self.scalars.get(&scalar).copied()
+    }
+
+    pub(super) fn map(&self, slot: Slot) -> Option<&Map> {
+        self.maps.get(&slot)
+    }
+
+    /// The sentence of an error says why a statement has no effect.
+    fn statement(&mut self, first: &[u8], rest: &[u8]) -> Result<(), String> {
+        let first = first.to_ascii_lowercase();
+        match first.as_slice() {
+            b"kd" => self.diffuse = Some(color(rest)?),
+            b"ks" => self.specular = Some(color(rest)?),
+            b"ke" => self.emission = Some(color(rest)?),
+            b"ns" => self.number(Scalar::Shininess, rest)?,
+            b"ni" => self.number(Scalar::Ior, rest)?,
+            b"illum" => self.number(Scalar::Illumination, rest)?,
+            b"pr" => self.number(Scalar::Roughness, rest)?,
+            b"pm" => self.number(Scalar::Metallic, rest)?,
+            b"ps" => self.number(Scalar::Sheen, rest)?,
+            b"pc" => self.number(Scalar::Clearcoat, rest)?,
+            b"pcr" => self.number(Scalar::ClearcoatRoughness, rest)?,
+            b"tr" => self.number(Scalar::Transparency, rest)?,
+            b"d" => match keyword(rest) {
+                (b"-halo", rest) => {
+                    self.number(Scalar::Opacity, rest)?;
+                    return Err("opacity does not change with the angle, its number is used \
+                                everywhere"
+                        .to_owned());
+                }
+                _ => self.number(Scalar::Opacity, rest)?,
+            },
+            b"map_kd" => self.map_statement(Slot::Diffuse, rest)?,
+            b"map_ks" => self.map_statement(Slot::Specular, rest)?,
+            b"map_ke" | b"map_emissive" => self.map_statement(Slot::Emission, rest)?,
+            b"map_d" | b"map_opacity" => self.map_statement(Slot::Opacity, rest)?,
+            b"map_bump" | b"bump" => self.map_statement(Slot::Bump, rest)?,
+            b"norm" | b"map_kn" | b"map_norm" => self.map_statement(Slot::Normal, rest)?,
+            b"map_pr" => self.map_statement(Slot::Roughness, rest)?,
+            b"map_pm" => self.map_statement(Slot::Metallic, rest)?,
+            b"map_ps" => self.map_statement(Slot::Sheen, rest)?,
+            // Light from nowhere in particular is what this program computes; and every exporter
+            // writes both. The sharpness of reflections and anti-aliasing are no properties of
+            // surfaces.
+            b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
+            b"tf" if color(rest) == Ok(Vec3::ONE) => {}
+            b"aniso" | b"anisor" if number(rest) == Some(0.0) => {}
+            b"tf" => return Err("filters of transmitted light are not supported".to_owned()),
+            b"map_ns" => return Err("Phong's exponent has no image".to_owned()),
+            b"map_tr" => return Err("use map_d".to_owned()),
+            b"refl" | b"map_refl" => {
+                return Err("reflections are computed, not read from an image".to_owned());
+            }
+            b"disp" | b"map_disp" | b"decal" | b"aniso" | b"anisor" | b"map_pc" | b"map_pcr"
+            | b"map_rma" | b"map_orm" => return Err("it is not supported".to_owned()),
+            _ => return Err("it is unknown".to_owned()),
+        }
+        Ok(())
+    }
+
+    fn number(&mut self, scalar: Scalar, rest: &[u8]) -> Result<(), String> {
+        let [value] = numbers::<1>(&mut words(rest))?;
+        if !value.is_finite() {
+            return Err("its number is not finite".to_owned());
+        }
+        self.scalars.insert(scalar, value);
+        Ok(())
+    }
+
+    fn map_statement(&mut self, slot: Slot, rest: &[u8]) -> Result<(), String> {
+        let (map, ignored) = Map::parse(rest).ok_or("it names no file")?;
+        self.maps.insert(slot, map);
+        match ignored.first() {
+            None => Ok(()),
+            Some(_) => Err(format!("only its options {} are not supported", ignored.join(", "))),
+        }
+    }
+}
+
+/// `r [g b]`, or `xyz x [y z]`; what is left out is like the first.
+fn color(rest: &[u8]) -> Result<Vec3, String> {
+    let (first, after) = keyword(rest);
+    let (xyz, rest) = match first {
+        b"spectral" => return Err("spectral curves are not supported".to_owned()),
+        b"xyz" => (true, after),
+        _ => (false, rest),
+    };
+    let mut words = words(rest);
+    let [x] = numbers::<1>(&mut words)?;
+    let mut next = || words.next().map_or(Some(x), number).ok_or("its numbers are malformed");
+    let color = Vec3::new(x, next()?, next()?);
+    if !color.is_finite() {
+        return Err("its numbers are not finite".to_owned());
+    }
+    Ok(if xyz { rgb_from_xyz(color) } else { color })
+}
+
+/// From the colour space of CIE 1931 to linear sRGB (IEC 61966-2-1:1999).
+fn rgb_from_xyz(xyz: Vec3) -> Vec3 {
+    glam::Mat3::from_cols(
+        Vec3::new(3.2406, -0.9689, 0.0557),
+        Vec3::new(-1.5372, 1.8758, -0.2040),
+        Vec3::new(-0.4986, 0.0415, 1.0570),
+    ) * xyz
+}

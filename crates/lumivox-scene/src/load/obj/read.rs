@@ -1,0 +1,439 @@
+//! The statements of an OBJ file.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io::BufRead;
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::corners::{Corner, Corners, Normal};
+use crate::SceneError;
+use crate::load::geometry::GeometryBudget;
+use crate::load::polygon::Cutter;
+use crate::load::text::{Lines, keyword, number, numbers, readable, words};
+use crate::load::{Notes, normals};
+
+/// Parts beyond which groups of one material share one: a file could name millions.
+const MOST_PARTS: usize = 1 << 16;
+/// Material libraries that are looked for.
+const MOST_LIBRARIES: usize = 64;
+
+/// All that an OBJ file says.
+#[derive(Default)]
+pub(super) struct Model {
+    pub(super) positions: Vec<Vec3>,
+    /// Colours as in the file, NaN where a vertex has none; shorter than `positions`, or empty.
+    pub(super) colors: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) corners: Corners,
+    pub(super) parts: Vec<Part>,
+    /// The names that `usemtl` gives, in any encoding.
+    pub(super) materials: Vec<Vec<u8>>,
+    /// What `mtllib` names.
+    pub(super) libraries: Vec<Vec<u8>>,
+}
+
+/// The triangles of one object and group with one material.
+#[derive(Debug)]
+pub(super) struct Part {
+    pub(super) name: String,
+    /// Index into [`Model::materials`].
+    pub(super) material: Option<usize>,
+    /// Numbers of corners, three a triangle.
+    pub(super) indices: Vec<u32>,
+}
+
+/// Reads all of a file.
+pub(super) fn read(
+    file: &Path,
+    reader: impl BufRead,
+    notes: &mut Notes,
+    budget: &GeometryBudget<'_>,
+) -> Result<Model, SceneError> {
+    let mut lines = Lines::new(file, reader, 0);
+    let mut state = State::default();
+    while lines.advance_joined()? {
+        let (first, rest) = keyword(lines.line());
+        match state.statement(first, rest) {
+            Ok(()) => {}
+            Err(Fault::Text(reason)) => return Err(lines.malformed(reason)),
+            Err(Fault::NotFinite) => {
+                let part = format!("line {}", lines.number());
+                return Err(SceneError::NotFinite { file: file.to_owned(), part });
+            }
+            Err(Fault::Index { index, count }) => {
+                return Err(SceneError::IndexOutOfRange {
+                    file: file.to_owned(),
+                    part: format!("a corner of line {}", lines.number()),
+                    index,
+                    count,
+                    target: "vertices before it",
+                });
+            }
+        }
+        if lines.number().is_multiple_of(65_536) {
+            budget.check(|| format!("line {}", lines.number()), state.bytes())?;
+        }
+    }
+    budget.check(|| "its last line".to_owned(), state.bytes())?;
+    state.warn(notes);
+    Ok(state.model)
+}
+
+enum Fault {
+    Text(String),
+    NotFinite,
+    Index { index: usize, count: usize },
+}
+
+impl From<String> for Fault {
+    fn from(reason: String) -> Self {
+        Self::Text(reason)
+    }
+}
+
+/// Object, group and material.
+type PartKey = (Vec<u8>, Vec<u8>, Option<usize>);
+
+/// Where reading is.
+#[derive(Default)]
+struct State {
+    model: Model,
+    object: Vec<u8>,
+    group: Vec<u8>,
+    /// The normal of corners without: flat, or that of the smoothing group.
+    smoothing: Option<Normal>,
+    groups: HashMap<u64, u32>,
+    material: Option<usize>,
+    material_numbers: HashMap<Vec<u8>, usize>,
+    /// From names and material to parts.
+    part_numbers: HashMap<PartKey, usize>,
+    /// The part that faces go to; `None` after any of its names changed.
+    part: Option<usize>,
+    triangles: u64,
+    cutter: Cutter,
+    face: Vec<u32>,
+    points: Vec<Vec3>,
+    skipped: Skipped,
+}
+
+/// What is left out, counted.
+#[derive(Default)]
+struct Skipped {
+    lines_and_points: u64,
+    free_form: u64,
+    short_faces: u64,
+    broken_uvs: u64,
+    lost_uvs: u64,
+    lost_normals: u64,
+    joined_parts: u64,
+    libraries: u64,
+    others: BTreeMap<String, u64>,
+}
+
+impl State {
+    fn statement(&mut self, first: &[u8], rest: &[u8]) -> Result<(), Fault> {
+        match first {
+            b"v" => self.vertex(rest)?,
+            b"vt" => self.texture_coordinate(rest)?,
+            b"vn" => {
+                // What has no direction is repaired later.
+                let normal = numbers::<3>(&mut words(rest))?;
+                self.model.normals.push(Vec3::from_array(normal));
+            }
+            b"f" | b"fo" => self.face(rest)?,
+            b"o" => {
+                self.object = rest.to_vec();
+                self.group.clear();
+                self.part = None;
+            }
+            b"g" => {
+                self.group = rest.to_vec();
+                self.part = None;
+            }
+            b"s" => self.smoothing_group(rest)?,
+            b"usemtl" => {
+                let count = self.material_numbers.len();
+                let number = *self.material_numbers.entry(rest.to_vec()).or_insert(count);
+                if number == count {
+                    self.model.materials.push(rest.to_vec());
+                }
+                self.material = Some(number);
+                self.part = None;
+            }
+            b"mtllib" => {
+                let libraries = &mut self.model.libraries;
+                if !libraries.iter().any(|known| known == rest) {
+                    if libraries.len() < MOST_LIBRARIES {
+                        libraries.push(rest.to_vec());
+                    } else {
+                        self.skipped.libraries += 1;
+                    }
+                }
+            }
+            b"l" | b"p" => self.skipped.lines_and_points += 1,
+            b"curv" | b"curv2" | b"surf" => self.skipped.free_form += 1,
+            // What belongs to free-form shapes, and display attributes without a meaning here.
+            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole"
+            | b"scrv" | b"sp" | b"end" | b"con" | b"mg" | b"ctech" | b"stech" | b"bevel"
+            | b"c_interp" | b"d_interp" | b"lod" | b"bsp" | b"bzp" | b"cdc" | b"cdp" | b"res"
+            | b"" => {}
+            _ if first.starts_with(b"#") => {}
+            other => {
+                let others = &mut self.skipped.others;
+                if others.len() < Notes::MOST {
+                    *others.entry(readable(other)).or_default() += 1;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `x y z [w]`, or `x y z r g b [a]`. The weight w is for free-form shapes.
+    fn vertex(&mut self, rest: &[u8]) -> Result<(), Fault> {
+        let mut words = words(rest);
+        let position = Vec3::from_array(numbers::<3>(&mut words)?);
+        if !position.is_finite() {
+            return Err(Fault::NotFinite);
+        }
+        if self.model.positions.len() >= Corner::NONE as usize {
+            return Err("it is vertex 4294967296, beyond what indices can tell".to_owned().into());
+        }
+        self.model.positions.push(position);
+        let Some(red) = words.next() else { return Ok(()) };
+        if let (Some(green), Some(blue)) = (words.next(), words.next())
+            && let (Some(r), Some(g), Some(b)) = (number(red), number(green), number(blue))
+        {
+            let colors = &mut self.model.colors;
+            colors.resize(self.model.positions.len() - 1, Vec3::NAN);
+            colors.push(Vec3::new(r, g, b));
+        }
+        Ok(())
+    }
+
+    fn texture_coordinate(&mut self, rest: &[u8]) -> Result<(), Fault> {
+        let mut words = words(rest);
+        let [u] = numbers::<1>(&mut words)?;
+        // Coordinates of lines have no v.
+        let v = match words.next() {
+            Some(word) => {
+                number(word).ok_or_else(|| format!("\"{}\" is no number", readable(word)))?
+            }
+            None => 0.0,
+        };
+        // OBJ's v grows upwards.
+        let mut uv = Vec2::new(u, 1.0 - v);
+        if !uv.is_finite() {
+            uv = Vec2::ZERO;
+            self.skipped.broken_uvs += 1;
+        }
+        self.model.uvs.push(uv);
+        Ok(())
+    }
+
+    fn smoothing_group(&mut self, rest: &[u8]) -> Result<(), Fault> {
+        let word = words(rest).next().unwrap_or(b"off");
+        let number = match word {
+            b"off" => 0,
+            // Blender's older exporters.
+            b"on" => 1,
+            _ => match std::str::from_utf8(word).ok().and_then(|text| text.parse::<i64>().ok()) {
+                Some(number) => number.cast_unsigned(),
+                None => {
+                    return Err(format!("\"{}\" is no smoothing group", readable(word)).into());
+                }
+            },
+        };
+        self.smoothing = (number != 0).then(|| {
+            let count = self.groups.len() as u32;
+            Normal::group(*self.groups.entry(number).or_insert(count))
+        });
+        Ok(())
+    }
+
+    fn face(&mut self, rest: &[u8]) -> Result<(), Fault> {
+        self.face.clear();
+        for word in words(rest) {
+            let corner = self.corner(word)?;
+            self.face.push(self.model.corners.number(corner));
+        }
+        if self.model.corners.len() >= Corner::NONE as usize {
+            return Err("there are too many different corners, split it".to_owned().into());
+        }
+        let part = match self.part {
+            Some(part) => part,
+            None => self.start_part(),
+        };
+        let indices = &mut self.model.parts[part].indices;
+        match self.face.as_slice() {
+            [] | [_] | [_, _] => self.skipped.short_faces += 1,
+            [a, b, c] => indices.extend([*a, *b, *c]),
+            face => {
+                self.points.clear();
+                let model = &self.model;
+                let place = |&i: &u32| model.positions[model.corners.get(i).position as usize];
+                self.points.extend(face.iter().map(place));
+                let triangles = self.cutter.cut(&self.points);
+                let indices = &mut self.model.parts[part].indices;
+                indices.extend(triangles.iter().map(|&i| face[i as usize]));
+            }
+        }
+        self.triangles += self.face.len().saturating_sub(2) as u64;
+        Ok(())
+    }
+
+    /// `position[/[uv][/normal]]`, from 1, or from -1 backwards.
+    fn corner(&mut self, word: &[u8]) -> Result<Corner, Fault> {
+        let mut parts = word.split(|&byte| byte == b'/');
+        let bad = || Fault::Text(format!("\"{}\" is no corner of a face", readable(word)));
+        let index = integer(parts.next().unwrap_or_default()).ok_or_else(bad)?;
+        let count = self.model.positions.len();
+        let position = resolve(index, count).ok_or(match index {
+            0 => Fault::Text("it uses vertex 0, but vertices are counted from 1".to_owned()),
+            _ => Fault::Index {
+                index: usize::try_from(index.unsigned_abs()).unwrap_or(usize::MAX),
+                count,
+            },
+        })?;
+        // What is out of range here costs the picture less than no picture.
+        let mut other = |count: usize, lost: &mut u64| match parts.next() {
+            None | Some([]) => Ok(None),
+            Some(part) => {
+                let found = resolve(integer(part).ok_or_else(bad)?, count);
+                *lost += u64::from(found.is_none());
+                Ok::<_, Fault>(found)
+            }
+        };
+        let uv = other(self.model.uvs.len(), &mut self.skipped.lost_uvs)?;
+        let normal = other(self.model.normals.len(), &mut self.skipped.lost_normals)?;
+        Ok(Corner {
+            position,
+            uv: uv.unwrap_or(Corner::NONE),
+            normal: normal.map_or(self.smoothing.unwrap_or(Normal::FLAT), Normal::given),
+        })
+    }
+
+    /// The part that the current names stand for.
+    fn start_part(&mut self) -> usize {
+        let parts = &mut self.model.parts;
+        // Beyond the limit only the material counts.
+        let crowded = parts.len() >= MOST_PARTS;
+        self.skipped.joined_parts += u64::from(crowded);
+        let key = if crowded {
+            (b"others".to_vec(), Vec::new(), self.material)
+        } else {
+            (self.object.clone(), self.group.clone(), self.material)
+        };
+        let part = *self.part_numbers.entry(key).or_insert_with_key(|(object, group, material)| {
+            let name = match (object.as_slice(), group.as_slice()) {
+                ([], []) => "object".to_owned(),
+                (name, []) | ([], name) => readable(name),
+                (object, group) if object == group => readable(object),
+                (object, group) => format!("{}/{}", readable(object), readable(group)),
+            };
+            parts.push(Part { name, material: *material, indices: Vec::new() });
+            parts.len() - 1
+        });
+        self.part = Some(part);
+        part
+    }
+
+    /// Memory in use, but for names.
+    fn bytes(&self) -> u64 {
+        let model = &self.model;
+        let lists = (model.positions.len() + model.colors.len() + model.normals.len()) * 12
+            + model.uvs.len() * 8
+            + model.corners.len() * 16;
+        lists as u64 + self.triangles * 12
+    }
+
+    fn warn(&self, notes: &mut Notes) {
+        let skipped = &self.skipped;
+        for (count, what) in [
+            (skipped.lines_and_points, "lines and points are not shown and were skipped"),
+            (
+                skipped.free_form,
+                "free-form curves and surfaces are not supported and were skipped; export polygons",
+            ),
+            (skipped.short_faces, "faces of fewer than three corners were skipped"),
+            (skipped.broken_uvs, "texture coordinates were not finite and became zero"),
+            (skipped.lost_uvs, "corners name texture coordinates that do not exist"),
+            (skipped.lost_normals, "corners name normals that do not exist, theirs were computed"),
+            (skipped.libraries, "more material libraries were not read"),
+        ] {
+            if count > 0 {
+                notes.warn(format!("{count} {what}"));
+            }
+        }
+        if skipped.joined_parts > 0 {
+            notes.warn(format!("groups after the {MOST_PARTS}th were joined by their materials"));
+        }
+        for (word, count) in &skipped.others {
+            notes.warn(format!("{count} statements \"{word}\" are unknown and were ignored"));
+        }
+    }
+}
+
+impl Model {
+    /// The normals of the corners in smoothing groups, by corner; empty without groups. Gives back what
+    /// only reading needs.
+    pub(super) fn group_normals(&mut self) -> Vec<Vec3> {
+        let count = self.corners.len() as u32;
+        let mut sums = Vec::new();
+        if (0..count).any(|number| self.corners.get(number).normal.is_group()) {
+            // Corners that differ by texture coordinates alone share one normal: that of the first.
+            let first = |number: u32| {
+                let corner = self.corners.get(number);
+                let fits = |other: &Corner| other.normal == corner.normal;
+                self.corners.find(corner.position, fits).unwrap_or(number)
+            };
+            sums = vec![Vec3::ZERO; count as usize];
+            for triangle in self.parts.iter().flat_map(|part| part.indices.chunks_exact(3)) {
+                let triangle = [triangle[0], triangle[1], triangle[2]];
+                let corners = triangle.map(|number| self.corners.get(number));
+                let places = corners.map(|corner| self.positions[corner.position as usize]);
+                let weighted = normals::corner_normals(places);
+                for ((number, corner), normal) in triangle.into_iter().zip(corners).zip(weighted) {
+                    if corner.normal.is_group() {
+                        sums[first(number) as usize] += normal;
+                    }
+                }
+            }
+            for number in 0..count {
+                if self.corners.get(number).normal.is_group() {
+                    let sum = sums[first(number) as usize];
+                    sums[number as usize] = sum.normalize_or(Vec3::Y);
+                }
+            }
+        }
+        self.corners.close();
+        sums
+    }
+}
+
+/// A whole number; what does not fit saturates.
+fn integer(word: &[u8]) -> Option<i64> {
+    let (negative, digits) = match word {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] | digits => (false, digits),
+    };
+    if digits.is_empty() {
+        return None;
+    }
+    let mut value = 0_i64;
+    for digit in digits {
+        if !digit.is_ascii_digit() {
+            return None;
+        }
+        value = value.saturating_mul(10).saturating_add(i64::from(digit - b'0'));
+    }
+    Some(if negative { -value } else { value })
+}
+
+/// The place in a list of what is counted from 1, or backwards from -1.
+fn resolve(index: i64, count: usize) -> Option<u32> {
+    let count = count as i64;
+    let from_zero = if index < 0 { count + index } else { index - 1 };
+    (0..count).contains(&from_zero).then(|| u32::try_from(from_zero).ok())?
+}

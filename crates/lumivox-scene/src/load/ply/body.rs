@@ -1,0 +1,378 @@
+//! The elements of a PLY file become a mesh.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::header::{Element, Encoding, Header, Property};
+use super::source::Source;
+use crate::load::geometry::GeometryBudget;
+use crate::load::polygon::Cutter;
+use crate::load::{Notes, color};
+use crate::{Mesh, SceneError};
+
+/// What a vertex's property is.
+#[derive(Clone, Copy)]
+enum Use {
+    Position(usize),
+    Normal(usize),
+    Uv(usize),
+    Color(usize),
+    Nothing,
+}
+
+/// The state of reading the body.
+pub(super) struct Body<'f> {
+    file: &'f Path,
+    header: &'f Header,
+    budget: GeometryBudget<'f>,
+    /// Bytes that are left of the file, at most.
+    length: u64,
+    notes: Notes,
+    mesh: Mesh,
+    cutter: Cutter,
+    corners: Vec<u32>,
+    points: Vec<Vec3>,
+    short_polygons: u64,
+}
+
+impl<'f> Body<'f> {
+    pub(super) fn new(
+        file: &'f Path,
+        header: &'f Header,
+        budget: GeometryBudget<'f>,
+        length: u64,
+    ) -> Self {
+        let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        Self {
+            file,
+            header,
+            budget,
+            length,
+            notes: Notes::default(),
+            mesh: Mesh { name: name.unwrap_or_default(), ..Mesh::default() },
+            cutter: Cutter::default(),
+            corners: Vec::new(),
+            points: Vec::new(),
+            short_polygons: 0,
+        }
+    }
+
+    pub(super) fn read(&mut self, source: &mut impl Source) -> Result<(), SceneError> {
+        let header = self.header;
+        for element in &header.elements {
+            self.check_room(element)?;
+            match element.name.as_str() {
+                "vertex" if self.mesh.positions.is_empty() => self.vertices(element, source)?,
+                "face" => self.faces(element, source, Self::polygon)?,
+                "tristrips" => self.faces(element, source, Self::strip)?,
+                _ => skip(element, source)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// The mesh, but for what can be derived.
+    pub(super) fn finish(mut self) -> Result<(Mesh, GeometryBudget<'f>, Notes), SceneError> {
+        let mesh = &mut self.mesh;
+        if mesh.indices.is_empty() {
+            let reason = match mesh.positions.len() {
+                0 => "it has no vertices".to_owned(),
+                count => format!(
+                    "it is a cloud of {count} points without faces; reconstruct its surface first, \
+                     for example with MeshLab"
+                ),
+            };
+            return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
+        }
+        // Scans mark what was not seen by places that are no numbers.
+        let lost = |i: u32| !mesh.positions[i as usize].is_finite();
+        if let Some(&i) = mesh.indices.iter().find(|&&i| lost(i)) {
+            let part = format!("vertex {i}, which faces use,");
+            return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
+        }
+        let mut unused = 0_u64;
+        for position in mesh.positions.iter_mut().filter(|position| !position.is_finite()) {
+            *position = Vec3::ZERO;
+            unused += 1;
+        }
+        let mut broken = 0_u64;
+        for uv in mesh.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+            *uv = Vec2::ZERO;
+            broken += 1;
+        }
+        mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
+        for (count, what) in [
+            (unused, "vertices that no face uses have places that are not finite"),
+            (broken, "texture coordinates were not finite and became zero"),
+            (self.short_polygons, "faces of fewer than three vertices were skipped"),
+        ] {
+            if count > 0 {
+                self.notes.warn(format!("{count} {what}"));
+            }
+        }
+        Ok((self.mesh, self.budget, self.notes))
+    }
+
+    /// What the header declares must fit into the file.
+    fn check_room(&self, element: &Element) -> Result<(), SceneError> {
+        let least = element.least_bytes(self.header.encoding);
+        // The last line may lack its end.
+        if element.count.saturating_mul(least) <= self.length.saturating_add(1) {
+            return Ok(());
+        }
+        Err(self.malformed(
+            &format!("element \"{}\"", element.name),
+            format!(
+                "its {} entries take at least {least} bytes each, but the file has {} after its \
+                 header, so it was cut off",
+                element.count, self.length
+            ),
+        ))
+    }
+
+    fn vertices(&mut self, element: &Element, source: &mut impl Source) -> Result<(), SceneError> {
+        let uses: Vec<Use> = element.properties.iter().map(vertex_use).collect();
+        let has = |wanted: fn(&Use) -> Option<usize>, count: usize| {
+            (0..count).all(|i| uses.iter().any(|u| wanted(u) == Some(i)))
+        };
+        if !has(|u| if let Use::Position(i) = u { Some(*i) } else { None }, 3) {
+            return Err(self.malformed("element \"vertex\"", "it lacks x, y or z".to_owned()));
+        }
+        let normals = has(|u| if let Use::Normal(i) = u { Some(*i) } else { None }, 3);
+        let uvs = has(|u| if let Use::Uv(i) = u { Some(*i) } else { None }, 2);
+        let colors = has(|u| if let Use::Color(i) = u { Some(*i) } else { None }, 3);
+        let count = usize::try_from(element.count).unwrap_or(usize::MAX);
+        self.budget.spend(|| format!("its {count} vertices"), count, 0, colors)?;
+
+        // The file's length has room for them, see `check_room`.
+        let mesh = &mut self.mesh;
+        mesh.positions.reserve_exact(count);
+        if normals {
+            mesh.normals.reserve_exact(count);
+        }
+        if uvs {
+            mesh.uvs.reserve_exact(count);
+        }
+        if colors {
+            mesh.colors.reserve_exact(count);
+        }
+        let decoders = element.properties.iter().zip(uses).map(|(property, used)| {
+            let integers = property.scalar.largest().map(color::Decoder::integers);
+            (used, integers.unwrap_or(color::Decoder::Float))
+        });
+        let decoders: Vec<(Use, color::Decoder)> = decoders.collect();
+        for _ in 0..count {
+            source.begin()?;
+            let (mut position, mut normal, mut uv) = (Vec3::ZERO, Vec3::ZERO, Vec2::ZERO);
+            let mut color = Vec4::ONE;
+            for (property, (used, decoder)) in element.properties.iter().zip(&decoders) {
+                if let Some(list_count) = property.list_count {
+                    let count = source.value(list_count)?;
+                    skip_items(count, property, source)?;
+                    continue;
+                }
+                let value = source.value(property.scalar)?;
+                match *used {
+                    Use::Position(i) => position[i] = value as f32,
+                    Use::Normal(i) => normal[i] = value as f32,
+                    Use::Uv(i) => uv[i] = value as f32,
+                    Use::Color(3) => color[3] = decoder.linear(value),
+                    Use::Color(i) => color[i] = decoder.color(value),
+                    Use::Nothing => {}
+                }
+            }
+            mesh.positions.push(position);
+            if normals {
+                mesh.normals.push(normal);
+            }
+            if uvs {
+                // PLY's v grows upwards.
+                mesh.uvs.push(Vec2::new(uv.x, 1.0 - uv.y));
+            }
+            if colors {
+                mesh.colors.push(color);
+            }
+        }
+        Ok(())
+    }
+
+    fn faces<S: Source>(
+        &mut self,
+        element: &Element,
+        source: &mut S,
+        add: fn(&mut Self, usize) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
+        let is_corners = |property: &Property| {
+            property.list_count.is_some()
+                && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+        };
+        let Some(corners) = element.properties.iter().position(is_corners) else {
+            self.notes.warn(format!("its \"{}\" name no vertices and were skipped", element.name));
+            return skip(element, source);
+        };
+        self.warn_of_face_properties(element);
+        let count = usize::try_from(element.count).unwrap_or(usize::MAX);
+        // Three corners each, as far as the file could hold them.
+        let property = &element.properties[corners];
+        let item =
+            if self.header.encoding == Encoding::Ascii { 2 } else { property.scalar.bytes() };
+        let room = usize::try_from(self.length).unwrap_or(usize::MAX) / item;
+        self.budget.check(|| format!("its {count} faces"), count.min(room / 3) as u64 * 12)?;
+        self.mesh.indices.reserve(count.min(room / 3) * 3);
+
+        for face in 0..count {
+            source.begin()?;
+            for (i, property) in element.properties.iter().enumerate() {
+                let Some(list_count) = property.list_count else {
+                    source.value(property.scalar)?;
+                    continue;
+                };
+                let length = source.value(list_count)?;
+                if i != corners {
+                    skip_items(length, property, source)?;
+                    continue;
+                }
+                self.corners.clear();
+                for _ in 0..whole(length) {
+                    let index = source.value(property.scalar)?;
+                    // Checked where it is used; the cast saturates, and -1 ends strips.
+                    let index = if index < 0.0 { u32::MAX } else { index as u32 };
+                    self.corners.push(index);
+                }
+                add(self, face)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn polygon(&mut self, face: usize) -> Result<(), SceneError> {
+        self.check_corners("face", face, |_| true)?;
+        let before = self.mesh.indices.len();
+        match self.corners.len() {
+            0..3 => self.short_polygons += 1,
+            3 => self.mesh.indices.extend_from_slice(&self.corners),
+            _ => {
+                self.points.clear();
+                let corners = self.corners.iter();
+                self.points.extend(corners.map(|&i| self.mesh.positions[i as usize]));
+                let triangles = self.cutter.cut(&self.points);
+                self.mesh.indices.extend(triangles.iter().map(|&i| self.corners[i as usize]));
+            }
+        }
+        let more = self.mesh.indices.len() - before;
+        self.budget.spend(|| format!("face {face}"), 0, more, false)
+    }
+
+    /// Strips one after another, each ended by a negative number.
+    fn strip(&mut self, element: usize) -> Result<(), SceneError> {
+        self.check_corners("strip", element, |i| i != u32::MAX)?;
+        let before = self.mesh.indices.len();
+        for strip in self.corners.split(|&i| i == u32::MAX) {
+            for (i, t) in strip.windows(3).enumerate() {
+                // Every second triangle of a strip runs the other way.
+                let turned = if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] };
+                self.mesh.indices.extend(turned);
+            }
+        }
+        let more = self.mesh.indices.len() - before;
+        self.budget.spend(|| format!("strip {element}"), 0, more, false)
+    }
+
+    fn check_corners(
+        &self,
+        what: &str,
+        number: usize,
+        is_corner: fn(u32) -> bool,
+    ) -> Result<(), SceneError> {
+        let count = self.mesh.positions.len();
+        match self.corners.iter().find(|&&i| is_corner(i) && i as usize >= count) {
+            None => Ok(()),
+            Some(_) if count == 0 => Err(self.malformed(
+                &format!("{what} {number}"),
+                "faces come before the vertices that they use".to_owned(),
+            )),
+            Some(&u32::MAX) => Err(self.malformed(
+                &format!("{what} {number}"),
+                "it uses a vertex of a negative or far too large number".to_owned(),
+            )),
+            Some(&index) => Err(SceneError::IndexOutOfRange {
+                file: self.file.to_owned(),
+                part: format!("a corner of {what} {number}"),
+                index: index as usize,
+                count,
+                target: "vertices",
+            }),
+        }
+    }
+
+    fn warn_of_face_properties(&mut self, element: &Element) {
+        for property in &element.properties {
+            match property.name.as_str() {
+                "texcoord" => self.notes.warn(
+                    "texture coordinates of faces are not supported and were ignored; save them \
+                     with the vertices"
+                        .to_owned(),
+                ),
+                "red" => self.notes.warn(
+                    "colours of faces are not supported and were ignored; save them with the \
+                     vertices"
+                        .to_owned(),
+                ),
+                _ => {}
+            }
+        }
+    }
+
+    fn malformed(&self, part: &str, reason: String) -> SceneError {
+        SceneError::Malformed { file: self.file.to_owned(), part: part.to_owned(), reason }
+    }
+}
+
+fn skip(element: &Element, source: &mut impl Source) -> Result<(), SceneError> {
+    // Entries of nothing take no bytes, however many they are.
+    if element.properties.is_empty() {
+        return Ok(());
+    }
+    for _ in 0..element.count {
+        source.begin()?;
+        for property in &element.properties {
+            let count = match property.list_count {
+                Some(list_count) => source.value(list_count)?,
+                None => 1.0,
+            };
+            skip_items(count, property, source)?;
+        }
+    }
+    Ok(())
+}
+
+fn skip_items(count: f64, property: &Property, source: &mut impl Source) -> Result<(), SceneError> {
+    (0..whole(count)).try_for_each(|_| source.value(property.scalar).map(drop))
+}
+
+/// The length of a list: what is no number, or negative, is zero.
+fn whole(count: f64) -> u64 {
+    count as u64
+}
+
+fn vertex_use(property: &Property) -> Use {
+    if property.list_count.is_some() {
+        return Use::Nothing;
+    }
+    match property.name.as_str() {
+        "x" => Use::Position(0),
+        "y" => Use::Position(1),
+        "z" => Use::Position(2),
+        "nx" | "normal_x" => Use::Normal(0),
+        "ny" | "normal_y" => Use::Normal(1),
+        "nz" | "normal_z" => Use::Normal(2),
+        "u" | "s" | "texture_u" | "texcoord_u" => Use::Uv(0),
+        "v" | "t" | "texture_v" | "texcoord_v" => Use::Uv(1),
+        "red" | "r" | "diffuse_red" => Use::Color(0),
+        "green" | "g" | "diffuse_green" => Use::Color(1),
+        "blue" | "b" | "diffuse_blue" => Use::Color(2),
+        "alpha" | "a" | "diffuse_alpha" => Use::Color(3),
+        _ => Use::Nothing,
+    }
+}

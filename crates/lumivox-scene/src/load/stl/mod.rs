@@ -1,0 +1,149 @@
+//! Reads STL (3D Systems, "Stereolithography Interface Specification", 1989): triangles and nothing
+//! else, binary or as text.
+//!
+//! A file is binary if its length is that which its count of triangles asks for (many binary files
+//! begin with `solid`, as text does), and otherwise if it holds a zero byte where text would not.
+//! Each solid becomes a mesh. A triangle faces the way that it is wound; the normals in the file, which
+//! say the same or are zero, are not used. STL knows no shared corners, so it is flat; with
+//! [`LoadOptions::crease_rad`] equal corners are joined and flat edges smoothed.
+//!
+//! `stl_io` 0.11 was weighed and found too strict for files in the wild (one solid, `solid` in lower
+//! case with a space, UTF-8, a binary file with `solid` in its header is refused), and its text reader
+//! makes a string of every word.
+
+mod ascii;
+mod binary;
+
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use glam::{Mat4, Vec2, Vec3};
+
+use super::geometry::GeometryBudget;
+use super::{LoadOptions, Notes, normals, stand_in, stream};
+use crate::{Instance, Mesh, Scene, SceneError};
+
+/// Bytes before a binary file's triangles: a free header and their count.
+const BINARY_HEAD: usize = 84;
+/// Bytes of a binary file's triangle: a normal, three corners, and 16 bits of no fixed meaning.
+const BINARY_TRIANGLE: usize = 50;
+/// Solids beyond which the rest go into one: a file could name millions.
+const MOST_SOLIDS: usize = 1 << 16;
+
+/// One solid: three positions a triangle.
+struct Solid {
+    name: String,
+    corners: Vec<Vec3>,
+}
+
+/// What the readers of both kinds share.
+struct Reading<'f> {
+    file: &'f Path,
+    notes: Notes,
+    budget: GeometryBudget<'f>,
+}
+
+pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
+    let crease_rad = options.crease_rad;
+    let budget = GeometryBudget::new(file, options.budget.geometry_bytes);
+    let mut reading = Reading { file, notes: Notes::default(), budget };
+    let (reader, length) = stream::open(file, options)?;
+    let solids = reading.solids(reader, length)?;
+    reading.scene(solids, crease_rad)
+}
+
+impl Reading<'_> {
+    fn solids(
+        &mut self,
+        mut reader: BufReader<impl Read>,
+        length: u64,
+    ) -> Result<Vec<Solid>, SceneError> {
+        let read = |source| SceneError::Read { file: self.file.to_owned(), source };
+        let head = reader.fill_buf().map_err(read)?;
+        if head.is_empty() {
+            let reason = "it is empty".to_owned();
+            return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
+        }
+        if is_binary(head, length) {
+            return self.binary(reader, length);
+        }
+        self.ascii(reader)
+    }
+
+    fn scene(mut self, solids: Vec<Solid>, crease_rad: Option<f32>) -> Result<Scene, SceneError> {
+        let name = self.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let mut scene = Scene { name: name.unwrap_or_default(), ..Scene::default() };
+        scene.materials.push(stand_in::no_material(&mut self.notes));
+        for (i, mut solid) in solids.into_iter().filter(|s| !s.corners.is_empty()).enumerate() {
+            if solid.name.is_empty() {
+                solid.name = format!("solid {i}");
+            }
+            scene.instances.push(Instance {
+                name: solid.name.clone(),
+                mesh: i,
+                material: 0,
+                world_from_local: Mat4::IDENTITY,
+            });
+            scene.meshes.push(solid.mesh(crease_rad));
+        }
+        if scene.meshes.is_empty() {
+            let reason = "it has no facets".to_owned();
+            return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
+        }
+        scene.notes.warnings = self.notes.warnings;
+        crate::validate::validate(&mut scene, self.file)?;
+        Ok(scene)
+    }
+}
+
+impl Solid {
+    fn mesh(self, crease_rad: Option<f32>) -> Mesh {
+        let mut mesh = Mesh { name: self.name, ..Mesh::default() };
+        match crease_rad {
+            Some(crease_rad) if crease_rad > 0.0 => {
+                (mesh.positions, mesh.indices) = weld(&self.corners);
+                drop(self.corners);
+                mesh.uvs = vec![Vec2::ZERO; mesh.positions.len()];
+                let normals = normals::creased(&mesh.positions, &mesh.indices, crease_rad);
+                normals::set_corner_normals(&mut mesh, &normals);
+            }
+            _ => {
+                mesh.positions = self.corners;
+                mesh.indices = (0..mesh.positions.len() as u32).collect();
+                mesh.uvs = vec![Vec2::ZERO; mesh.positions.len()];
+                mesh.normals = normals::flat(&mesh.positions);
+            }
+        }
+        normals::set_any_tangents(&mut mesh);
+        mesh
+    }
+}
+
+/// One vertex for all corners at the same place.
+fn weld(corners: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+    let mut positions = Vec::new();
+    let mut known = HashMap::new();
+    let indices = corners.iter().map(|&corner| {
+        // Adding zero makes one of the two zeros of floats.
+        let key = (corner + Vec3::ZERO).to_array().map(f32::to_bits);
+        *known.entry(key).or_insert_with(|| {
+            positions.push(corner);
+            (positions.len() - 1) as u32
+        })
+    });
+    let indices = indices.collect();
+    (positions, indices)
+}
+
+fn is_binary(head: &[u8], length: u64) -> bool {
+    let counted = head.get(80..BINARY_HEAD).and_then(|count| count.try_into().ok());
+    if let Some(count) = counted.map(u32::from_le_bytes)
+        && length == BINARY_HEAD as u64 + u64::from(count) * BINARY_TRIANGLE as u64
+    {
+        return true;
+    }
+    let start = &head[..head.len().min(1024)];
+    let text = start.trim_ascii_start().get(..5);
+    start.contains(&0) || text.is_none_or(|text| !text.eq_ignore_ascii_case(b"solid"))
+}

@@ -1,0 +1,80 @@
+//! Files read piece by piece, with progress told by bytes.
+//!
+//! A scan can be larger than half of the memory: no reader here holds its file, only the piece that
+//! it is at, so that the peak is about what the scene itself takes.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use super::LoadOptions;
+use crate::SceneError;
+
+/// Bytes read at once, and how often progress is told: large enough for disks, small for memory.
+const PIECE: usize = 1 << 20;
+
+/// A reader whose bytes are counted and told.
+pub(super) struct Progress<'s, 'o, R> {
+    inner: R,
+    done: u64,
+    total: u64,
+    options: &'s mut LoadOptions<'o>,
+}
+
+/// Opens a file that is a file (a pipe or a device might never end). The second part of the answer
+/// is its length in bytes.
+pub(super) fn open<'s, 'o>(
+    file: &Path,
+    options: &'s mut LoadOptions<'o>,
+) -> Result<(BufReader<Progress<'s, 'o, File>>, u64), SceneError> {
+    let opened = || {
+        let inner = File::open(file)?;
+        let metadata = inner.metadata()?;
+        if !metadata.is_file() {
+            return Err(io::Error::other("not a regular file"));
+        }
+        Ok((inner, metadata.len()))
+    };
+    let (inner, total) =
+        opened().map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
+    Ok((BufReader::with_capacity(PIECE, Progress { inner, done: 0, total, options }), total))
+}
+
+impl<R: Read> Read for Progress<'_, '_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        // A file may grow while it is read.
+        self.done = self.done.saturating_add(count as u64).min(self.total);
+        self.options.tell("reading", self.done, self.total);
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LoadProgress;
+
+    #[test]
+    fn progress_grows_up_to_the_length() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bytes");
+        std::fs::write(&path, vec![7; PIECE * 2 + 5]).unwrap();
+        let mut told = Vec::new();
+        let mut listen = |progress: LoadProgress| told.push(progress);
+        let mut options = LoadOptions { progress: Some(&mut listen), ..LoadOptions::default() };
+        let (mut reader, length) = open(&path, &mut options).unwrap();
+        assert_eq!(io::copy(&mut reader, &mut io::sink()).unwrap(), length);
+        assert!(told.len() >= 3);
+        assert!(told.windows(2).all(|w| w[0].done <= w[1].done));
+        let last = told.last().unwrap();
+        assert_eq!((last.stage, last.done, last.total), ("reading", length, length));
+    }
+
+    #[test]
+    fn folders_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = open(folder.path(), &mut LoadOptions::default()).err().unwrap();
+        assert!(matches!(error, SceneError::Read { .. }));
+    }
+}

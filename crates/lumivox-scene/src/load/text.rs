@@ -1,0 +1,210 @@
+//! Lines and numbers of text formats, of files that may be in no encoding at all.
+
+use std::io::{BufRead, ErrorKind};
+use std::path::Path;
+
+use super::files::shorten;
+use crate::SceneError;
+
+/// The longest line in bytes, joined ones together: a polygon of some millions of corners. A file of
+/// another format may have no line break at all, and would have to be held in memory.
+const LONGEST_LINE: usize = 64 << 20;
+
+/// The lines of a file, ended by LF, CR LF or CR.
+pub(super) struct Lines<'f, R> {
+    file: &'f Path,
+    reader: R,
+    line: Vec<u8>,
+    number: u64,
+    after_return: bool,
+}
+
+impl<'f, R: BufRead> Lines<'f, R> {
+    /// The lines of what `reader` has left of `file`; `before` lines were read already.
+    pub(super) fn new(file: &'f Path, reader: R, before: u64) -> Self {
+        Self { file, reader, line: Vec::new(), number: before, after_return: false }
+    }
+
+    /// Reads the next line; `false` at the end of the file.
+    pub(super) fn advance(&mut self) -> Result<bool, SceneError> {
+        self.line.clear();
+        self.append()
+    }
+
+    /// The same, joined with the next where it ends in a backslash.
+    pub(super) fn advance_joined(&mut self) -> Result<bool, SceneError> {
+        let more = self.advance()?;
+        // A comment may end in anything.
+        if self.line.trim_ascii_start().starts_with(b"#") {
+            return Ok(more);
+        }
+        while self.line.last() == Some(&b'\\') {
+            self.line.pop();
+            self.line.push(b' ');
+            if !self.append()? {
+                break;
+            }
+        }
+        Ok(more)
+    }
+
+    /// The line that was read last.
+    pub(super) fn line(&self) -> &[u8] {
+        &self.line
+    }
+
+    /// The error of a line that breaks the format.
+    pub(super) fn malformed(&self, reason: impl Into<String>) -> SceneError {
+        SceneError::Malformed {
+            file: self.file.to_owned(),
+            part: format!("line {}", self.number),
+            reason: reason.into(),
+        }
+    }
+
+    /// The number of the line that was read last, from 1.
+    pub(super) fn number(&self) -> u64 {
+        self.number
+    }
+
+    fn append(&mut self) -> Result<bool, SceneError> {
+        let mut any = false;
+        loop {
+            let chunk = match self.reader.fill_buf() {
+                Ok(chunk) => chunk,
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                Err(source) => {
+                    return Err(SceneError::Read { file: self.file.to_owned(), source });
+                }
+            };
+            let Some(&first) = chunk.first() else {
+                self.number += u64::from(any);
+                return Ok(any);
+            };
+            // The second half of a CR LF.
+            if std::mem::take(&mut self.after_return) && first == b'\n' {
+                self.reader.consume(1);
+                continue;
+            }
+            any = true;
+            let end = chunk.iter().position(|&byte| byte == b'\n' || byte == b'\r');
+            let length = end.unwrap_or(chunk.len());
+            if self.line.len() + length > LONGEST_LINE {
+                self.number += 1;
+                return Err(self.malformed(format!(
+                    "it is longer than {} MiB, so this is hardly a text file",
+                    LONGEST_LINE >> 20
+                )));
+            }
+            self.line.extend_from_slice(&chunk[..length]);
+            match end {
+                Some(end) => {
+                    self.after_return = chunk[end] == b'\r';
+                    self.number += 1;
+                    self.reader.consume(end + 1);
+                    return Ok(true);
+                }
+                None => self.reader.consume(length),
+            }
+        }
+    }
+}
+
+/// The words of a line.
+pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// A line's first word, and what follows without the spaces around it.
+pub(super) fn keyword(line: &[u8]) -> (&[u8], &[u8]) {
+    let line = line.trim_ascii();
+    let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+    (&line[..end], line[end..].trim_ascii_start())
+}
+
+/// A number; what is infinite or no number is so afterwards, in all spellings of common C libraries
+/// (`nan(ind)`, `1.#QNAN`).
+pub(super) fn number(word: &[u8]) -> Option<f32> {
+    let text = std::str::from_utf8(word).ok()?;
+    if let Ok(number) = text.parse() {
+        return Some(number);
+    }
+    let digits = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+    (digits.starts_with("nan(") || digits.starts_with("1.#")).then_some(f32::NAN)
+}
+
+/// The next `N` numbers of a line, or the sentence that says what is wrong.
+pub(super) fn numbers<'w, const N: usize>(
+    words: &mut impl Iterator<Item = &'w [u8]>,
+) -> Result<[f32; N], String> {
+    let mut values = [0.0; N];
+    for (i, value) in values.iter_mut().enumerate() {
+        let Some(word) = words.next() else {
+            return Err(format!("it has {i} numbers instead of {N}"));
+        };
+        *value = number(word).ok_or_else(|| format!("\"{}\" is no number", readable(word)))?;
+    }
+    Ok(values)
+}
+
+/// Text of any encoding as something that can be shown, shortened.
+pub(super) fn readable(bytes: &[u8]) -> String {
+    // Longer ones are cut anyway; a character is at most four bytes.
+    shorten(&String::from_utf8_lossy(&bytes[..bytes.len().min(1024)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(text: &str, capacity: usize) -> Vec<(u64, String)> {
+        let reader = std::io::BufReader::with_capacity(capacity, text.as_bytes());
+        let mut lines = Lines::new(Path::new("text"), reader, 0);
+        let mut all = Vec::new();
+        while lines.advance_joined().unwrap() {
+            all.push((lines.number(), String::from_utf8(lines.line().to_vec()).unwrap()));
+        }
+        all
+    }
+
+    #[test]
+    fn lines_end_in_all_three_ways() {
+        for capacity in [1, 2, 3, 100] {
+            for ending in ["\n", "\r\n", "\r"] {
+                let text = ["one", "", "two \\", " three", "# four \\", "five\\"].join(ending);
+                let lines = all(&text, capacity);
+                let texts: Vec<_> = lines.iter().map(|(_, text)| text.as_str()).collect();
+                assert_eq!(texts, ["one", "", "two   three", "# four \\", "five "], "{ending:?}");
+                let numbers: Vec<_> = lines.iter().map(|(number, _)| *number).collect();
+                assert_eq!(numbers, [1, 2, 4, 5, 6], "{ending:?}");
+            }
+        }
+        assert!(all("", 8).is_empty());
+        assert_eq!(all("\r\n", 8), [(1, String::new())]);
+    }
+
+    #[test]
+    fn endless_lines_are_refused() {
+        let endless = std::io::BufReader::new(std::io::Read::take(std::io::repeat(b'x'), 1 << 30));
+        let mut lines = Lines::new(Path::new("text"), endless, 0);
+        let error = lines.advance().unwrap_err().to_string();
+        assert!(error.contains("text: line 1 ") && error.contains("64 MiB"), "{error}");
+    }
+
+    #[test]
+    fn numbers_in_many_spellings() {
+        assert_eq!(number(b"-1.5e2"), Some(-150.0));
+        assert_eq!(number(b".5"), Some(0.5));
+        assert_eq!(number(b"5."), Some(5.0));
+        assert_eq!(number(b"1e999"), Some(f32::INFINITY));
+        for word in ["nan", "NaN", "-nan", "-nan(ind)", "1.#QNAN", "-1.#IND"] {
+            assert!(number(word.as_bytes()).unwrap().is_nan(), "{word}");
+        }
+        for word in ["", "x", "1,5", "0x10", "1.0f", "1#"] {
+            assert_eq!(number(word.as_bytes()), None, "{word}");
+        }
+        assert_eq!(numbers::<2>(&mut words(b" 1\t2 3")), Ok([1.0, 2.0]));
+        assert!(numbers::<2>(&mut words(b"1")).is_err());
+        assert_eq!(keyword(b"  usemtl \t a b \r"), (&b"usemtl"[..], &b"a b"[..]));
+    }
+}

@@ -1,0 +1,120 @@
+//! Files that are not in metres with y up, as most of CAD is not.
+
+use std::path::Path;
+
+use glam::{Mat3, Mat4, Vec3};
+
+use super::LoadOptions;
+use crate::{LightKind, Scene, SceneError};
+
+/// The axis of a file that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// As in glTF and in this crate's scenes.
+    #[default]
+    Y,
+    /// As in CAD and in scans: the file's y then points away from the viewer, to -z.
+    Z,
+}
+
+impl UpAxis {
+    /// The rotation that brings the axis to +y. Exact.
+    fn rotation(self) -> Mat3 {
+        match self {
+            Self::Y => Mat3::IDENTITY,
+            Self::Z => Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y),
+        }
+    }
+}
+
+/// Whether the options' unit is a length.
+pub(super) fn check(file: &Path, options: &LoadOptions<'_>) -> Result<(), SceneError> {
+    let unit_m = options.unit_m;
+    if unit_m.is_finite() && unit_m > 0.0 {
+        return Ok(());
+    }
+    Err(SceneError::OutOfRange {
+        file: file.to_owned(),
+        part: "the length of a unit in metres".to_owned(),
+        value: unit_m.to_string(),
+        expected: "finite and above 0, such as 0.001 for millimetres".to_owned(),
+    })
+}
+
+/// Turns and scales a loaded scene as the options say: places and lengths, not the strengths of lights.
+pub(super) fn apply(
+    scene: &mut Scene,
+    file: &Path,
+    options: &LoadOptions<'_>,
+) -> Result<(), SceneError> {
+    let (up, unit_m) = (options.up, options.unit_m);
+    let rotation = Mat4::from_mat3(up.rotation());
+    let scale = Mat4::from_scale(Vec3::splat(unit_m));
+    if scale * rotation == Mat4::IDENTITY {
+        return Ok(());
+    }
+    scene.transform(rotation);
+    for instance in &mut scene.instances {
+        instance.world_from_local = scale * instance.world_from_local;
+    }
+    for light in &mut scene.lights {
+        light.position *= unit_m;
+        light.radius_m *= unit_m;
+        if let LightKind::Point { range_m, .. } | LightKind::Spot { range_m, .. } = &mut light.kind
+        {
+            *range_m = range_m.map(|range_m| range_m * unit_m);
+        }
+    }
+    for camera in &mut scene.cameras {
+        camera.position *= unit_m;
+        camera.near_m *= unit_m;
+    }
+    // Extreme units make numbers overflow, or flatten what is small.
+    crate::validate::validate(scene, file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn z_becomes_y_and_handedness_stays() {
+        let rotation = UpAxis::Z.rotation();
+        assert_eq!(rotation * Vec3::Z, Vec3::Y);
+        assert_eq!(rotation * Vec3::Y, Vec3::NEG_Z);
+        assert_eq!(rotation * Vec3::X, Vec3::X);
+        assert_eq!(rotation.determinant(), 1.0);
+    }
+
+    #[test]
+    fn everything_moves_together() {
+        let mut scene = crate::builtin::scene("cornell").unwrap();
+        scene.lights.push(crate::Light {
+            name: "lamp".to_owned(),
+            kind: LightKind::Point { intensity_cd: 5.0, range_m: Some(4.0) },
+            color: Vec3::ONE,
+            position: Vec3::new(1.0, 2.0, 3.0),
+            direction: Vec3::NEG_Z,
+            radius_m: 0.5,
+        });
+        let before = scene.bounds();
+        let options = LoadOptions { up: UpAxis::Z, unit_m: 0.5, ..LoadOptions::default() };
+        apply(&mut scene, Path::new("cornell"), &options).unwrap();
+        let after = scene.bounds();
+        let expected = Vec3::new(before.max.x, before.max.z, -before.min.y) * 0.5;
+        assert!((after.max - expected).length() < 1e-6, "{} {expected}", after.max);
+        let lamp = scene.lights.last().unwrap();
+        assert_eq!(lamp.position, Vec3::new(0.5, 1.5, -1.0));
+        assert_eq!(lamp.radius_m, 0.25);
+        assert_eq!(lamp.kind, LightKind::Point { intensity_cd: 5.0, range_m: Some(2.0) });
+    }
+
+    #[test]
+    fn units_must_be_lengths() {
+        for unit_m in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let options = LoadOptions { unit_m, ..LoadOptions::default() };
+            let error = check(Path::new("box"), &options).unwrap_err().to_string();
+            assert!(error.contains("unit in metres") && error.contains("0.001"), "{error}");
+        }
+    }
+}

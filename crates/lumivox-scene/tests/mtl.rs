@@ -1,0 +1,303 @@
+//! The materials of OBJ files, right and wrong.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::cast_possible_truncation,
+    reason = "in a test a panic is the message, and exact numbers are meant"
+)]
+
+mod common;
+
+use common::{encode, png, write};
+use glam::{Vec2, Vec3, Vec4};
+use lumivox_scene::{
+    AlphaMode, LoadOptions, Material, MemoryBudget, MetallicRoughness, Phong, Scene, Shading, Wrap,
+};
+use proptest::prelude::*;
+
+/// A triangle with the material `m` of `house.mtl`, and files beside it.
+fn with(mtl: &str, files: &[(&str, Vec<u8>)]) -> Scene {
+    with_options(mtl, files, &mut LoadOptions::default())
+}
+
+fn with_options(mtl: &str, files: &[(&str, Vec<u8>)], options: &mut LoadOptions<'_>) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        write(folder.path(), name, bytes);
+    }
+    write(folder.path(), "house.mtl", format!("newmtl m\n{mtl}\n").as_bytes());
+    let obj = "mtllib house.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\n\
+               f 1/1 2/2 3/3\n";
+    Scene::load_with(write(folder.path(), "house.obj", obj.as_bytes()), options).unwrap()
+}
+
+fn material(scene: &Scene) -> &Material {
+    &scene.materials[scene.instances[0].material]
+}
+
+fn phong(scene: &Scene) -> Phong {
+    let Shading::Phong(phong) = material(scene).shading else { panic!("{:?}", material(scene)) };
+    phong
+}
+
+fn physical(scene: &Scene) -> MetallicRoughness {
+    let Shading::MetallicRoughness(m) = material(scene).shading else {
+        panic!("{:?}", material(scene))
+    };
+    m
+}
+
+fn warns(scene: &Scene, words: &str) -> bool {
+    scene.notes.warnings.iter().any(|warning| warning.contains(words))
+}
+
+/// One texel of that colour.
+fn dot(color: [u8; 4]) -> Vec<u8> {
+    png(1, 1, &color)
+}
+
+#[test]
+fn plain_materials_are_phongs() {
+    let scene =
+        with("Ka 1 1 1\nKd 0.6 0.5 0.4\nKs 0.2 0.2 0.2\nNs 96\nNi 1.45\nillum 2\nKe 3 2 1", &[]);
+    assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
+    let p = phong(&scene);
+    assert_eq!(p.diffuse, Vec3::new(0.6, 0.5, 0.4));
+    assert_eq!((p.specular, p.shininess, p.opacity), (Vec3::splat(0.2), 96.0, 1.0));
+    assert_eq!(material(&scene).emissive, Vec3::new(3.0, 2.0, 1.0));
+    assert_eq!(material(&scene).alpha, AlphaMode::Opaque);
+    assert!(material(&scene).double_sided);
+    assert_eq!(material(&scene).name, "m");
+    // One number stands for three.
+    assert_eq!(phong(&with("Kd 0.3", &[])).diffuse, Vec3::splat(0.3));
+}
+
+#[test]
+fn no_surface_reflects_more_than_it_receives() {
+    let scene = with("Kd 0.8 0.5 1\nKs 0.5 0.5 0.5", &[]);
+    assert!((phong(&scene).specular - Vec3::new(0.2, 0.5, 0.0)).length() < 1e-6);
+    assert!(warns(&scene, "1 materials would reflect more"));
+    // An image darkens the diffuse part, which leaves room.
+    let scene =
+        with("Kd 1 1 1\nKs 0.5 0.5 0.5\nmap_Kd a.png", &[("a.png", dot([0, 128, 255, 255]))]);
+    let s = phong(&scene).specular;
+    assert!((s - Vec3::new(0.5, 0.5, 0.0)).length() < 1e-6, "{s}");
+    let scene = with("Kd 2 0 0\nKs 0.5 0.5 0.5\nillum 1", &[]);
+    assert!(warns(&scene, "Kd of [2, 0, 0] was limited"), "{:?}", scene.notes.warnings);
+    assert_eq!(phong(&scene).specular, Vec3::ZERO);
+}
+
+#[test]
+fn opacities_in_all_ways() {
+    for (text, opacity) in [("d 0.25", 0.25), ("Tr 0.75", 0.25), ("d 0.5\nTr 0", 0.5)] {
+        let scene = with(text, &[]);
+        assert_eq!(phong(&scene).opacity, opacity);
+        assert_eq!(material(&scene).alpha, AlphaMode::Blend);
+    }
+    assert_eq!(material(&with("d 1\nTr 0", &[])).alpha, AlphaMode::Opaque);
+    assert!(warns(&with("Tr 1", &[]), "taken for solid"));
+
+    // A mask, of another size than the colour.
+    let mask = png(2, 1, &[0, 0, 0, 255, 255, 255, 255, 255]);
+    let files = [("c.png", dot([10, 20, 30, 7])), ("m.png", mask)];
+    let scene = with("Kd 1 1 1\nmap_Kd c.png\nmap_d m.png", &files);
+    assert_eq!(material(&scene).alpha, AlphaMode::Mask { cutoff: 0.5 });
+    let texture = &scene.textures[phong(&scene).diffuse_texture.unwrap().texture];
+    assert_eq!(texture.rgba8, [10, 20, 30, 0, 10, 20, 30, 255]);
+    // A grey one is glass; alpha counts where there is some; and so without a colour.
+    let scene = with("map_d m.png", &[("m.png", dot([128, 128, 128, 255]))]);
+    assert_eq!(material(&scene).alpha, AlphaMode::Blend);
+    assert_eq!(scene.textures[0].rgba8, [255, 255, 255, 128]);
+    let scene = with("map_d m.png", &[("m.png", dot([255, 255, 255, 100]))]);
+    assert_eq!(scene.textures[0].rgba8, [255, 255, 255, 100]);
+    let scene = with("map_d -imfchan r m.png", &[("m.png", dot([9, 255, 255, 100]))]);
+    assert_eq!(scene.textures[0].rgba8[3], 9);
+    // The alpha of a colour alone is not used, and that is told.
+    let scene = with("map_Kd c.png", &[("c.png", dot([10, 20, 30, 7]))]);
+    assert_eq!(scene.textures[0].rgba8, [10, 20, 30, 255]);
+    assert_eq!(material(&scene).alpha, AlphaMode::Opaque);
+    assert!(warns(&scene, "name the image as map_d"));
+}
+
+#[test]
+fn images_are_found_decoded_and_placed() {
+    let texel = [200, 100, 50, 255];
+    let image = image::RgbaImage::from_pixel(1, 1, image::Rgba(texel));
+    let opaque = image::DynamicImage::from(image).into_rgb8();
+    for (name, format) in [
+        ("Wood Planks.PNG", image::ImageFormat::Png),
+        ("Wood Planks.TGA", image::ImageFormat::Tga),
+        ("Wood Planks.bmp", image::ImageFormat::Bmp),
+    ] {
+        let bytes = encode(&opaque.clone().into(), format);
+        let asked = name.to_lowercase();
+        let mtl = format!("Kd 0 0 0\nmap_Kd -s 2 3 -clamp on C:\\maps\\{asked}");
+        let scene = with(&mtl, &[(name, bytes)]);
+        assert_eq!(scene.textures[0].rgba8, texel, "{name}");
+        assert_eq!(scene.textures[0].sampler.wrap_u, Wrap::ClampToEdge);
+        let reference = phong(&scene).diffuse_texture.unwrap();
+        let moved = reference.transform.transform_point2(Vec2::new(0.5, 1.0));
+        assert!((moved - Vec2::new(1.0, 1.0)).length() < 1e-6, "{moved}");
+        assert_eq!(phong(&scene).diffuse, Vec3::ONE);
+        assert!(warns(&scene, "Kd 0 would make map_Kd black"));
+    }
+}
+
+#[test]
+fn what_is_missing_has_a_visible_stand_in() {
+    for (name, files, words) in [
+        ("gone.png", vec![], "does not exist"),
+        ("../gone.png", vec![], "leaves the scene's folder"),
+        ("bad.png", vec![("bad.png", b"no image".to_vec())], "cannot be decoded"),
+    ] {
+        let scene = with(&format!("map_Kd {name}"), &files);
+        assert!(warns(&scene, words) && warns(&scene, "checker"), "{:?}", scene.notes.warnings);
+        let texture = &scene.textures[phong(&scene).diffuse_texture.unwrap().texture];
+        assert_eq!(texture.rgba8[..8], [255, 0, 255, 255, 0, 0, 0, 255]);
+        // Images of numbers are left out.
+        let scene =
+            with(&format!("map_d {name}\nnorm {name}\nPr 1\nmap_Pr {name}\nmap_Ke {name}"), &files);
+        assert!(scene.textures.is_empty());
+        assert_eq!(scene.notes.warnings.len(), 4, "{:?}", scene.notes.warnings);
+    }
+    // Libraries and materials.
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    let path = write(folder.path(), "house.obj", obj.as_bytes());
+    let scene = Scene::load(&path).unwrap();
+    assert!(warns(&scene, "the material library \"gone.mtl\" does not exist"));
+    assert!(warns(&scene, "the material \"m\" is in no material library"));
+    assert_eq!(physical(&scene).base_color, Vec4::new(0.5, 0.5, 0.5, 1.0));
+    assert!(material(&scene).double_sided);
+    // One of the scene's own name helps out.
+    write(folder.path(), "house.mtl", b"newmtl m\nKd 1 0 0\n");
+    let scene = Scene::load(&path).unwrap();
+    assert!(warns(&scene, "of the scene's own name"));
+    assert_eq!(phong(&scene).diffuse, Vec3::X);
+}
+
+#[test]
+fn several_libraries_and_names_with_spaces() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "a b.mtl", b"newmtl red brick\nKd 1 0 0\nmtllib a b.mtl\n");
+    write(folder.path(), "c.mtl", b"newmtl red brick\nKd 0 0 0\nnewmtl \xfcber\nKd 0 1 0\n");
+    write(folder.path(), "d.mtl", b"Kd 1 1 1\nnewmtl\nnewmtl blue\nKd 0 0 1\n");
+    let mut obj = b"mtllib a b.mtl\nmtllib c.mtl d.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n".to_vec();
+    for name in [&b"red brick"[..], b"\xfcber", b"blue"] {
+        obj.extend([b"usemtl ", name, b"\nf 1 2 3\n"].concat());
+    }
+    let scene = Scene::load(write(folder.path(), "house.obj", &obj)).unwrap();
+    let colors: Vec<_> = scene
+        .instances
+        .iter()
+        .map(|i| match scene.materials[i.material].shading {
+            Shading::Phong(p) => p.diffuse,
+            _ => Vec3::NAN,
+        })
+        .collect();
+    assert_eq!(colors, [Vec3::X, Vec3::Y, Vec3::Z]);
+    assert!(warns(&scene, "a b.mtl, line 3: \"mtllib\" was ignored: it is unknown"));
+    assert!(warns(&scene, "d.mtl, line 1: \"Kd\" was ignored: it comes before"));
+}
+
+#[test]
+fn physical_keys_make_metallic_roughness() {
+    let files = [
+        ("r.png", dot([60, 60, 60, 255])),
+        ("m.png", png(2, 1, &[0, 0, 0, 255, 255, 255, 255, 255])),
+    ];
+    let scene = with(
+        "Kd 0.9 0.8 0.1\nKs 1 1 1\nPr 0\nPm 1\nPs 0.5\nPc 0.3\nPcr 0.2\nNi 1.8\nd 0.5\nmap_Pr r.png\n\
+         map_Pm m.png\naniso 0",
+        &files,
+    );
+    assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
+    let m = physical(&scene);
+    assert_eq!(m.base_color, Vec4::new(0.9, 0.8, 0.1, 0.5));
+    assert_eq!((m.roughness, m.metallic, m.ior), (1.0, 1.0, 1.8));
+    let texture = &scene.textures[m.metallic_roughness_texture.unwrap().texture];
+    assert_eq!(texture.rgba8, [255, 60, 0, 255, 255, 60, 255, 255]);
+    let material = material(&scene);
+    assert_eq!((material.clearcoat.strength, material.clearcoat.roughness), (0.3, 0.2));
+    assert_eq!(material.sheen.color, Vec3::splat(0.5));
+    assert_eq!(material.alpha, AlphaMode::Blend);
+    assert_eq!(physical(&with("Pm 1\nNs 0", &[])).roughness, 1.0);
+}
+
+#[test]
+fn bumps_are_normals_or_heights() {
+    let normals = png(1, 1, &[128, 128, 255, 255]);
+    let heights = png(4, 1, &[0, 0, 0, 255, 90, 90, 90, 255, 180, 180, 180, 255, 90, 90, 90, 255]);
+    let files = [("n.png", normals), ("h.png", heights)];
+    let scene = with("norm n.png\nbump h.png", &files);
+    assert_eq!(scene.textures[0].rgba8, [128, 128, 255, 255]);
+    let scene = with("map_Bump -bm 0.5 n.png", &files);
+    assert_eq!(scene.textures[0].rgba8, [128, 128, 255, 255]);
+    assert_eq!(material(&scene).normal_scale, 0.5);
+    let scene = with("bump -bm 20 h.png", &files);
+    assert!(warns(&scene, "heights became a normal map"));
+    assert_eq!(material(&scene).normal_scale, 1.0);
+    let texels: Vec<_> = scene.textures[0].rgba8.chunks(4).map(|t| t[0]).collect();
+    // Uphill to the right at the second texel leans left, and the ends of a slope lie flat.
+    assert!(texels[1] < 100 && texels[3] > 155, "{texels:?}");
+    assert!(texels[0].abs_diff(128) <= 1 && texels[2].abs_diff(128) <= 1, "{texels:?}");
+    // With a normal map tangents follow the image.
+    let tangent = scene.meshes[0].tangents[0];
+    assert!((tangent.truncate() - Vec3::X).length() < 1e-6, "{tangent}");
+}
+
+#[test]
+fn constant_colors_take_no_light() {
+    let scene = with("Kd 0.1 0.2 0.3\nillum 0", &[]);
+    let Shading::Unlit(unlit) = material(&scene).shading else { panic!() };
+    assert_eq!(unlit.color, Vec4::new(0.1, 0.2, 0.3, 1.0));
+    assert!(warns(&scene, "illum 0"));
+}
+
+#[test]
+fn what_is_not_supported_is_told() {
+    let scene = with(
+        "refl -type sphere a.png\ndisp a.png\nmap_Ns a.png\nTf 0.5 0.5 0.5\naniso 0.3\nKd spectral a.rfl\n\
+         Ks 1 x 1\nd -halo 0.5\nd nan\nwhat 3\nmap_Kd\nKe xyz 0.9505 1 1.089",
+        &[],
+    );
+    assert_eq!(scene.notes.warnings.len(), 11, "{:#?}", scene.notes.warnings);
+    assert!((material(&scene).emissive - Vec3::ONE).length() < 1e-3);
+    assert_eq!(phong(&scene).opacity, 0.5);
+}
+
+#[test]
+fn textures_keep_to_the_budget_and_are_loaded_once() {
+    let files = [("a.png", png(32, 32, &[90; 32 * 32 * 4]))];
+    let budget = MemoryBudget { texture_bytes: 1024, ..MemoryBudget::default() };
+    let mut stages = Vec::new();
+    let mut listen = |progress: lumivox_scene::LoadProgress| stages.push(progress.stage);
+    let mut options = LoadOptions { budget, progress: Some(&mut listen), ..LoadOptions::default() };
+    let scene = with_options("map_Kd a.png\nmap_Ke a.png", &files, &mut options);
+    assert_eq!(scene.textures.len(), 1);
+    assert_eq!((scene.textures[0].width, scene.textures[0].rgba8.len()), (16, 1024));
+    assert!(warns(&scene, "shrunk to 1/2 "));
+    assert_eq!(material(&scene).emissive, Vec3::ONE);
+    assert!(stages.contains(&"textures"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    #[test]
+    fn any_statements_are_no_panic(
+        lines in proptest::collection::vec(
+            "(K[dse]|N[si]|d|Tr|illum|P[rmsc]|Pcr|map_(K[dse]|d|P[rms])|bump|norm|newmtl) \
+             (-(s|o|bm|mm|clamp|imfchan|t) )?([-0-9. ]{0,9}|nan|a.png|b.png|on)", 0..30),
+        image in proptest::collection::vec(any::<u8>(), 16),
+    ) {
+        with(&lines.join("\n"), &[("a.png", png(2, 2, &image)), ("b.png", png(1, 4, &image))]);
+    }
+
+    #[test]
+    fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        with(&text, &[("a.png", bytes)]);
+    }
+}

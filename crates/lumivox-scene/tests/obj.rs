@@ -1,0 +1,241 @@
+//! The geometry of OBJ files, right and wrong.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "in a test a panic is the message, and exact numbers are meant"
+)]
+
+mod common;
+
+use common::{load, world_triangles, write};
+use glam::{Vec2, Vec3};
+use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError, UpAxis};
+use proptest::prelude::*;
+
+const ROOF: &str = "v -1 0 0\nv 0 0 1\nv 0 2 1\nv 1 0 0\n";
+
+fn read(text: &str) -> Scene {
+    load("house.obj", text.as_bytes()).unwrap()
+}
+
+fn fault(text: &str) -> String {
+    let error = load("house.obj", text.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("house.obj: "), "{error}");
+    error
+}
+
+fn warns(scene: &Scene, words: &str) -> bool {
+    scene.notes.warnings.iter().any(|warning| warning.contains(words))
+}
+
+#[test]
+fn corners_come_in_all_mixes() {
+    let scene = read(
+        "# made by hand\r\nv 0 0 0\r\nv\t1 0\t0 1.0\r\nv 1 1 \\\r\n 0\r\nv 0 1 0\r\n\
+         vt 0 0\r\nvt 1 0.25 0\r\nvn 0 0 5\r\nvn 0 1 1\r\n\
+         f 1/1/1 2/2/1 3/1/2\r\nf 1//1 3//1 4//1\r\nf -4/-2 -2/2 -1/1\r\nf 1 2 3 4\r\n",
+    );
+    let mesh = &scene.meshes[0];
+    assert_eq!(scene.triangle_count(), 5);
+    let corners = mesh.triangles().next().unwrap();
+    assert_eq!(corners.map(|i| mesh.uvs[i]), [Vec2::Y, Vec2::new(1.0, 0.75), Vec2::Y]);
+    assert_eq!(mesh.normals[corners[0]], Vec3::Z);
+    assert!((mesh.normals[corners[2]] - Vec3::new(0.0, 0.5, 0.5).normalize()).length() < 1e-6);
+    let flat = mesh.triangles().last().unwrap();
+    assert_eq!(flat.map(|i| mesh.positions[i]), [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::Y]);
+    assert!(mesh.normals[flat[0]] == Vec3::Z && mesh.uvs[flat[0]] == Vec2::ZERO);
+    // The two faces with the same corners share vertices, the flat ones do not.
+    assert_eq!(mesh.positions.len(), 3 + 3 + 3 + 6);
+}
+
+#[test]
+fn objects_groups_and_materials_are_instances() {
+    let scene = read(&format!(
+        "{ROOF}f 1 2 3\no hut\ng roof left\nf 1 2 3\ng\nf 4 3 2\nusemtl none\nf 1 2 3\n\
+         o hut\ng roof left\nusemtl\nf 4 3 2\ng empty\n"
+    ));
+    let names: Vec<_> = scene.instances.iter().map(|i| i.name.as_str()).collect();
+    assert_eq!(names, ["object", "hut/roof left", "hut", "hut", "hut/roof left"]);
+    assert!(warns(&scene, "the material \"none\" is in no material library"));
+}
+
+#[test]
+fn smoothing_groups_are_smooth_and_the_rest_is_flat() {
+    let normals = |text: &str| {
+        let scene = read(&format!("{ROOF}{text}"));
+        let all = scene.meshes.iter().flat_map(|mesh| {
+            let ridge = mesh.positions.iter().zip(&mesh.normals).filter(|(p, _)| p.z == 1.0);
+            ridge.map(|(_, normal)| *normal).collect::<Vec<_>>()
+        });
+        all.collect::<Vec<_>>()
+    };
+    let smooth = |normals: &[Vec3]| normals.iter().all(|n| n.abs_diff_eq(Vec3::Z, 1e-6));
+    let flat = |normals: &[Vec3]| normals.iter().all(|n| (n.x.abs() - 0.707).abs() < 1e-3);
+    assert!(flat(&normals("f 1 2 3\nf 4 3 2\n")));
+    assert!(flat(&normals("s off\nf 1 2 3\ns 0\nf 4 3 2\n")));
+    assert!(flat(&normals("s 1\nf 1 2 3\ns 2\nf 4 3 2\n")));
+    let shared = normals("s 1\nf 1 2 3\nf 4 3 2\n");
+    assert!(smooth(&shared) && shared.len() == 2);
+    // Across materials and seams of the texture, too.
+    assert!(smooth(&normals("s 7\nf 1 2 3\nusemtl b\nf 4 3 2\n")));
+    assert!(smooth(&normals("vt 0 0\nvt 1 1\ns 1\nf 1/1 2/1 3/1\nf 4/2 3/2 2/2\n")));
+}
+
+#[test]
+fn creases_are_the_users() {
+    let folder = tempfile::tempdir().unwrap();
+    // The seam in the texture is no edge.
+    let text = format!("{ROOF}vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 4/2 3/2 2/2\n");
+    let path = write(folder.path(), "house.obj", text.as_bytes());
+    for (degrees, is_smooth) in [(89.0_f32, false), (91.0, true)] {
+        let crease_rad = Some(degrees.to_radians());
+        let mut options = LoadOptions { crease_rad, ..LoadOptions::default() };
+        let mesh = &Scene::load_with(&path, &mut options).unwrap().meshes[0];
+        for (position, normal) in mesh.positions.iter().zip(&mesh.normals) {
+            if position.z == 1.0 {
+                assert_eq!(normal.abs_diff_eq(Vec3::Z, 1e-6), is_smooth, "{normal}");
+            }
+        }
+    }
+}
+
+#[test]
+fn concave_polygons_are_cut_rightly() {
+    let scene = read("v 0 0 0\nv 2 -1 0\nv 0 2 0\nv -2 -1 0\nf 2 3 4 1\n");
+    let area: f32 = world_triangles(&scene)
+        .iter()
+        .map(|([a, b, c], _)| {
+            let doubled = (*b - *a).cross(*c - *a).z;
+            assert!(doubled > 0.0);
+            doubled * 0.5
+        })
+        .sum();
+    assert!((area - 4.0).abs() < 1e-5);
+}
+
+#[test]
+fn vertices_have_colors() {
+    let scene = read("v 0 0 0 1 0.5 0\nv 1 0 0 0 0 1\nv 0 1 0\nf 1 2 3\n");
+    let colors = &scene.meshes[0].colors;
+    assert!((colors[0].y - 0.2140).abs() < 1e-3 && colors[2] == glam::Vec4::ONE, "{colors:?}");
+    assert!(warns(&scene, "in their vertices' colours"));
+    // Bytes.
+    let scene = read("v 0 0 0 255 0 0\nv 1 0 0 0 0 255\nv 0 1 0 0 128 0\nf 1 2 3\n");
+    let colors = &scene.meshes[0].colors;
+    assert!((colors[0].x - 1.0).abs() < 1e-5 && (colors[2].y - 0.2159).abs() < 1e-3);
+}
+
+#[test]
+fn what_is_left_out_is_told() {
+    let scene = read(&format!(
+        "{ROOF}l 1 2\np 1\nf 1 2 3\nf 1 2\ncstype bezier\ncurv 0 1 1 2 3\nend\ncall other.obj\n\
+         vn nan nan nan\nvt nan 0\nf 1/1/1 2/1/1 3/1/1\nf 1/9/9 2/9/9 3/9/9\n"
+    ));
+    for words in [
+        "2 lines and points",
+        "1 free-form curves",
+        "1 faces of fewer",
+        "1 statements \"call\"",
+        "1 texture coordinates were not finite",
+        "3 corners name texture coordinates that do not exist",
+        "3 corners name normals that do not exist",
+        "3 normals of no direction",
+    ] {
+        assert!(warns(&scene, words), "{words}: {:?}", scene.notes.warnings);
+    }
+    assert_eq!(scene.triangle_count(), 3);
+}
+
+#[test]
+fn units_axes_and_progress() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(folder.path(), "house.obj", format!("{ROOF}f 1 2 3\n").as_bytes());
+    let mut told = Vec::new();
+    let mut listen = |progress| told.push(progress);
+    let mut options = LoadOptions {
+        up: UpAxis::Z,
+        unit_m: 0.5,
+        progress: Some(&mut listen),
+        ..LoadOptions::default()
+    };
+    let bounds = Scene::load_with(&path, &mut options).unwrap().bounds();
+    assert!((bounds.min - Vec3::new(-0.5, 0.0, -1.0)).length() < 1e-6, "{bounds:?}");
+    assert!((bounds.max - Vec3::new(0.0, 0.5, 0.0)).length() < 1e-6, "{bounds:?}");
+    let last = told.last().unwrap();
+    assert!(last.stage == "reading" && last.done == last.total && last.total > 0);
+}
+
+#[test]
+fn the_budget_is_kept_with_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let budget = MemoryBudget { geometry_bytes: 1 << 20, ..MemoryBudget::default() };
+    for text in [
+        format!("{ROOF}{}", "f 1 2 3\n".repeat(7_000)),
+        "v 0 0 0\n".repeat(100_000),
+        format!("{ROOF}f{}\n", " 1 2".repeat(100_000)),
+    ] {
+        let path = write(folder.path(), "house.obj", text.as_bytes());
+        let mut options = LoadOptions { budget, ..LoadOptions::default() };
+        let error = Scene::load_with(&path, &mut options).unwrap_err();
+        assert!(matches!(&error, SceneError::TooMuchGeometry { .. }), "{error}");
+    }
+}
+
+#[test]
+fn broken_files_say_where() {
+    assert!(fault("").contains("no faces"));
+    assert!(fault("hello\nworld\n").contains("no faces"));
+    for (text, expected) in [
+        ("f 1 2 5\n", "a corner of line 5 is 5, but there are only 4 vertices"),
+        ("f 1 2 -5\n", "a corner of line 5 is 5, but there are only 4 vertices"),
+        ("f 1 2 99999999999999999999999\n", "there are only 4 vertices"),
+        ("f 1 2 0\n", "counted from 1"),
+        ("f 1 2 x\n", "\"x\" is no corner"),
+        ("f 1 2 3/x\n", "\"3/x\" is no corner"),
+        ("v 1 2\n", "2 numbers instead of 3"),
+        ("v 1 2 z\n", "\"z\" is no number"),
+        ("v 1 2 nan\n", "line 5 has a number that is not finite"),
+        ("v 1 2 1e99\n", "line 5 has a number that is not finite"),
+        ("s smooth\n", "\"smooth\" is no smoothing group"),
+        ("vn 1\n", "1 numbers instead of 3"),
+    ] {
+        let reason = fault(&format!("{ROOF}{text}"));
+        assert!(reason.contains(expected), "{text:?}: {reason}");
+    }
+    assert!(matches!(load("x.fbx", b"").unwrap_err(), SceneError::UnknownFormat { .. }));
+}
+
+#[test]
+fn a_million_groups_are_joined() {
+    let mut text = ROOF.to_owned();
+    for i in 0..70_000 {
+        text += &format!("g {i}\nf 1 2 3\n");
+    }
+    let scene = read(&text);
+    assert!(scene.meshes.len() <= 65_537);
+    assert_eq!(scene.triangle_count(), 70_000);
+    assert!(warns(&scene, "joined by their materials"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    #[test]
+    fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let _ = load("house.obj", &bytes);
+    }
+
+    #[test]
+    fn any_statements_are_no_panic(
+        lines in proptest::collection::vec(
+            "(v|vt|vn|f|s|g|o|usemtl|mtllib|l) ([-0-9/. ]{0,12}|nan|off|[a-z]{1,3})\\\\?", 0..40),
+        crease in any::<bool>(),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let text = format!("{ROOF}vt 0 0\nvn 0 0 1\nf 1 2 3\n{}", lines.join("\n"));
+        let path = write(folder.path(), "house.obj", text.as_bytes());
+        let crease_rad = crease.then_some(1.0);
+        let _ = Scene::load_with(&path, &mut LoadOptions { crease_rad, ..LoadOptions::default() });
+    }
+}

@@ -1,0 +1,298 @@
+//! PLY files, right and wrong.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "in a test a panic is the message, and exact numbers are meant"
+)]
+
+mod common;
+
+use common::{load, write};
+use glam::{Vec2, Vec3};
+use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError};
+use proptest::prelude::*;
+
+/// A square and a triangle that stands on its edge, with all that is read and more.
+const HEADER: &str = "comment made by hand
+obj_info of no use
+element camera 1
+property float view
+property list uchar int ids
+element vertex 5
+property double x
+property float y
+property float z
+property short quality
+property float nx
+property float ny
+property float nz
+property uchar red
+property uchar green
+property uchar blue
+property uchar alpha
+property float s
+property float t
+property list uchar float more
+element face 2
+property uchar flags
+property list uchar int vertex_indices
+property list uint short more
+element edge 1
+property int vertex1
+property int vertex2
+end_header
+";
+
+#[derive(Clone, Copy)]
+enum Value {
+    U8(u8),
+    I16(i16),
+    I32(i32),
+    U32(u32),
+    F32(f32),
+    F64(f64),
+}
+use Value::{F32, F64, I16, I32, U8, U32};
+
+/// The body, one element a row.
+fn rows() -> Vec<Vec<Value>> {
+    let mut rows = vec![vec![F32(1.5), U8(2), I32(7), I32(8)]];
+    let places = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]];
+    for (i, [x, y, z]) in places.into_iter().enumerate() {
+        let mut row = vec![F64(f64::from(x)), F32(y as f32), F32(z as f32), I16(-3)];
+        row.extend([F32(0.0), F32(0.0), F32(2.0)]);
+        row.extend([U8(255), U8(128), U8(0), U8(51)]);
+        row.extend([F32(0.25), F32(i as f32)]);
+        row.extend([U8(i as u8)]);
+        row.extend((0..i).map(|_| F32(9.0)));
+        rows.push(row);
+    }
+    rows.push(vec![U8(1), U8(4), I32(0), I32(1), I32(2), I32(3), U32(1), I16(5)]);
+    rows.push(vec![U8(1), U8(3), I32(0), I32(1), I32(4), U32(0)]);
+    rows.push(vec![I32(0), I32(1)]);
+    rows
+}
+
+fn file(format: &str, header: &str, rows: &[Vec<Value>]) -> Vec<u8> {
+    let mut bytes = format!("ply\nformat {format} 1.0\n{header}").into_bytes();
+    for row in rows {
+        for value in row {
+            match (format, *value) {
+                ("ascii", U8(v)) => bytes.extend(format!("{v} ").bytes()),
+                ("ascii", I16(v)) => bytes.extend(format!("{v}\t").bytes()),
+                ("ascii", I32(v)) => bytes.extend(format!("{v} ").bytes()),
+                ("ascii", U32(v)) => bytes.extend(format!("{v} ").bytes()),
+                ("ascii", F32(v)) => bytes.extend(format!("{v} ").bytes()),
+                ("ascii", F64(v)) => bytes.extend(format!("{v:e} ").bytes()),
+                (_, U8(v)) => bytes.push(v),
+                ("binary_little_endian", I16(v)) => bytes.extend(v.to_le_bytes()),
+                ("binary_little_endian", I32(v)) => bytes.extend(v.to_le_bytes()),
+                ("binary_little_endian", U32(v)) => bytes.extend(v.to_le_bytes()),
+                ("binary_little_endian", F32(v)) => bytes.extend(v.to_le_bytes()),
+                ("binary_little_endian", F64(v)) => bytes.extend(v.to_le_bytes()),
+                (_, I16(v)) => bytes.extend(v.to_be_bytes()),
+                (_, I32(v)) => bytes.extend(v.to_be_bytes()),
+                (_, U32(v)) => bytes.extend(v.to_be_bytes()),
+                (_, F32(v)) => bytes.extend(v.to_be_bytes()),
+                (_, F64(v)) => bytes.extend(v.to_be_bytes()),
+            }
+        }
+        if format == "ascii" {
+            bytes.push(b'\n');
+        }
+    }
+    bytes
+}
+
+const FORMATS: [&str; 3] = ["ascii", "binary_little_endian", "binary_big_endian"];
+
+/// A text file of positions and faces.
+fn plain(vertices: &[&str], faces: &[&str]) -> String {
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
+         property float z\nelement face {}\nproperty list uchar int vertex_index\nend_header\n\
+         {}\n{}\n",
+        vertices.len(),
+        faces.len(),
+        vertices.join("\n"),
+        faces.join("\n")
+    )
+}
+
+fn fault(bytes: &[u8]) -> String {
+    let error = load("scan.ply", bytes).unwrap_err().to_string();
+    assert!(error.contains("scan.ply: "), "{error}");
+    error
+}
+
+#[test]
+fn all_encodings_are_the_same_scene() {
+    let scenes = FORMATS.map(|format| load("scan.ply", &file(format, HEADER, &rows())).unwrap());
+    assert_eq!(scenes[0], scenes[1]);
+    assert_eq!(scenes[0], scenes[2]);
+    let mesh = &scenes[0].meshes[0];
+    assert_eq!(mesh.indices, [0, 1, 2, 0, 2, 3, 0, 1, 4]);
+    assert_eq!(mesh.positions[4], Vec3::new(1.0, 0.0, 1.0));
+    assert_eq!(mesh.normals, [Vec3::Z; 5]);
+    assert_eq!(mesh.uvs[3], Vec2::new(0.25, -2.0));
+    let color = mesh.colors[2];
+    assert!((color.x - 1.0).abs() < 1e-6 && (color.y - 0.2159).abs() < 1e-4, "{color}");
+    assert!(color.z == 0.0 && (color.w - 0.2).abs() < 1e-6, "{color}");
+    assert_eq!(scenes[0].instances[0].name, "scan");
+    assert!(scenes[0].materials[0].double_sided);
+}
+
+#[test]
+fn headers_end_in_all_three_ways() {
+    let expected = load("scan.ply", &file(FORMATS[1], HEADER, &rows())).unwrap();
+    for ending in ["\r\n", "\r"] {
+        // A body that begins with a line feed must keep it.
+        let mut changed = rows();
+        changed[0][0] = F32(f32::from_bits(0x0a0a_0a0a));
+        let bytes = file(FORMATS[1], "", &changed);
+        let body = &bytes[file(FORMATS[1], "", &[]).len()..];
+        let header = format!("ply\nformat binary_little_endian 1.0\n{HEADER}");
+        let mut bytes = header.replace('\n', ending).into_bytes();
+        bytes.extend(body);
+        assert_eq!(load("scan.ply", &bytes).unwrap(), expected, "{ending:?}");
+    }
+}
+
+#[test]
+fn without_normals_surfaces_are_smooth_unless_asked() {
+    let roof = plain(&["-1 0 0", "0 0 1", "0 2 1", "1 0 0"], &["3 0 1 2", "3 3 2 1"]);
+    let scene = load("scan.ply", roof.as_bytes()).unwrap();
+    assert_eq!(scene.meshes[0].positions.len(), 4);
+    assert!((scene.meshes[0].normals[1] - Vec3::Z).length() < 1e-6);
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(folder.path(), "scan.ply", roof.as_bytes());
+    let mut options = LoadOptions { crease_rad: Some(1.0), ..LoadOptions::default() };
+    let scene = Scene::load_with(&path, &mut options).unwrap();
+    assert_eq!(scene.meshes[0].positions.len(), 6);
+    assert!(scene.meshes[0].normals.iter().all(|n| n.x.abs() > 0.7));
+}
+
+#[test]
+fn concave_faces_are_cut_rightly() {
+    let arrow = plain(&["0 0 0", "2 -1 0", "0 2 0", "-2 -1 0"], &["4 1 2 3 0"]);
+    let scene = load("scan.ply", arrow.as_bytes()).unwrap();
+    let mesh = &scene.meshes[0];
+    let area: f32 = mesh
+        .triangles()
+        .map(|t| {
+            let [a, b, c] = t.map(|i| mesh.positions[i]);
+            let doubled = (b - a).cross(c - a).z;
+            assert!(doubled > 0.0);
+            doubled * 0.5
+        })
+        .sum();
+    assert!((area - 4.0).abs() < 1e-5);
+}
+
+#[test]
+fn strips_are_triangles() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+                property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
+                end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 2 0\n9 0 1 2 3 -1 1 4 3 -1\n";
+    let scene = load("scan.ply", text.as_bytes()).unwrap();
+    assert_eq!(scene.meshes[0].indices, [0, 1, 2, 1, 3, 2, 1, 4, 3]);
+}
+
+#[test]
+fn places_that_are_no_numbers_matter_only_where_used() {
+    let vertices = ["0 0 0", "1 0 0", "0 1 0", "nan 0 0"];
+    let scene = load("scan.ply", plain(&vertices, &["3 0 1 2"]).as_bytes()).unwrap();
+    assert!(scene.notes.warnings.iter().any(|w| w.starts_with("1 vertices that no face uses")));
+    let reason = fault(plain(&vertices, &["3 0 1 2", "3 0 1 3"]).as_bytes());
+    assert!(reason.contains("vertex 3") && reason.contains("not finite"), "{reason}");
+}
+
+#[test]
+fn broken_files_say_why() {
+    assert!(fault(b"").contains("within the header"));
+    assert!(fault(b"plying\n").contains("begin with \"ply\""));
+    assert!(fault(b"ply\nformat ascii 1.0\nend_header\n").contains("no vertices"));
+    assert!(fault(b"ply\nend_header\n").contains("no \"format\""));
+    assert!(fault(b"ply\nformat morse 1.0\n").contains("\"morse\""));
+    assert!(fault(b"ply\nformat ascii 1.0\nproperty int x\n").contains("line 3"));
+    assert!(fault(b"ply\nformat ascii 1.0\nelement vertex many\n").contains("\"many\""));
+    assert!(fault(b"ply\nformat ascii 1.0\nelement a 1\nproperty quad x\n").contains("\"quad\""));
+    assert!(fault(&[b"ply\ncomment ".to_vec(), vec![b'x'; 2 << 20]].concat()).contains("longer"));
+
+    let cloud = plain(&["0 0 0", "1 0 0"], &[]);
+    let reason = fault(cloud.as_bytes());
+    assert!(reason.contains("cloud of 2 points") && reason.contains("reconstruct"), "{reason}");
+    let points = ["0 0 0", "1 0 0", "0 1 0"];
+    for (face, expected) in [
+        ("3 0 1 3", "is 3, but there are only 3 vertices"),
+        ("3 0 1 -1", "negative"),
+        ("3 0 1 99999999999", "too large"),
+        ("3 0 1", "cut off"),
+        ("3 0 1 x", "\"x\" is no number"),
+        ("2 0 1", "cloud of 3 points"),
+    ] {
+        let reason = fault(plain(&points, &[face]).as_bytes());
+        assert!(reason.contains(expected), "{reason}");
+    }
+    let reason = fault(plain(&points, &["3 0 1 2"]).replace("float z", "float w").as_bytes());
+    assert!(reason.contains("lacks x, y or z"), "{reason}");
+}
+
+#[test]
+fn huge_counts_take_no_memory() {
+    let huge = u64::MAX;
+    for format in FORMATS {
+        for element in ["vertex", "face", "other"] {
+            let header = HEADER.replace("element camera 1", &format!("element {element} {huge}"));
+            let reason = fault(&file(format, &header, &rows()));
+            assert!(reason.contains("cut off") || reason.contains("lacks x"), "{reason}");
+        }
+        let header = HEADER
+            .replace("element camera 1", &format!("element nothing {huge}\nelement camera 1"));
+        load("scan.ply", &file(format, &header, &rows())).unwrap();
+        // A list that says it is long.
+        let mut long = rows();
+        let header =
+            HEADER.replace("list uchar int vertex_indices", "list uint int vertex_indices");
+        long[6][1] = U32(u32::MAX);
+        assert!(fault(&file(format, &header, &long)).contains("scan.ply: "));
+    }
+}
+
+#[test]
+fn the_budget_is_kept_with_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let many = plain(&["0 0 0"; 30_000], &["3 0 1 2"]);
+    let path = write(folder.path(), "scan.ply", many.as_bytes());
+    let budget = MemoryBudget { geometry_bytes: 1 << 20, ..MemoryBudget::default() };
+    let error = Scene::load_with(&path, &mut LoadOptions { budget, ..LoadOptions::default() });
+    let error = error.unwrap_err();
+    assert!(matches!(&error, SceneError::TooMuchGeometry { .. }), "{error}");
+    assert!(error.to_string().contains("its 30000 vertices"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let _ = load("scan.ply", &bytes);
+        for format in FORMATS {
+            let mut head = file(format, HEADER, &[]);
+            head.extend(&bytes);
+            let _ = load("scan.ply", &head);
+        }
+    }
+
+    #[test]
+    fn any_damage_is_no_panic(at in any::<prop::sample::Index>(), byte in any::<u8>(), cut in 0_usize..40) {
+        for format in FORMATS {
+            let mut bytes = file(format, HEADER, &rows());
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+            bytes.truncate(bytes.len() - cut);
+            let _ = load("scan.ply", &bytes);
+        }
+    }
+}
