@@ -241,7 +241,8 @@ pub struct RenderArgs {
 /// The arguments of `info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// Describe this scene instead: a file, or builtin:NAME [default: describe the machine]
+    /// Describe this scene instead: a glTF, OBJ, PLY or STL file, or builtin:NAME [default: describe
+    /// the machine]
     #[arg(value_name = "SCENE", value_parser = scene_source())]
     pub scene: Option<SceneSource>,
 

@@ -34,9 +34,7 @@ mod validate;
 
 pub use environment::sky;
 pub use error::SceneError;
-pub use load::{
-    EXTENSIONS, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words,
-};
+pub use load::{EXTENSIONS, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words};
 pub use model::{
     AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,

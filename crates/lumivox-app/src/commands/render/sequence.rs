@@ -176,6 +176,9 @@ fn scene_settings(args: &RenderArgs) -> Value {
         "name": args.scene.scene.to_string(),
         "file": args.scene.scene.stamp(),
         "scene_in_file": load.scene_in_file,
+        "up": if load.up == lumivox_scene::UpAxis::Z { "z" } else { "y" },
+        "unit": load.unit,
+        "crease": load.crease,
         "texture_memory": load.texture_memory,
     })
 }
