@@ -24,7 +24,7 @@ fn broken_scenes() {
     file("none.glb", &container("{ \"asset\": { \"version\": \"2.0\" } }", &[]));
     file("point.glb", &glb(&[[1.0, 2.0, 3.0]; 3]));
     file("line.glb", &glb(&[[0.0; 3], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]]));
-    file("scene.obj", b"v 0 0 0");
+    file("scene.blend", b"BLENDER");
     fs::create_dir(folder.path().join("folder.glb")).unwrap();
     for (name, needle) in [
         ("missing.glb", "cannot read the file"),
@@ -38,7 +38,7 @@ fn broken_scenes() {
         ("none.glb", "triangles"),
         ("point.glb", "size zero"),
         ("line.glb", "triangles"),
-        ("scene.obj", ".gltf or .glb"),
+        ("scene.blend", ".gltf, .glb, .obj"),
         ("folder.glb", "is a folder"),
     ] {
         let line = format!("render {name} -o a.png");
