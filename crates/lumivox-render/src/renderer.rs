@@ -66,7 +66,9 @@ impl Renderer {
         validate(&settings, gpu)?;
         let bounds = scene.bounds();
         let camera = camera.or(scene.cameras.first()).cloned();
-        let camera = camera.unwrap_or_else(|| Camera::framing(bounds));
+        let camera = camera.unwrap_or_else(|| {
+            scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
+        });
         let mut times = Times::default();
 
         progress(Progress { stage: "upload", done: 0, total: 1 });

@@ -26,11 +26,13 @@
 
 pub mod builtin;
 mod error;
+mod framing;
 mod load;
 mod model;
 mod validate;
 
 pub use error::SceneError;
+pub use framing::{DefaultLight, Framing};
 pub use load::{LoadOptions, LoadProgress, MemoryBudget};
 pub use model::{
     AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,

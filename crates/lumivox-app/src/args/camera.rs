@@ -8,7 +8,8 @@ use super::Refused;
 use super::number::{in_range, some};
 use crate::exit::Failure;
 
-/// The name of the view from outside that every scene has, whatever its cameras.
+/// The name of the view that every scene has, whatever its cameras: see
+/// [`Scene::default_camera`].
 pub const FRAMING: &str = "framing";
 
 const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
@@ -67,13 +68,17 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
     Ok(CameraChoice::LookAt { position, target, vertical_fov_rad: fov_deg.to_radians() })
 }
 
-/// The camera chosen, or without a choice the scene's first, or a view from outside where it has
-/// none.
+/// The camera chosen, or without a choice the scene's first, or where it has none the one that
+/// shows it best in a picture of this aspect (width over height).
 ///
 /// # Errors
 /// When the scene has no such camera; the message lists those that it has.
-pub fn resolve(choice: Option<&CameraChoice>, scene: &Scene) -> anyhow::Result<Camera> {
-    let framing = || Camera::framing(scene.bounds());
+pub fn resolve(
+    choice: Option<&CameraChoice>,
+    scene: &Scene,
+    aspect: f32,
+) -> anyhow::Result<Camera> {
+    let framing = || scene.default_camera(aspect);
     let found = match choice {
         None => return Ok(scene.cameras.first().cloned().unwrap_or_else(framing)),
         Some(CameraChoice::LookAt { position, target, vertical_fov_rad }) => {
@@ -102,7 +107,7 @@ pub fn resolve(choice: Option<&CameraChoice>, scene: &Scene) -> anyhow::Result<C
         .iter()
         .enumerate()
         .map(|(index, camera)| format!("{index} \"{}\"", camera.name))
-        .chain([format!("\"{FRAMING}\" (from outside)")])
+        .chain([format!("\"{FRAMING}\" (a view of all of it)")])
         .collect();
     bail!(Failure::input(format!(
         "the scene \"{}\" has no {wanted}; there are: {}; or give a position and a target",
@@ -145,18 +150,18 @@ mod tests {
     #[test]
     fn the_first_camera_is_the_default() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
-        assert_eq!(resolve(None, &scene).unwrap(), scene.cameras[0]);
+        assert_eq!(resolve(None, &scene, 1.5).unwrap(), scene.cameras[0]);
         let bare = Scene { cameras: Vec::new(), ..scene.clone() };
-        assert_eq!(resolve(None, &bare).unwrap().name, FRAMING);
+        assert_eq!(resolve(None, &bare, 1.5).unwrap().name, FRAMING);
         let framing = CameraChoice::Name(FRAMING.to_owned());
-        assert_eq!(resolve(Some(&framing), &scene).unwrap().name, FRAMING);
+        assert_eq!(resolve(Some(&framing), &scene, 1.5).unwrap().name, FRAMING);
     }
 
     #[test]
     fn unknown_cameras_list_the_known_ones() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         for choice in [CameraChoice::Index(99), CameraChoice::Name("nowhere".to_owned())] {
-            let error = resolve(Some(&choice), &scene).unwrap_err().to_string();
+            let error = resolve(Some(&choice), &scene, 1.5).unwrap_err().to_string();
             assert!(error.contains(&scene.cameras[0].name), "{error}");
             assert!(error.contains("cornell"), "{error}");
         }

@@ -41,7 +41,9 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
     }
     let mut scene = args.scene.scene.load()?;
     add_light(&mut scene, args);
-    let camera = camera::resolve(args.camera.as_ref(), &scene)?;
+    let aspect = args.size.x as f32 / args.size.y as f32;
+    let camera = camera::resolve(args.camera.as_ref(), &scene, aspect)?;
+    scene.add_default_light(Some(&camera));
     clock.seconds.loading = clock.lap();
 
     let mut tell = |step: lumivox_render::Progress| {
