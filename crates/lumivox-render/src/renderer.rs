@@ -73,7 +73,9 @@ impl Renderer {
         validate(&settings, gpu)?;
         let bounds = settings.grid_bounds.unwrap_or_else(|| scene.bounds());
         let camera = camera.or(scene.cameras.first()).cloned();
-        let camera = camera.unwrap_or_else(|| Camera::framing(bounds));
+        let camera = camera.unwrap_or_else(|| {
+            scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
+        });
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
         validate_level(settings.voxel_level, &grid)?;
         let mut times = Times::default();

@@ -27,6 +27,7 @@
 pub mod builtin;
 mod environment;
 mod error;
+mod framing;
 mod load;
 mod model;
 mod pose;
@@ -34,6 +35,7 @@ mod validate;
 
 pub use environment::sky;
 pub use error::SceneError;
+pub use framing::{DefaultLight, Framing};
 pub use load::{EXTENSIONS, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words};
 pub use model::{
     AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,

@@ -10,7 +10,8 @@ use super::Refused;
 use super::number::{in_range, some};
 use crate::exit::Failure;
 
-/// The name of the view from outside that every scene has, whatever its cameras.
+/// The name of the view that every scene has, whatever its cameras: see
+/// [`Scene::default_camera`].
 pub const FRAMING: &str = "framing";
 
 const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
@@ -83,8 +84,8 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
     Ok(CameraChoice::LookAt { position, target, vertical_fov_rad: fov_deg.to_radians() })
 }
 
-/// The camera chosen, or without a choice the scene's first, or a view from outside where it has
-/// none.
+/// The camera chosen, or without a choice the scene's first, or where it has none the one that
+/// shows it best in a picture of this aspect (width over height).
 ///
 /// # Errors
 /// When the scene has no such camera; the message lists those that it has.
@@ -93,8 +94,7 @@ pub fn resolve(
     scene: &Scene,
     aspect: f32,
 ) -> anyhow::Result<Camera> {
-    let _ = aspect;
-    let framing = || Camera::framing(scene.bounds());
+    let framing = || scene.default_camera(aspect);
     let found = match choice {
         None => return Ok(scene.cameras.first().cloned().unwrap_or_else(framing)),
         Some(CameraChoice::LookAt { position, target, vertical_fov_rad }) => {
@@ -122,7 +122,7 @@ pub fn resolve(
         .iter()
         .enumerate()
         .map(|(index, camera)| format!("{index} \"{}\"", camera.name))
-        .chain([format!("\"{FRAMING}\" (from outside)")])
+        .chain([format!("\"{FRAMING}\" (a view of all of it)")])
         .collect();
     bail!(Failure::input(format!(
         "the scene \"{}\" has no {wanted}; there are: {}; or give a position and a target",

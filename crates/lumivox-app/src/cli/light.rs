@@ -65,6 +65,11 @@ pub struct LightArgs {
     #[arg(default_value = "2", allow_negative_numbers = true, requires = "sky")]
     pub turbidity: f32,
 
+    /// Leave a scene dark in which nothing shines [default: off, it is lit by sun and sky, or by lamps
+    /// where it is closed]
+    #[arg(long)]
+    pub no_default_light: bool,
+
     /// How shadows of lamps and sun are found
     #[arg(long, value_name = "HOW", value_parser = choices::shadows())]
     #[arg(default_value = "map")]

@@ -140,6 +140,15 @@ impl Schedule {
         Ok(Self { when, animation, eye: eye(asked, scene)? })
     }
 
+    /// The time of the first picture, s.
+    pub fn start_s(&self) -> f64 {
+        match &self.when {
+            When::Rest => 0.0,
+            When::At(time_s) => *time_s,
+            When::Sequence(moments) => moments.time_s(0),
+        }
+    }
+
     /// Poses the scene for a time, if it moves.
     ///
     /// # Errors

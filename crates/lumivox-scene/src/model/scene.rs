@@ -20,7 +20,7 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// Cameras; a file may bring none, see [`Camera::framing`].
+    /// Cameras; a file may bring none, see [`Scene::default_camera`].
     pub cameras: Vec<Camera>,
     /// The surroundings.
     pub environment: Environment,

@@ -80,5 +80,6 @@ pub fn settings(args: &LightArgs) -> Value {
         "environment_intensity": args.environment_intensity,
         "sky": args.sky.map(|towards| towards.to_array()),
         "turbidity": args.turbidity,
+        "no_default_light": args.no_default_light,
     })
 }

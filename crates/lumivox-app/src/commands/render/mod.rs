@@ -73,7 +73,21 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
         is_sequence,
         aspect: args.size.x as f32 / args.size.y as f32,
     };
+    if scene.cameras.is_empty() && args.camera.is_none() && path.is_none() {
+        progress.set("looking for a camera", 0, 1);
+    }
     let schedule = Schedule::new(&asked, &scene)?;
+    if !args.light.no_default_light && !scene.shines() {
+        progress.set("looking for places of lamps", 0, 1);
+        let camera = schedule.camera(&scene, schedule.start_s(), 0.0);
+        if let Some(light) = scene.add_default_light(Some(&camera)) {
+            tracing::warn!(
+                "nothing shines in the scene \"{}\": it is lit by {light}; light it with --sun, --sky \
+                 or --environment, or leave it dark with --no-default-light",
+                scene.name
+            );
+        }
+    }
     clock.seconds.loading = clock.lap();
 
     let is_verbose = verbosity > 0;

@@ -7,7 +7,7 @@ mod tests;
 
 use glam::Vec3;
 use lumivox_render::{MemoryEstimate, RenderSettings};
-use lumivox_scene::{AlphaMode, Material, Mesh, Scene};
+use lumivox_scene::{AlphaMode, Framing, Material, Mesh, Scene};
 use serde::Serialize;
 
 use crate::cli::VoxelArgs;
@@ -53,6 +53,8 @@ pub struct Report {
     cameras: Vec<CameraReport>,
     /// The camera that is used if none is named.
     default_camera: CameraReport,
+    /// What lights the scene where nothing in it shines; none where something does.
+    default_light: Option<String>,
     animations: Vec<AnimationReport>,
     /// In main memory.
     vertex_bytes: u64,
@@ -107,7 +109,13 @@ impl Report {
         };
         let texels = scene.textures.iter().map(|t| u64::from(t.width) * u64::from(t.height));
         let aspect = settings.size.x as f32 / settings.size.y as f32;
-        let default_camera = crate::args::camera::resolve(None, scene, aspect)?;
+        let shines = scene.shines();
+        // One look at the scene serves both.
+        let framing = (scene.cameras.is_empty() || !shines).then(|| Framing::of(scene));
+        let first = scene.cameras.first().cloned();
+        let default_camera = first.or_else(|| framing.as_ref().map(|f| f.camera(aspect)));
+        let default_camera = default_camera.unwrap_or_default();
+        let default_light = framing.filter(|_| !shines).map(|f| f.light(&default_camera));
         let animations = scene.animations().into_iter().map(|animation| AnimationReport {
             name: animation.name,
             duration_s: animation.duration_s,
@@ -134,6 +142,7 @@ impl Report {
             lights: scene.lights.iter().map(LightReport::new).collect(),
             cameras: scene.cameras.iter().map(CameraReport::new).collect(),
             default_camera: CameraReport::new(&default_camera),
+            default_light: default_light.map(|light| light.to_string()),
             animations: animations.collect(),
             vertex_bytes: scene.meshes.iter().map(bytes_of).sum(),
             texture_bytes: scene.textures.iter().map(|t| t.rgba8.len() as u64).sum(),
@@ -223,7 +232,7 @@ impl Report {
                 ),
             ),
             ("environment", format!("{} cd/m2", point(self.environment))),
-            ("lights", count(counts.lights as u64)),
+            ("lights", self.lights_used()),
             ("cameras", format!("{}; used: {}", counts.cameras, self.camera_used())),
             ("animations", count(self.animations.len() as u64)),
         ];
@@ -251,6 +260,14 @@ impl Report {
             }
         }
         lines
+    }
+
+    fn lights_used(&self) -> String {
+        let lights = count(self.counts.lights as u64);
+        match &self.default_light {
+            Some(light) => format!("{lights}; nothing shines, used: {light}"),
+            None => lights,
+        }
     }
 
     fn camera_used(&self) -> String {
