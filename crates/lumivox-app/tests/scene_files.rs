@@ -6,7 +6,9 @@ mod common;
 
 use std::fs;
 
-use common::{CORNER, INPUT, OUTPUT, USAGE, expect_error, folder, glb, lumivox, moving_glb};
+use common::{
+    CORNER, INPUT, OUTPUT, USAGE, container, expect_error, folder, glb, lumivox, moving_glb,
+};
 use serde_json::json;
 
 const SMALL: &str = "--size 32x18 --frames 1 --resolution 16 --shadow-resolution 64";
@@ -176,4 +178,46 @@ fn surroundings_come_from_numbers_files_and_the_sky() {
     }
     let line = "render corner.glb -o missing/b.exr --environment missing.hdr";
     expect_error(path, line, OUTPUT, &["missing/b.exr"]);
+}
+
+#[test]
+fn dark_scenes_are_lit_unless_they_shall_stay_dark() {
+    let folder = folder();
+    let path = folder.path();
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{
+            "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": CORNER.len(),
+            "min": [-1, 0, -1], "max": [1, 2, 1],
+        }],
+        "bufferViews": [{ "buffer": 0, "byteLength": CORNER.len() * 12 }],
+        "buffers": [{ "byteLength": CORNER.len() * 12 }],
+    });
+    let bytes: Vec<u8> = CORNER.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    fs::write(path.join("dark.glb"), container(&document.to_string(), &bytes)).unwrap();
+    let line = format!("render dark.glb -o a.png {SMALL} --exposure 0 --json");
+    let lit = lumivox(path, &line).expect_ok();
+    assert!(
+        lit.stderr.contains("nothing shines") && lit.stderr.contains("--sky"),
+        "{}",
+        lit.stderr
+    );
+    assert_eq!(lit.json()["scene"]["lights"], 1);
+    let picture = fs::read(path.join("a.png")).unwrap();
+    let dark = lumivox(path, &format!("{line} --no-default-light")).expect_ok();
+    assert!(!dark.stderr.contains("nothing shines"), "{}", dark.stderr);
+    assert_eq!(dark.json()["scene"]["lights"], 0);
+    assert!(picture != fs::read(path.join("a.png")).unwrap());
+    let report = lumivox(path, "info dark.glb --json").expect_ok().json();
+    assert!(
+        report["default_light"].as_str().is_some_and(|light| light.contains("sun")),
+        "{report}"
+    );
+    assert_eq!(report["default_camera"]["name"], "framing");
+    let text = lumivox(path, "info dark.glb").expect_ok().stdout;
+    assert!(text.contains("nothing shines, used: the sun"), "{text}");
 }
