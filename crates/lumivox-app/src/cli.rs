@@ -202,8 +202,9 @@ pub struct RenderArgs {
     /// Exposure in stops, -64 to 64, or auto, or auto-each
     ///
     /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
-    /// average a middle grey; the pictures of a sequence all take that of the first, so that they do
-    /// not flicker. With auto-each every picture finds its own. No effect on OpenEXR.
+    /// average a middle grey; the pictures of a sequence all take the median of what five of them ask
+    /// for, so that they do not flicker. With auto-each every picture finds its own. No effect on
+    /// OpenEXR.
     #[arg(long, value_name = "STOPS|auto|auto-each", value_parser = number::exposure)]
     #[arg(help_heading = "Picture", default_value = "auto", allow_hyphen_values = true)]
     pub exposure: ExposureChoice,

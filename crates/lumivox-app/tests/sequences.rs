@@ -54,7 +54,7 @@ fn a_folder_gets_numbered_pictures_and_an_index() {
         assert_eq!(bytes[16..24], [0, 0, 0, 32, 0, 0, 0, 18]);
         let time_s = frame["time_s"].as_f64().unwrap();
         assert!((time_s - number as f64 / 3.0).abs() < 1e-9, "{time_s}");
-        // The exposure of the first is that of all.
+        // One exposure for all.
         assert_eq!(frame["exposure"].as_f64(), Some(stops));
         places.insert(frame["camera"]["position"].to_string());
     }
@@ -69,13 +69,13 @@ fn a_folder_gets_numbered_pictures_and_an_index() {
 #[test]
 fn the_first_picture_of_an_orbit_is_the_still() {
     let folder = folder();
-    let still = format!("render builtin:cornell -o still.png {SMALL}");
+    let still = format!("render builtin:cornell -o still.exr {SMALL}");
     lumivox(folder.path(), &still).expect_ok();
-    let turn = format!("render builtin:cornell -o turn_##.png {SMALL} {ORBIT}");
+    let turn = format!("render builtin:cornell -o turn_##.exr {SMALL} {ORBIT}");
     lumivox(folder.path(), &turn).expect_ok();
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
-    assert!(read("still.png") == read("turn_00.png"));
-    let expected = ["still.png", "turn_00.png", "turn_01.png", "turn_02.png", "turn_index.json"];
+    assert!(read("still.exr") == read("turn_00.exr"));
+    let expected = ["still.exr", "turn_00.exr", "turn_01.exr", "turn_02.exr", "turn_index.json"];
     assert_eq!(names(folder.path()), expected);
 }
 
@@ -91,7 +91,7 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
     let run = lumivox(folder.path(), &line).expect_ok();
     assert!(run.stdout.contains("3 of them were there already"), "{}", run.stdout);
 
-    // As after a power cut: one picture half written, one gone; the exposure is still the first's.
+    // As after a power cut: one picture half written, one gone; the exposure is still that of all.
     fs::write(turn.join("0000.png"), &before[0][..40]).unwrap();
     fs::remove_file(turn.join("0002.png")).unwrap();
     let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();

@@ -120,21 +120,21 @@ pub enum SceneError {
         remedy: &'static str,
     },
 
-    /// The vertices and indices need more memory than the budget has.
+    /// The scene needs more memory than it may take.
     #[error(
-        "{}: with {part} the scene's vertices and indices need {} MiB or more, beyond the budget of \
-         {} MiB; simplify or split the scene, or raise the budget for geometry",
-        file.display(), needed_bytes.div_ceil(1 << 20), budget_bytes >> 20
+        "{}: with {part} vertices and indices need {needed}, but the budget is {budget}; raise the \
+         budget for geometry or simplify the scene",
+        file.display()
     )]
-    TooMuchGeometry {
+    TooLarge {
         /// The scene's file.
         file: PathBuf,
-        /// The part that did not fit any more.
+        /// The part that is too much.
         part: String,
-        /// What it and all before it need, in bytes.
-        needed_bytes: u64,
-        /// What there is, in bytes.
-        budget_bytes: u64,
+        /// What all needs up to there, with a unit.
+        needed: String,
+        /// What may be taken, with a unit.
+        budget: String,
     },
 
     /// A number is NaN or infinite.

@@ -3,7 +3,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::float_cmp,
-    clippy::cast_possible_truncation,
+    clippy::needless_pass_by_value,
     reason = "in a test a panic is the message, and exact numbers are meant"
 )]
 

@@ -3,6 +3,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::float_cmp,
+    clippy::needless_pass_by_value,
     reason = "in a test a panic is the message, and exact numbers are meant"
 )]
 
@@ -191,6 +192,14 @@ fn concave_faces_are_cut_rightly() {
 }
 
 #[test]
+fn images_are_told() {
+    let text = plain(&["0 0 0", "1 0 0", "0 1 0"], &["3 0 1 2"])
+        .replace("1.0\n", "1.0\ncomment TextureFile my scan.png\n");
+    let scene = load("scan.ply", text.as_bytes()).unwrap();
+    assert!(scene.notes.warnings.iter().any(|w| w.contains("\"my scan.png\" is not shown")));
+}
+
+#[test]
 fn strips_are_triangles() {
     let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
                 property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
@@ -263,12 +272,12 @@ fn huge_counts_take_no_memory() {
 #[test]
 fn the_budget_is_kept_with_numbers() {
     let folder = tempfile::tempdir().unwrap();
-    let many = plain(&["0 0 0"; 30_000], &["3 0 1 2"]);
+    let many = plain(&vec!["0 0 0"; 30_000], &["3 0 1 2"]);
     let path = write(folder.path(), "scan.ply", many.as_bytes());
     let budget = MemoryBudget { geometry_bytes: 1 << 20, ..MemoryBudget::default() };
     let error = Scene::load_with(&path, &mut LoadOptions { budget, ..LoadOptions::default() });
     let error = error.unwrap_err();
-    assert!(matches!(&error, SceneError::TooMuchGeometry { .. }), "{error}");
+    assert!(matches!(&error, SceneError::TooLarge { .. }), "{error}");
     assert!(error.to_string().contains("its 30000 vertices"), "{error}");
 }
 

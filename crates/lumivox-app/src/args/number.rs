@@ -54,7 +54,7 @@ pub fn grid_offset(text: &str) -> Result<glam::Vec3, Refused> {
 pub enum ExposureChoice {
     /// By this many stops.
     Stops(f32),
-    /// By what the first picture asks for.
+    /// By what the picture asks for; in a sequence, all by the median of what some ask for.
     Auto,
     /// Each picture by what it asks for itself.
     AutoEach,

@@ -74,7 +74,7 @@ impl FrameFiles {
         }
         ImageFormat::from_path(output)?;
         Ok(Self {
-            folder: output::folder_of(output),
+            folder: output.parent().map(Path::to_owned).unwrap_or_default(),
             prefix: prefix.to_owned(),
             suffix: suffix.to_owned(),
             digits,
@@ -113,7 +113,8 @@ impl FrameFiles {
         if self.is_folder && !self.folder.exists() {
             return output::check_folder(&self.folder, &output::folder_of(&self.folder));
         }
-        output::check_folder(&self.pattern(), &self.folder)
+        let pattern = self.pattern();
+        output::check_folder(&pattern, &output::folder_of(&pattern))
     }
 
     /// Makes the folder, where it may.
@@ -138,6 +139,11 @@ impl FrameFiles {
     /// A picture's file.
     pub fn path(&self, number: u32) -> PathBuf {
         self.folder.join(self.name(number))
+    }
+
+    /// Whether exposure shows in the files: `OpenEXR` holds radiance itself.
+    pub fn are_exposed(&self) -> bool {
+        matches!(ImageFormat::from_path(&self.path(0)), Ok(ImageFormat::Png))
     }
 
     /// The index's file.
@@ -185,7 +191,7 @@ mod tests {
         files.fit(100).unwrap();
         let error = files.fit(101).unwrap_err().to_string();
         assert!(error.contains("a_##_x.exr") && error.contains("write ###"), "{error}");
-        assert_eq!(FrameFiles::new(Path::new("#.png")).unwrap().index(), Path::new("./index.json"));
+        assert_eq!(FrameFiles::new(Path::new("#.png")).unwrap().index(), Path::new("index.json"));
     }
 
     #[test]

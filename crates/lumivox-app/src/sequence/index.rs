@@ -20,8 +20,7 @@ pub struct Index {
     pub frame_count: u32,
     /// What all pictures have in common. Equal settings give equal pictures.
     pub settings: Map<String, Value>,
-    /// The stops that all pictures are exposed by, once the first has told; none where each finds its
-    /// own, or the view is not exposed.
+    /// The stops that all pictures are exposed by, where they were found for all together.
     pub exposure: Option<f32>,
     /// The GPU that rendered the last picture.
     pub adapter: String,

@@ -38,15 +38,15 @@ impl<'f> GeometryBudget<'f> {
 
     /// Whether so many more bytes, as a reader needs them while it reads, would fit.
     pub(super) fn check(&self, part: impl FnOnce() -> String, more: u64) -> Result<(), SceneError> {
-        let needed_bytes = self.spent.saturating_add(more);
-        if needed_bytes <= self.all {
+        let needed = self.spent.saturating_add(more);
+        if needed <= self.all {
             return Ok(());
         }
-        Err(SceneError::TooMuchGeometry {
+        Err(SceneError::TooLarge {
             file: self.file.to_owned(),
             part: part(),
-            needed_bytes,
-            budget_bytes: self.all,
+            needed: format!("{} MiB or more", needed.div_ceil(1 << 20)),
+            budget: format!("{} MiB", self.all >> 20),
         })
     }
 }
@@ -85,7 +85,7 @@ mod tests {
         budget.check(part, 1 << 20).unwrap();
         let error = budget.spend(part, 30_000, 60_000, true).unwrap_err().to_string();
         assert!(error.contains("scan.ply: with the scan"), "{error}");
-        assert!(error.contains("4 MiB") && error.contains("budget of 3 MiB"), "{error}");
+        assert!(error.contains("4 MiB") && error.contains("budget is 3 MiB"), "{error}");
         let mut budget = GeometryBudget::new(Path::new("scan.ply"), u64::MAX - 1);
         assert!(budget.spend(part, MOST_VERTICES + 1, 0, false).is_err());
     }

@@ -8,7 +8,6 @@ mod extensions;
 mod files;
 mod geometry;
 mod gltf;
-mod image;
 mod normals;
 mod obj;
 mod ply;

@@ -21,6 +21,9 @@ use crate::report::{
 };
 use crate::sequence::{Frame, FrameFiles, Index, Start};
 
+/// How many pictures are looked at for the exposure of all.
+const METERED: u64 = 5;
+
 /// Renders what is missing, and reports.
 ///
 /// # Errors
@@ -39,20 +42,33 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         let tell = |done, total| stage.progress.set("looking at the motion", done, total);
         let bounds = stage.schedule.bounds(&mut stage.scene, &mut { tell })?;
         stage.settings.grid_bounds = stage.schedule.animation.map(|_| bounds);
-        if let (ExposureChoice::Auto, Some(stops)) = (stage.args.exposure, index.exposure) {
-            stage.settings.exposure = Exposure::Stops(stops);
-        }
     }
     index.adapter = lumivox_render::describe(&stage.gpu.adapter_info);
 
     let mut renderer: Option<Renderer> = None;
+    let is_shared = stage.args.exposure == ExposureChoice::Auto && files.are_exposed();
+    if is_shared && stage.settings.view.is_light() && !missing.is_empty() {
+        if index.exposure.is_none() {
+            let (metered, stops) = meter(&mut stage, &moments)?;
+            (renderer, index.exposure) = (Some(metered), Some(stops));
+        }
+        let shared = index.exposure.map_or(Exposure::Auto, Exposure::Stops);
+        stage.settings.exposure = shared;
+        if let Some(renderer) = &mut renderer {
+            renderer.set_exposure(shared);
+        }
+    }
     for (done, &number) in missing.iter().enumerate() {
         let start = Instant::now();
         let time_s = moments.time_s(number);
         stage.schedule.pose(&mut stage.scene, time_s)?;
         let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
-        let step =
-            Step { progress: &stage.progress, done: done as u32, total: missing.len() as u32 };
+        let step = Step {
+            stage: "picture",
+            progress: &stage.progress,
+            done: done as u32,
+            total: missing.len() as u32,
+        };
         let ready = step.prepare(renderer.take(), &stage, &camera)?;
         let renderer = renderer.insert(ready);
         stage.clock.seconds.preparing += stage.clock.lap();
@@ -62,10 +78,6 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
 
         let settings = renderer.settings();
         let exposure = settings.view.is_light().then(|| settings.exposure.stops(&picture.hdr));
-        if let (ExposureChoice::Auto, Some(stops)) = (stage.args.exposure, exposure) {
-            renderer.set_exposure(Exposure::Stops(stops));
-            index.exposure = Some(stops);
-        }
         let frame = Frame {
             number,
             file: files.name(number),
@@ -100,8 +112,35 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     print(&report.text(stage.is_verbose))
 }
 
+/// The exposure of all pictures: the median of what some of them ask for, spread over the sequence and
+/// rendered roughly. One alone may look at a wall. Also the renderer that found out.
+fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<(Renderer, f32)> {
+    let mut numbers: Vec<u32> = (0..METERED)
+        .map(|i| (u64::from(moments.count) * (2 * i + 1) / (2 * METERED)) as u32)
+        .collect();
+    numbers.dedup();
+    let total = numbers.len() as u32;
+    let mut renderer: Option<Renderer> = None;
+    let mut stops = Vec::new();
+    for (done, number) in numbers.into_iter().enumerate() {
+        let time_s = moments.time_s(number);
+        stage.schedule.pose(&mut stage.scene, time_s)?;
+        let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
+        let step = Step { stage: "metering", progress: &stage.progress, done: done as u32, total };
+        let ready = renderer.insert(step.prepare(renderer.take(), stage, &camera)?);
+        pollster::block_on(ready.render_frame())?;
+        let picture = pollster::block_on(ready.finish())?;
+        stops.push(Exposure::Auto.stops(&picture.hdr));
+    }
+    stops.sort_by(f32::total_cmp);
+    let median = stops.get(stops.len() / 2).copied().unwrap_or_default();
+    let renderer = renderer.ok_or_else(|| anyhow::anyhow!("a sequence without pictures"))?;
+    Ok((renderer, median))
+}
+
 /// A picture's place among those to be rendered.
 struct Step<'a> {
+    stage: &'static str,
     progress: &'a Progress,
     done: u32,
     total: u32,
@@ -136,7 +175,7 @@ impl Step<'_> {
     }
 
     fn tell_share(&self, share: f64) {
-        self.progress.set_within("picture", self.done, self.total, share);
+        self.progress.set_within(self.stage, self.done, self.total, share);
     }
 }
 

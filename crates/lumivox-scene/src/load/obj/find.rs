@@ -2,12 +2,16 @@
 //!
 //! Names are often written on another machine: with backslashes, in another case, or with the whole
 //! path of a folder that is not here. Looked for are, in this order: the path as it stands; the same
-//! whatever the case; and the bare name in the folder of the file that names it and in the scene's.
+//! whatever the case; and what is left of the path without its first folders, down to the bare name,
+//! below the folder of the file that names it and below the scene's.
 
 use std::path::{Component, Path, PathBuf};
 
 use crate::load::files::{self, Reach};
 use crate::load::text::readable;
+
+/// Bytes of a path: what Linux takes.
+const LONGEST_PATH: usize = 4096;
 
 /// The file that `naming`, of the scene `scene`, calls `name`; or why there is none, with a remedy.
 pub(super) fn find(
@@ -16,6 +20,9 @@ pub(super) fn find(
     name: &[u8],
     reach: Reach,
 ) -> Result<PathBuf, String> {
+    if name.len() > LONGEST_PATH {
+        return Err(format!("\"{}\" is too long for a path", readable(name)));
+    }
     let text = decode(name);
     let mut reason = None;
     for base in [naming, scene] {
@@ -32,21 +39,25 @@ pub(super) fn find(
             Err(error) => reason = Some(error.to_string()),
         }
     }
-    let bare = text.rsplit(['/', '\\']).next().unwrap_or_default();
-    for base in [naming, scene] {
-        let folder = base.parent().unwrap_or(Path::new(""));
-        // A bare name may still be "..", or hold a drive.
-        let Ok(path) = files::resolve(base, "", bare, Reach::OwnFolder) else { continue };
-        let below = path.strip_prefix(folder).unwrap_or(&path);
-        if let Some(found) = ignoring_case(folder, below) {
-            return Ok(found);
+    // Also for paths that go elsewhere: what is left of them stays below the folder.
+    let words: Vec<&str> = text.split(['/', '\\']).filter(|word| !word.is_empty()).collect();
+    for first in 0..words.len() {
+        let rest = words[first..].join("/");
+        for base in [naming, scene] {
+            let folder = base.parent().unwrap_or(Path::new(""));
+            // Drives and ".." are refused.
+            let Ok(path) = files::resolve(base, "", &rest, Reach::OwnFolder) else { continue };
+            let below = path.strip_prefix(folder).unwrap_or(&path);
+            if let Some(found) = ignoring_case(folder, below) {
+                return Ok(found);
+            }
         }
     }
     let name = readable(name);
     Err(match reason {
         Some(reason) => format!(
-            "\"{name}\" is not read, for {reason}, and no file of its bare name lies beside the \
-             scene; copy it there or allow files outside of the scene's folder"
+            "\"{name}\" is not read, for {reason}, and no such file lies beside the scene; copy it \
+             there or allow files outside of the scene's folder"
         ),
         None => format!("\"{name}\" does not exist; put it beside the scene"),
     })
@@ -114,6 +125,8 @@ mod tests {
         {
             assert_eq!(find(name.as_bytes()).unwrap(), stone, "{name}");
         }
+        let moved = b"D:\\old project\\textures\\wood planks.png";
+        assert_eq!(find(moved).unwrap().canonicalize().unwrap(), wood);
     }
 
     #[test]
@@ -129,7 +142,8 @@ mod tests {
         assert!(refused.contains("allow files outside"), "{refused}");
         let allowed = find(&scene, &scene, b"../secret.png", Reach::Anywhere).unwrap();
         assert_eq!(allowed.canonicalize().unwrap(), secret.canonicalize().unwrap());
-        for name in [&b".."[..], b"", b".", b"a/..", b"c:", b"a\0b", b"caf\xe9.png"] {
+        for name in [&b".."[..], b"", b".", b"a/..", b"c:", b"a\0b", b"caf\xe9.png", &[b'/'; 5000]]
+        {
             assert!(find(&scene, &scene, name, Reach::OwnFolder).is_err(), "{name:?}");
         }
     }

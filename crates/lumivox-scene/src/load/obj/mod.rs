@@ -22,6 +22,7 @@
 //! physically-based materials.
 
 mod corners;
+mod decode;
 mod find;
 mod map;
 mod material;

@@ -3,12 +3,13 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use ::image::{Rgba, RgbaImage, imageops};
 use glam::Vec3;
+use image::{Rgba, RgbaImage, imageops};
 
+use super::decode::decode_rgba8;
 use super::map::{Channel, Map};
 use crate::load::files::{self, shorten};
-use crate::load::{Notes, color, image, stand_in};
+use crate::load::{Notes, color, stand_in};
 use crate::{Scene, Texture};
 
 /// What white stands above black in a bump map whose `-bm` is 1, as a share of the image's width. MTL
@@ -219,7 +220,7 @@ fn decode(file: &Path) -> Result<RgbaImage, String> {
     let name = shorten(&name);
     let bytes =
         files::read_regular(file).map_err(|error| format!("{name} cannot be read: {error}"))?;
-    let image = image::decode_rgba8(&bytes, file)
+    let image = decode_rgba8(&bytes, file)
         .map_err(|error| format!("{name} cannot be decoded: {error}; convert it to PNG"))?;
     if image.width() == 0 || image.height() == 0 {
         return Err(format!("{name} has no texels"));

@@ -20,6 +20,8 @@ pub(super) enum Encoding {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// The image that a comment of MeshLab's names.
+    pub(super) texture: Option<String>,
     /// Lines that the header has.
     pub(super) lines: u64,
 }
@@ -112,12 +114,17 @@ impl Header {
             return Err(lines.malformed("the file does not begin with \"ply\"".to_owned()));
         }
         let mut encoding = None;
+        let mut texture = None;
         let mut elements: Vec<Element> = Vec::new();
         loop {
             lines.advance()?;
             let (first, rest) = keyword(&lines.line);
             let fault = match first {
                 b"end_header" => break,
+                b"comment" if rest.starts_with(b"TextureFile") => {
+                    texture = Some(readable(keyword(rest).1));
+                    Ok(())
+                }
                 b"comment" | b"obj_info" | b"" => Ok(()),
                 b"format" => parse_encoding(rest).map(|parsed| encoding = Some(parsed)),
                 b"element" => parse_element(rest).map(|element| elements.push(element)),
@@ -134,7 +141,7 @@ impl Header {
         let Some(encoding) = encoding else {
             return Err(lines.malformed("the header has no \"format\"".to_owned()));
         };
-        Ok((Self { encoding, elements, lines: lines.number }, lines.bytes as u64))
+        Ok((Self { encoding, elements, texture, lines: lines.number }, lines.bytes as u64))
     }
 }
 

@@ -38,6 +38,11 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
         Encoding::BigEndian => body.read(&mut source::Binary::<_, true>::new(file, reader))?,
     }
     let (mesh, budget, mut notes) = body.finish()?;
+    if let Some(texture) = &header.texture {
+        notes.warn(format!(
+            "its image \"{texture}\" is not shown, for PLY has no materials; save as OBJ or glTF"
+        ));
+    }
     let mesh = with_normals(mesh, budget, crease_rad, &mut notes)?;
 
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
