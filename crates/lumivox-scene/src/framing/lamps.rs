@@ -54,7 +54,7 @@ impl Lamp {
                 intensity_cd: intensity_cd.clamp(f32::MIN_POSITIVE, f32::MAX),
                 range_m: None,
             },
-            position: unit.to_world(self.position),
+            position: unit.world_from_unit(self.position),
             radius_m: self.radius * unit.scale_m,
             ..Light::default()
         }

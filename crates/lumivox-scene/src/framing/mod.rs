@@ -118,7 +118,7 @@ impl Framing {
         if !lamps.is_empty() {
             return DefaultLight::Lamps(lamps);
         }
-        let eye = self.unit.from_world(camera.position);
+        let eye = self.unit.unit_from_world(camera.position);
         let towards_sun = sun::direction(&self.rays, &self.survey.patches, eye, camera.forward);
         DefaultLight::SunAndSky { sun: sun::light(towards_sun), sky_radiance: sun::SKY_RADIANCE }
     }
@@ -135,8 +135,8 @@ impl Framing {
             name: "framing".to_owned(),
             near_m: (view.near * self.unit.scale_m).max(f32::MIN_POSITIVE),
             ..Camera::look_at(
-                self.unit.to_world(view.position),
-                self.unit.to_world(view.position + view.forward),
+                self.unit.world_from_unit(view.position),
+                self.unit.world_from_unit(view.position + view.forward),
                 view.vertical_fov_rad,
             )
         }

@@ -146,3 +146,73 @@ impl Rays {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::soup::Soup;
+    use super::*;
+
+    /// Squares of edge 0.5 at heights, the front up or down.
+    fn floors(floors: &[(f32, bool, Sides)]) -> Rays {
+        let mut soup = Soup::default();
+        for &(y, is_up, sides) in floors {
+            let first = soup.positions.len() as u32;
+            soup.positions.extend(
+                [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+                    .map(|(x, z)| Vec3::new(0.25 * x, y, 0.25 * z)),
+            );
+            for triangle in [[0, 1, 2], [0, 2, 3]] {
+                let [a, b, c] = triangle.map(|corner: u32| first + corner);
+                soup.triangles.push(if is_up { [a, b, c] } else { [a, c, b] });
+                soup.part.push(soup.sides.len() as u32);
+            }
+            soup.sides.push(sides);
+        }
+        Rays::new(&soup)
+    }
+
+    const FROM: Vec3 = Vec3::new(0.02, 0.4, 0.1);
+
+    #[test]
+    fn fronts_and_backs_are_told_apart() {
+        for is_up in [true, false] {
+            let rays = floors(&[(0.1, is_up, Sides::Front)]);
+            let hit = rays.cast(FROM, Vec3::NEG_Y).unwrap();
+            assert!((hit.distance - 0.3).abs() < 1e-6 && hit.is_front == is_up);
+            assert!(hit.normal.abs_diff_eq(Vec3::Y, 1e-6) && hit.is_visible() == is_up);
+            assert!((hit.position.y - 0.1).abs() < 1e-6 && hit.lifted().y > 0.1);
+            assert_eq!(rays.cast(FROM, Vec3::Y), None);
+            assert_eq!(rays.cast(FROM, Vec3::X), None);
+        }
+    }
+
+    #[test]
+    fn pictures_show_what_lies_behind_backs_and_panes() {
+        let rays = floors(&[
+            (0.3, true, Sides::Transparent),
+            (0.2, false, Sides::Front),
+            (0.1, false, Sides::Both),
+        ]);
+        assert!((rays.cast(FROM, Vec3::NEG_Y).unwrap().distance - 0.2).abs() < 1e-6);
+        let shown = rays.cast_visible(FROM, Vec3::NEG_Y).unwrap();
+        assert!((shown.distance - 0.3).abs() < 1e-6 && shown.part == 2);
+        assert!(rays.is_free(FROM, Vec3::NEG_Y, 0.19) && !rays.is_free(FROM, Vec3::NEG_Y, 0.21));
+    }
+
+    #[test]
+    fn of_two_sides_in_one_place_the_front_is_seen() {
+        for order in [[true, false], [false, true]] {
+            let rays = floors(&order.map(|is_up| (0.1, is_up, Sides::Front)));
+            assert!(rays.cast(FROM, Vec3::NEG_Y).unwrap().is_front);
+            let below = Vec3::new(0.1, -0.4, 0.0);
+            assert!(rays.cast(below, Vec3::Y).unwrap().is_front);
+        }
+    }
+
+    #[test]
+    fn nothing_is_met_where_there_is_nothing() {
+        let rays = Rays::new(&Soup::default());
+        assert_eq!(rays.cast(FROM, Vec3::NEG_Y), None);
+        assert!(rays.is_free(FROM, Vec3::X, f32::INFINITY));
+    }
+}

@@ -73,9 +73,9 @@ mod tests {
         assert!(scene.shines());
         let mut scene = dark();
         let unlit = Shading::Unlit(Unlit::default());
-        scene.materials[0].shading = unlit.clone();
+        scene.materials[0].shading = unlit;
         assert!(!scene.shines());
-        scene.materials.iter_mut().for_each(|material| material.shading = unlit.clone());
+        scene.materials.iter_mut().for_each(|material| material.shading = unlit);
         assert!(scene.shines());
     }
 

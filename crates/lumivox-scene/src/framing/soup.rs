@@ -52,11 +52,11 @@ impl Unit {
         Self { center: bounds.center(), scale_m, half: bounds.size() * 0.5 / scale_m }
     }
 
-    pub(super) fn from_world(self, point: Vec3) -> Vec3 {
+    pub(super) fn unit_from_world(self, point: Vec3) -> Vec3 {
         (point - self.center) / self.scale_m
     }
 
-    pub(super) fn to_world(self, point: Vec3) -> Vec3 {
+    pub(super) fn world_from_unit(self, point: Vec3) -> Vec3 {
         self.center + point * self.scale_m
     }
 }
@@ -120,20 +120,24 @@ impl Soup {
         let mut parts: Vec<Part<'_>> = scene.instances.iter().filter_map(part).collect();
         if parts.iter().all(|part| part.sides == Sides::Transparent) {
             // Glass alone is what is to be seen.
-            parts.iter_mut().for_each(|part| part.sides = Sides::Both);
+            for part in &mut parts {
+                part.sides = Sides::Both;
+            }
         }
         let count: usize = parts.iter().map(|part| part.mesh.triangle_count()).sum();
         if count <= most {
             return Self::exact(&parts);
         }
-        // Each halving of the grid leaves about a quarter of the surface's cells.
+        // Each halving of the grid leaves about a quarter of the surface's cells; a single cell leaves
+        // nothing.
         let mut cells = Self::FINEST;
-        loop {
+        while cells > 1 {
             if let Some(soup) = Self::clustered(&parts, unit, cells, most) {
                 return soup;
             }
             cells /= 2;
         }
+        Self::of_parts(&parts)
     }
 
     fn of_parts(parts: &[Part<'_>]) -> Self {
@@ -199,7 +203,80 @@ impl Soup {
                 }
             }
         }
-        // Everything may fall into one cell only where the grid has but one.
-        (cells <= 1 || !soup.triangles.is_empty()).then_some(soup)
+        Some(soup)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{rays::Rays, survey::Survey};
+    use super::*;
+    use crate::builtin;
+
+    /// Two closed rooms, each triangle cut into `n * n`.
+    fn fine(n: usize) -> Scene {
+        let mut scene = builtin::scene("two-rooms-closed").unwrap();
+        for mesh in &mut scene.meshes {
+            let mut positions = Vec::new();
+            for triangle in mesh.triangles() {
+                let [a, b, c] = triangle.map(|index| mesh.positions[index]);
+                let at = |i: usize, j: usize| {
+                    a + (b - a) * (i as f32 / n as f32) + (c - a) * (j as f32 / n as f32)
+                };
+                for i in 0..n {
+                    for j in 0..n - i {
+                        positions.extend([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                        if i + j + 1 < n {
+                            positions.extend([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                        }
+                    }
+                }
+            }
+            mesh.indices = (0..positions.len() as u32).collect();
+            mesh.normals = vec![Vec3::Y; positions.len()];
+            mesh.uvs = vec![glam::Vec2::ZERO; positions.len()];
+            mesh.tangents = vec![glam::Vec4::X; positions.len()];
+            mesh.positions = positions;
+        }
+        scene.validate().unwrap();
+        scene
+    }
+
+    #[test]
+    fn simplified_rooms_stay_closed() {
+        let scene = fine(60);
+        let unit = Unit::of(scene.bounds());
+        let all = Soup::of(&scene, unit);
+        assert_eq!(all.triangles.len(), scene.triangle_count());
+        let few = Soup::with_at_most(&scene, unit, 5000);
+        assert!(
+            few.triangles.len() <= 5000 && few.triangles.len() > 500,
+            "{}",
+            few.triangles.len()
+        );
+        let survey = Survey::new(&Rays::new(&few), unit.half);
+        assert!(survey.is_place);
+        assert!(survey.sky() < 1e-3, "{} of all directions leave the room", survey.sky());
+    }
+
+    #[test]
+    fn simplifying_ends_whatever_the_limit() {
+        let scene = fine(8);
+        let unit = Unit::of(scene.bounds());
+        for most in [0, 1, 10, 100] {
+            let soup = Soup::with_at_most(&scene, unit, most);
+            assert!(soup.triangles.len() <= most.max(1));
+            // Rays find their way through whatever is left.
+            Survey::new(&Rays::new(&soup), unit.half);
+        }
+    }
+
+    #[test]
+    fn unit_space_is_there_and_back_again() {
+        let bounds = Bounds { min: Vec3::new(10.0, 20.0, -5.0), max: Vec3::new(14.0, 21.0, -3.0) };
+        let unit = Unit::of(bounds);
+        assert_eq!(unit.unit_from_world(bounds.max), unit.half);
+        assert_eq!(unit.half, Vec3::new(0.5, 0.125, 0.25));
+        assert!(unit.world_from_unit(-unit.half).abs_diff_eq(bounds.min, 1e-5));
     }
 }

@@ -43,6 +43,10 @@ const WALLED: f32 = 0.85;
 /// How far a place reaches along an axis, in unit space: 0.6 in Sponza, 0.3 in a helmet on a stand,
 /// about 0.35 in a car.
 const LONG: f32 = 0.45;
+/// Share of the roofed points that must see no gap at all: 0.4 in Sponza, hardly any in a cup.
+const DEEP: f32 = 0.1;
+/// What furniture takes of the view in a room; in a car it is more.
+const FURNITURE: std::ops::Range<f32> = 0.02..0.2;
 /// Share of the body that must be hollow where nothing leads into it. Half of a ball's volume is its
 /// outer fifth.
 const SEALED: f32 = 0.6;
@@ -97,33 +101,7 @@ struct Shares {
 
 impl Survey {
     pub(super) fn new(rays: &Rays, half: Vec3) -> Self {
-        let mut shares = Shares { outside_backs: outside_backs(rays, half), ..Shares::default() };
-        let (mut air, mut shell, mut roofed) = (Vec::new(), Vec::new(), Vec::new());
-        for point in directions::cube(PROBES) {
-            let position = (point * 2.0 - 1.0) * half;
-            let seen = Seen::from(rays, position);
-            let (hits, sky) = (seen.hits, 1.0 - seen.hits);
-            if seen.is_in_air() {
-                shares.body += usize::from(hits > 0.5);
-                shares.walled += usize::from(hits >= WALLED);
-                if hits >= ROOFED {
-                    roofed.push(position);
-                }
-                shares.sealed += usize::from(hits >= 1.0);
-                if hits >= SURROUNDED {
-                    air.push(Probe { position, sky });
-                }
-            } else {
-                shares.body += 1;
-                // A shell without thickness whose front is outside, as sketching programs make it.
-                if seen.double_sided >= 0.9 && hits >= ROOFED && seen.fronts < MUDDLED {
-                    shares.furnished += usize::from(seen.fronts >= 0.05);
-                    shell.push(Probe { position, sky });
-                }
-            }
-        }
-        shares.roofed = roofed.len();
-        shares.span = span(&roofed);
+        let (shares, air, shell) = look_around(rays, half);
         tracing::debug!("survey of the scene: {shares:?}");
         let interior = if shares.is_furnished_shell() {
             shell
@@ -152,7 +130,8 @@ impl Shares {
         if self.sealed as f32 > 0.9 * self.roofed as f32 {
             return of_body(self.roofed) >= SEALED;
         }
-        of_body(self.roofed) >= 0.1 && self.span >= LONG
+        let is_deep = self.sealed as f32 >= DEEP * self.roofed as f32;
+        of_body(self.roofed) >= 0.1 && self.span >= LONG && is_deep
     }
 
     fn is_furnished_shell(self) -> bool {
@@ -193,6 +172,38 @@ impl Seen {
             clearance,
         }
     }
+}
+
+/// What all points see together, and the points of the air and of shells.
+fn look_around(rays: &Rays, half: Vec3) -> (Shares, Vec<Probe>, Vec<Probe>) {
+    let mut shares = Shares { outside_backs: outside_backs(rays, half), ..Shares::default() };
+    let (mut air, mut shell, mut roofed) = (Vec::new(), Vec::new(), Vec::new());
+    for point in directions::cube(PROBES) {
+        let position = (point * 2.0 - 1.0) * half;
+        let seen = Seen::from(rays, position);
+        let (hits, sky) = (seen.hits, 1.0 - seen.hits);
+        if seen.is_in_air() {
+            shares.body += usize::from(hits > 0.5);
+            shares.walled += usize::from(hits >= WALLED);
+            if hits >= ROOFED {
+                roofed.push(position);
+            }
+            shares.sealed += usize::from(hits >= 1.0);
+            if hits >= SURROUNDED {
+                air.push(Probe { position, sky });
+            }
+        } else {
+            shares.body += 1;
+            // A shell without thickness whose front is outside, as sketching programs make it.
+            if seen.double_sided >= 0.9 && hits >= ROOFED && seen.fronts < MUDDLED {
+                shares.furnished += usize::from(FURNITURE.contains(&seen.fronts));
+                shell.push(Probe { position, sky });
+            }
+        }
+    }
+    shares.roofed = roofed.len();
+    shares.span = span(&roofed);
+    (shares, air, shell)
 }
 
 /// What is seen from all over a place.
