@@ -127,7 +127,8 @@ fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<(Renderer, 
         stage.schedule.pose(&mut stage.scene, time_s)?;
         let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
         let step = Step { stage: "metering", progress: &stage.progress, done: done as u32, total };
-        let ready = renderer.insert(step.prepare(renderer.take(), stage, &camera)?);
+        let ready = step.prepare(renderer.take(), stage, &camera)?;
+        let ready = renderer.insert(ready);
         pollster::block_on(ready.render_frame())?;
         let picture = pollster::block_on(ready.finish())?;
         stops.push(Exposure::Auto.stops(&picture.hdr));
