@@ -127,7 +127,7 @@ fn a_run_that_is_killed_leaves_a_sequence_to_go_on_with() {
         .unwrap();
     let turn = folder.path().join("turn");
     let start = Instant::now();
-    while !turn.join("0002.png").exists() && start.elapsed() < Duration::from_secs(120) {
+    while !turn.join("0002.png").exists() && start.elapsed() < Duration::from_mins(2) {
         std::thread::sleep(Duration::from_millis(2));
     }
     child.kill().unwrap();

@@ -147,10 +147,7 @@ fn list_bytes(grid: &Grid, voxels: u64) -> u64 {
 /// Each texture with its mips, once as colours and once as data if it is used as both.
 fn texture_bytes(scene: &Scene) -> u64 {
     let used: HashSet<(usize, bool)> = scene.materials.iter().flat_map(texture_uses).collect();
-    used.iter()
-        .filter_map(|(index, _)| scene.textures.get(*index))
-        .map(|texture| mip_bytes(texture))
-        .sum()
+    used.iter().filter_map(|(index, _)| scene.textures.get(*index)).map(mip_bytes).sum()
 }
 
 /// The textures of a material, and whether each holds colours.

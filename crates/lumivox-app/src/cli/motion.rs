@@ -44,8 +44,8 @@ pub struct MotionArgs {
 
     /// Move the camera along the key frames of a JSON file [default: none]
     ///
-    /// A list of at least two keys in the order of time, each with "time_s" in seconds, "position"
-    /// and "target" in metres (or "camera", a camera's name or number) and, if you like, "fov_deg",
+    /// A list of at least two keys in the order of time, each with `time_s` in seconds, `position`
+    /// and `target` in metres (or `camera`, a camera's name or number) and, if you like, `fov_deg`,
     /// the vertical field of view. Between them the camera moves smoothly.
     #[arg(long, value_name = "FILE", conflicts_with = "camera")]
     pub camera_path: Option<PathBuf>,

@@ -66,7 +66,7 @@ enum Eye {
     /// Round the vertical line through a point.
     Orbit { start: Camera, pivot: Vec3, angle_rad: f64 },
     /// On its way.
-    Path(CameraPath),
+    Path(Box<CameraPath>),
 }
 
 /// What a rendering shows when.
@@ -218,7 +218,7 @@ fn choose(asked: Option<&AnimationName>, scene: &Scene) -> anyhow::Result<Option
 
 fn eye(asked: &Asked<'_>, scene: &Scene) -> anyhow::Result<Eye> {
     if let Some(path) = asked.path {
-        return Ok(Eye::Path(path.resolve(scene, asked.aspect)?));
+        return Ok(Eye::Path(Box::new(path.resolve(scene, asked.aspect)?)));
     }
     let start = camera::resolve(asked.camera, scene, asked.aspect)?;
     if let Some(degrees) = asked.orbit_deg {

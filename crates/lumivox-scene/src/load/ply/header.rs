@@ -20,7 +20,7 @@ pub(super) enum Encoding {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// The image that a comment of MeshLab's names.
+    /// The image that a comment of `MeshLab`'s names.
     pub(super) texture: Option<String>,
     /// Lines that the header has.
     pub(super) lines: u64,
