@@ -17,8 +17,10 @@ mod cli;
 mod commands;
 mod exit;
 mod log;
+mod motion;
 mod progress;
 mod report;
+mod sequence;
 
 use std::process::ExitCode;
 

@@ -87,10 +87,10 @@ fn info_describes_a_scene() {
     let report = lumivox(folder.path(), "info corner.glb --json").expect_ok().json();
     assert_eq!(report["triangles"], 4);
     assert_eq!(report["bounds_max"], serde_json::json!([1.0, 2.0, 1.0]));
-    assert_eq!(report["lights"][0]["kind"], "point");
-    assert_eq!(report["lights"][0]["strength"], 100.0);
+    assert_eq!(report["light_list"][0]["kind"], "point");
+    assert_eq!(report["light_list"][0]["strength"], 100.0);
     let report = lumivox(folder.path(), "info builtin:cornell --json").expect_ok().json();
-    assert!(report["cameras"][0]["vertical_fov_deg"].as_f64().unwrap() > 1.0);
+    assert!(report["camera_list"][0]["vertical_fov_deg"].as_f64().unwrap() > 1.0);
 }
 
 #[test]

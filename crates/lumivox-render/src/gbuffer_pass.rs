@@ -46,6 +46,7 @@ pub struct GBufferPass {
     /// Without and with back sides.
     pipelines: [wgpu::RenderPipeline; 2],
     view: wgpu::Buffer,
+    layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
 }
 
@@ -110,11 +111,13 @@ impl GBufferPass {
             .create(device)
         });
         let view = lumivox::gpu::uniform_buffer(device, "raster view", &RasterView::zeroed());
-        let group = BindGroupBuilder::new(&layout)
-            .buffer(&view)
-            .buffer(&scene.draw_records)
-            .build(device, "raster view");
-        Ok(Self { pipelines, view, group })
+        let group = bind(device, &layout, &view, scene);
+        Ok(Self { pipelines, view, layout, group })
+    }
+
+    /// Takes up another pose of the scene that it was made for.
+    pub(crate) fn set_scene(&mut self, device: &wgpu::Device, scene: &GpuScene) {
+        self.group = bind(device, &self.layout, &self.view, scene);
     }
 
     /// Renders a scene. The camera takes effect at the next submission: one frame per recorder.
@@ -161,6 +164,16 @@ impl GBufferPass {
             }
         });
     }
+}
+
+fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    view: &wgpu::Buffer,
+    scene: &GpuScene,
+) -> wgpu::BindGroup {
+    let builder = BindGroupBuilder::new(layout).buffer(view).buffer(&scene.draw_records);
+    builder.build(device, "raster view")
 }
 
 /// From the world to clip space: reversed depth without a far plane, moved by `jitter` pixels.

@@ -19,7 +19,7 @@ use crate::raster::{self, RasterPipeline};
 use crate::upload::{GpuScene, Presence, corners};
 
 /// The most memory that all layers may take together.
-const MAX_BYTES: u64 = 256 << 20;
+pub(crate) const MAX_BYTES: u64 = 256 << 20;
 /// The most layers: ten point lights.
 const MAX_LAYERS: u32 = 64;
 /// Layers see this many texels more on each side: the filter reaches 1.5 texels over a receiver that

@@ -8,6 +8,7 @@ use crate::accumulate::AccumulatePass;
 use crate::composite::{CompositePass, CompositeTargets};
 use crate::direct::{DirectPass, DirectTargets};
 use crate::gbuffer_pass::GBufferTargets;
+use crate::memory::available_memory;
 use crate::textures::ScreenTextures;
 use crate::tone_map::ToneMapPass;
 use crate::voxel_view::VoxelViewPass;
@@ -30,7 +31,7 @@ pub(crate) struct Targets {
 
 /// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
 /// resolution 16 + 20 / 4), picture and mean 48, screen 4.
-const BYTES_PER_PIXEL: u64 = 116;
+pub(crate) const BYTES_PER_PIXEL: u64 = 116;
 
 impl Targets {
     /// Makes everything.
@@ -49,7 +50,7 @@ impl Targets {
         let too_large = || RenderError::OutOfMemory {
             what: format!("a picture of {}x{}", size.x, size.y),
             needed_mib: needed >> 20,
-            remedy: "ask for a smaller picture",
+            remedy: "ask for a smaller picture".to_owned(),
         };
         // Software drivers hand out memory that they do not have, and the system then ends the process.
         if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {
@@ -101,11 +102,4 @@ impl Targets {
             bytes,
         })
     }
-}
-
-/// Bytes of main memory that are free for use; `None` where the system does not tell.
-fn available_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
 }

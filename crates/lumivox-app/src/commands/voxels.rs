@@ -25,7 +25,7 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     args.scene.scene.check()?;
     let progress = Progress::start(bars, "loading");
     let gpu = open_gpu(&args.gpu)?;
-    let scene = args.scene.scene.load()?;
+    let scene = args.scene.load(&progress)?;
     let bounds = scene.bounds();
     let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
     let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;

@@ -18,6 +18,10 @@ pub(crate) struct Shading {
     pub(crate) tangent: [f32; 4],
 }
 
+/// Bytes of a vertex in all buffers together.
+pub(crate) const VERTEX_BYTES: u64 =
+    (size_of::<[f32; 3]>() + size_of::<[f32; 2]>() + size_of::<Shading>()) as u64;
+
 /// The content of one batch's buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Batch {

@@ -12,12 +12,13 @@ use lumivox::{Draw, Geometry, GeometryBatch};
 use lumivox_scene::{Bounds, Scene};
 use wgpu::util::DeviceExt as _;
 
-pub(crate) use geometry::Shading;
+pub(crate) use geometry::{Shading, VERTEX_BYTES};
 pub use lights::Lighting;
 #[cfg(test)]
 pub(crate) use materials::MaterialRecord;
 pub(crate) use materials::{GpuMaterial, Presence, material_layout};
 pub use units::radiance_unit;
+pub(crate) use units::radiance_unit_within;
 
 use crate::memory::MemoryUse;
 use crate::{Gpu, RenderError};
@@ -69,6 +70,15 @@ pub struct GpuScene {
     pub(crate) memory: Vec<MemoryUse>,
 }
 
+/// What of a scene changes when it moves: vertices, and where they are.
+struct Placed {
+    geometry: Vec<GeometryBatch>,
+    batches: Vec<VertexBuffers>,
+    draws: Vec<SceneDraw>,
+    draw_records: wgpu::Buffer,
+    memory: [MemoryUse; 2],
+}
+
 impl GpuScene {
     /// Uploads a valid scene (see [`Scene::validate`]).
     ///
@@ -78,20 +88,73 @@ impl GpuScene {
     /// # Errors
     /// [`RenderError::Limit`] when the scene has more instances than the device can bind.
     pub fn new(gpu: &Gpu, scene: &Scene, radiance_unit: f32) -> Result<Self, RenderError> {
-        let limits = gpu.device.limits();
         let material_layout = material_layout(&gpu.device);
         let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, &material_layout);
         let (materials, surfaces): (Vec<_>, Vec<_>) =
             scene.materials.iter().map(|material| upload.upload(material)).unzip();
         let texture_bytes = upload.texture_bytes;
 
+        let Placed { geometry, batches, draws, draw_records, memory } =
+            Placed::new(gpu, scene, &materials)?;
+        let [vertices, instances] = memory;
+        Ok(Self {
+            geometry: Geometry { batches: geometry, materials: surfaces },
+            bounds: scene.bounds(),
+            radiance_unit,
+            batches,
+            draws,
+            draw_records,
+            materials,
+            material_layout,
+            memory: vec![vertices, MemoryUse::new("textures", texture_bytes), instances],
+        })
+    }
+
+    /// Uploads the vertices and transforms of the same scene in another pose. Materials and textures
+    /// stay as they are, and so do the bounds.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`], and [`RenderError::Setting`] when it is another scene, of other
+    /// materials.
+    pub(crate) fn repose(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        if scene.materials.len() != self.materials.len() {
+            return Err(RenderError::Setting {
+                name: "the scene in another pose",
+                value: format!("one of {} materials", scene.materials.len()),
+                expected: format!("the same scene, of {} materials", self.materials.len()),
+            });
+        }
+        // Gone first: two poses at a time could be more than the device holds.
+        self.batches.clear();
+        self.geometry.batches.clear();
+        let placed = Placed::new(gpu, scene, &self.materials)?;
+        self.geometry.batches = placed.geometry;
+        self.batches = placed.batches;
+        self.draws = placed.draws;
+        self.draw_records = placed.draw_records;
+        let [vertices, instances] = placed.memory;
+        self.memory[0] = vertices;
+        self.memory[2] = instances;
+        Ok(())
+    }
+
+    /// The draws that stop light, for shadows, with their numbers.
+    pub(crate) fn casters(&self) -> impl Iterator<Item = (u32, &SceneDraw)> {
+        let draws = self.draws.iter().enumerate();
+        draws
+            .filter(|(_, draw)| self.materials[draw.material].is_solid)
+            .map(|(number, draw)| (number as u32, draw))
+    }
+}
+
+impl Placed {
+    fn new(gpu: &Gpu, scene: &Scene, materials: &[GpuMaterial]) -> Result<Self, RenderError> {
+        let limits = gpu.device.limits();
         let (packed, pieces) = pack(&scene.meshes, BatchLimits::of_device(&limits));
         let batches: Vec<VertexBuffers> =
             packed.iter().map(|batch| VertexBuffers::new(&gpu.device, batch)).collect();
-        let mut geometry = Geometry {
-            batches: batches.iter().map(VertexBuffers::for_voxels).collect(),
-            materials: surfaces,
-        };
+        let mut geometry: Vec<GeometryBatch> =
+            batches.iter().map(VertexBuffers::for_voxels).collect();
         let mut draws = Vec::new();
         let mut records = Vec::new();
         for instance in &scene.instances {
@@ -113,7 +176,7 @@ impl GpuScene {
                 });
                 records.push(DrawRecord::new(instance.world_from_local));
                 if material.is_solid {
-                    geometry.batches[piece.batch].draws.push(Draw {
+                    geometry[piece.batch].draws.push(Draw {
                         first_index: piece.first_index,
                         index_count: piece.index_count,
                         base_vertex: piece.base_vertex,
@@ -134,30 +197,17 @@ impl GpuScene {
                 remedy: "join meshes that share a material".to_owned(),
             });
         }
-        let memory = vec![
-            MemoryUse::new("vertices and indices", batches.iter().map(VertexBuffers::bytes).sum()),
-            MemoryUse::new("textures", texture_bytes),
-            MemoryUse::new("instances", draw_bytes),
-        ];
+        let vertex_bytes = batches.iter().map(VertexBuffers::bytes).sum();
         Ok(Self {
             geometry,
-            bounds: scene.bounds(),
-            radiance_unit,
             batches,
             draws,
             draw_records: lumivox::gpu::upload(&gpu.device, "draws", &records),
-            materials,
-            material_layout,
-            memory,
+            memory: [
+                MemoryUse::new("vertices and indices", vertex_bytes),
+                MemoryUse::new("instances", draw_bytes),
+            ],
         })
-    }
-
-    /// The draws that stop light, for shadows, with their numbers.
-    pub(crate) fn casters(&self) -> impl Iterator<Item = (u32, &SceneDraw)> {
-        let draws = self.draws.iter().enumerate();
-        draws
-            .filter(|(_, draw)| self.materials[draw.material].is_solid)
-            .map(|(number, draw)| (number as u32, draw))
     }
 }
 

@@ -9,9 +9,9 @@ use gltf::json::{Path as JsonPath, Root};
 
 use super::repair::read_root;
 use super::{Notes, compression, extensions};
-use crate::SceneError;
 use crate::load::LoadOptions;
 use crate::load::files::{self, Reach};
+use crate::{LoadNotes, SceneError};
 
 const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
@@ -20,6 +20,7 @@ const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 pub(super) struct Parsed {
     pub(super) document: Document,
     pub(super) buffers: Vec<Vec<u8>>,
+    pub(super) about: LoadNotes,
 }
 
 pub(super) fn parse(
@@ -45,6 +46,7 @@ pub(super) fn parse(
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut root =
         read_root(json, notes).map_err(|error| malformed("the JSON", error.to_string()))?;
+    let about = super::about::about(&root);
 
     extensions::check(file, &mut root, notes)?;
     drop_primitives_without_positions(&mut root, notes);
@@ -52,7 +54,7 @@ pub(super) fn parse(
     check_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
     let mut buffers = read_buffers(file, &root, binary, options.reach())?;
     compression::decompress(file, &mut root, &mut buffers, options.budget.geometry_bytes)?;
-    Ok(Parsed { document: Document::from_json_without_validation(root), buffers })
+    Ok(Parsed { document: Document::from_json_without_validation(root), buffers, about })
 }
 
 /// The JSON and the binary chunk. Lengths are checked against what is there.

@@ -9,6 +9,7 @@
 //! Nodes go into a [`Rig`] first, which then places everything: at rest now, and at other times
 //! when asked to.
 
+mod about;
 mod accessor;
 mod animation;
 mod attributes;
@@ -96,7 +97,7 @@ fn load_bytes(
         reach,
         document: &parsed.document,
         buffers: &parsed.buffers,
-        scene: Scene { name: name.unwrap_or_default(), ..Scene::default() },
+        scene: Scene { name: name.unwrap_or_default(), notes: parsed.about, ..Scene::default() },
         rig: Parts { file: file.to_owned(), ..Parts::default() },
         notes,
         budget: Budget {
