@@ -6,6 +6,7 @@ import package::constants::{
 };
 import package::light::lights::light_globals;
 import package::trace::brdf::{fresnel_schlick, PI};
+import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{
     gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface, view, Surface,
 };
@@ -28,8 +29,13 @@ struct CompositeSettings {
 @group(1) @binding(4) var specular: texture_2d<f32>;
 @group(1) @binding(5) var picture: texture_storage_2d<rgba32float, write>;
 
-fn direct_light(pixel: vec2u) -> vec3f {
-    return textureLoad(gbuffer_emission, pixel, 0).rgb
+fn cos_view(surface: Surface) -> f32 {
+    let to_camera = normalize(view.position_in_world - surface.position_in_world);
+    return saturate(dot(surface.shading_normal, to_camera));
+}
+
+fn direct_light(pixel: vec2u, surface: Surface) -> vec3f {
+    return textureLoad(gbuffer_emission, pixel, 0).rgb * below_coat(load_coat(pixel), cos_view(surface))
         + textureLoad(direct_diffuse, pixel, 0).rgb
         + textureLoad(direct_specular, pixel, 0).rgb;
 }
@@ -37,16 +43,16 @@ fn direct_light(pixel: vec2u) -> vec3f {
 fn indirect_light(pixel: vec2u, surface: Surface) -> vec3f {
     let albedo = textureLoad(gbuffer_diffuse, pixel, 0).rgb;
     let f0 = textureLoad(gbuffer_specular, pixel, 0).rgb;
-    let to_camera = normalize(view.position_in_world - surface.position_in_world);
-    let fresnel = fresnel_schlick(f0, saturate(dot(surface.shading_normal, to_camera)));
-    let diffuse = textureLoad(irradiance, pixel, 0).rgb * albedo / PI * (1.0 - fresnel);
+    let fresnel = fresnel_schlick(f0, cos_view(surface));
+    let below = below_coat(load_coat(pixel), cos_view(surface));
+    let diffuse = textureLoad(irradiance, pixel, 0).rgb * albedo / PI * (1.0 - fresnel) * below;
     return diffuse + textureLoad(specular, pixel, 0).rgb;
 }
 
 fn shade(pixel: vec2u, surface: Surface) -> vec3f {
     switch composite_settings.shown {
         case VIEW_DIRECT: {
-            return direct_light(pixel);
+            return direct_light(pixel, surface);
         }
         case VIEW_INDIRECT: {
             return indirect_light(pixel, surface);
@@ -76,7 +82,7 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
             return vec3f(textureLoad(specular, pixel, 0).a);
         }
         default: {
-            return direct_light(pixel) + indirect_light(pixel, surface);
+            return direct_light(pixel, surface) + indirect_light(pixel, surface);
         }
     }
 }

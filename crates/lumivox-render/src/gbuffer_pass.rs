@@ -4,24 +4,29 @@
 //! | --- | --- | --- |
 //! | depth | `Depth32Float` | reversed, without a far plane |
 //! | normals | `Rgba16Float` | octahedral shading normal and geometric normal |
-//! | diffuse | `Rgba8UnormSrgb` | diffuse albedo |
+//! | diffuse | `Rgba8UnormSrgb` | diffuse albedo, 1 - the strength of a clear coat (linear) |
 //! | specular | `Rgba8UnormSrgb` | reflectance at normal incidence, perceptual roughness (linear) |
-//! | emission | `Rgba16Float` | emitted radiance |
+//! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
 //!
 //! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
 //! decides from where cones start and which side light comes from, where an interpolated normal would
 //! lie.
+//!
+//! Materials without layers have shaders that sample their four textures and nothing else. What blends
+//! or transmits light is there in a share of the frames (`screen_door.wgsl`), and opaque when it is.
+
+use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::perspective_infinite_reverse;
-use glam::{Mat4, UVec2, Vec2, Vec3};
-use lumivox::GBufferViews;
+use glam::{Mat4, UVec2, Vec2};
+use lumivox::{GBufferViews, View};
 use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
 use lumivox_scene::Camera;
 
 use crate::raster::{self, RasterPipeline};
 use crate::textures::ScreenTextures;
-use crate::upload::GpuScene;
+use crate::upload::{Attributes, GpuScene, SceneDraw};
 
 /// Formats of the colour targets, in the order of their locations.
 const FORMATS: [wgpu::TextureFormat; 4] = [
@@ -37,14 +42,22 @@ const FORMATS: [wgpu::TextureFormat; 4] = [
 pub(crate) struct RasterView {
     pub(crate) clip_from_world: Mat4,
     pub(crate) position_in_world: [f32; 3],
-    padding: u32,
+    pub(crate) frame: u32,
+}
+
+/// What a pipeline is made for; draws come in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Variant {
+    is_double_sided: bool,
+    is_layered: bool,
+    attributes: Attributes,
 }
 
 /// Renders the G-buffer.
 #[derive(Debug)]
 pub struct GBufferPass {
-    /// Without and with back sides.
-    pipelines: [wgpu::RenderPipeline; 2],
+    /// Those that the scene needs.
+    pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
     view: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -96,19 +109,23 @@ impl GBufferPass {
         let layout = LayoutBuilder::new(stages).uniform().storage().build(device, "raster view");
         let (module, _) = shaders.create(device, "render::gbuffer_pass")?;
         let targets = FORMATS.map(|format| Some(format.into()));
-        let pipelines = [Some(wgpu::Face::Back), None].map(|cull_mode| {
-            RasterPipeline {
-                label: "G-buffer",
-                module: &module,
-                vertex: "vertex_main",
-                fragment: Some("fragment_main"),
-                targets: &targets,
-                vertex_buffers: &raster::ALL_STREAMS,
-                groups: &[&layout, &scene.material_layout],
-                cull_mode,
-            }
-            .create(device)
-        });
+        let mut pipelines = BTreeMap::new();
+        for draw in &scene.draws {
+            let variant = Variant::of(scene, draw);
+            pipelines.entry(variant).or_insert_with(|| {
+                RasterPipeline {
+                    label: "G-buffer",
+                    module: &module,
+                    vertex: variant.vertex(),
+                    fragment: Some(variant.fragment()),
+                    targets: &targets,
+                    vertex_buffers: &raster::streams(variant.attributes),
+                    groups: &[&layout, &scene.material_layout],
+                    cull_mode: (!variant.is_double_sided).then_some(wgpu::Face::Back),
+                }
+                .create(device)
+            });
+        }
         let view = lumivox::gpu::uniform_buffer(device, "raster view", &RasterView::zeroed());
         let group = BindGroupBuilder::new(&layout)
             .buffer(&view)
@@ -117,17 +134,19 @@ impl GBufferPass {
         Ok(Self { pipelines, view, group })
     }
 
-    /// Renders a scene. The camera takes effect at the next submission: one frame per recorder.
+    /// Renders a scene. The view takes effect at the next submission: one frame per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         scene: &GpuScene,
         targets: &GBufferTargets,
-        clip_from_world: Mat4,
-        position_in_world: Vec3,
+        view: &View,
     ) {
-        let position_in_world = position_in_world.to_array();
-        let view = RasterView { clip_from_world, position_in_world, padding: 0 };
+        let view = RasterView {
+            clip_from_world: view.clip_from_world,
+            position_in_world: view.position.to_array(),
+            frame: view.frame,
+        };
         recorder.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let colors = [&targets.normals, &targets.diffuse, &targets.specular, &targets.emission];
         let colors = colors.map(|view| {
@@ -144,22 +163,47 @@ impl GBufferPass {
         let depth = raster::depth_attachment(&targets.depth);
         recorder.render("gbuffer_pass", &colors, Some(depth), |pass| {
             pass.set_bind_group(0, &self.group, &[]);
-            for (pipeline, is_double_sided) in self.pipelines.iter().zip([false, true]) {
+            for (variant, pipeline) in &self.pipelines {
                 pass.set_pipeline(pipeline);
                 for (number, draw) in scene.draws.iter().enumerate() {
-                    let material = &scene.materials[draw.material];
-                    if material.is_double_sided != is_double_sided {
+                    if Variant::of(scene, draw) != *variant {
                         continue;
                     }
                     let batch = &scene.batches[draw.batch];
-                    pass.set_bind_group(1, &material.group, &[]);
+                    pass.set_bind_group(1, &scene.materials[draw.material].group, &[]);
                     pass.set_vertex_buffer(0, batch.positions.slice(..));
-                    pass.set_vertex_buffer(1, batch.texcoords.slice(..));
+                    pass.set_vertex_buffer(1, batch.attributes.slice(..));
                     pass.set_vertex_buffer(2, batch.shading.slice(..));
                     raster::draw(pass, batch, draw, number as u32);
                 }
             }
         });
+    }
+}
+
+impl Variant {
+    fn of(scene: &GpuScene, draw: &SceneDraw) -> Self {
+        let material = &scene.materials[draw.material];
+        Self {
+            is_double_sided: material.is_double_sided,
+            is_layered: material.is_layered,
+            attributes: scene.batches[draw.batch].kind,
+        }
+    }
+
+    fn vertex(self) -> &'static str {
+        match self.attributes {
+            Attributes::Texcoords => "plain_vertex",
+            Attributes::All => "colored_vertex",
+        }
+    }
+
+    fn fragment(self) -> &'static str {
+        match (self.is_layered, self.attributes) {
+            (true, _) => "layered_fragment",
+            (false, Attributes::All) => "colored_fragment",
+            (false, Attributes::Texcoords) => "plain_fragment",
+        }
     }
 }
 
@@ -197,6 +241,7 @@ fn radical_inverse(mut index: u32, base: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     #[test]
     fn jitter_covers_the_pixel_evenly() {

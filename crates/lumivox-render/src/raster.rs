@@ -1,6 +1,6 @@
 //! What the passes that rasterize share: vertex layouts, reversed depth, draws.
 
-use crate::upload::{SceneDraw, Shading, VertexBuffers};
+use crate::upload::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers};
 
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -8,27 +8,30 @@ const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float
 const TEXCOORD: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x2];
 const SHADING: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x4];
+const ALL: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![1 => Float32x2, 4 => Float32x2, 5 => Unorm16x4];
 
 const fn stream<T>(
     attributes: &'static [wgpu::VertexAttribute],
-) -> wgpu::VertexBufferLayout<'static> {
-    wgpu::VertexBufferLayout {
+) -> Option<wgpu::VertexBufferLayout<'static>> {
+    Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<T>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes,
-    }
+    })
 }
 
-type Streams<const N: usize> = [Option<wgpu::VertexBufferLayout<'static>>; N];
+/// Vertex buffers by their slots: positions, attributes, normals and tangents.
+pub(crate) type Streams = [Option<wgpu::VertexBufferLayout<'static>>; 3];
 
-pub(crate) const POSITIONS_ONLY: Streams<1> = [Some(stream::<[f32; 3]>(&POSITION))];
-pub(crate) const POSITIONS_AND_TEXCOORDS: Streams<2> =
-    [Some(stream::<[f32; 3]>(&POSITION)), Some(stream::<[f32; 2]>(&TEXCOORD))];
-pub(crate) const ALL_STREAMS: Streams<3> = [
-    Some(stream::<[f32; 3]>(&POSITION)),
-    Some(stream::<[f32; 2]>(&TEXCOORD)),
-    Some(stream::<Shading>(&SHADING)),
-];
+/// All that a batch of those attributes has.
+pub(crate) const fn streams(attributes: Attributes) -> Streams {
+    let attributes = match attributes {
+        Attributes::Texcoords => stream::<[f32; 2]>(&TEXCOORD),
+        Attributes::All => stream::<AllAttributes>(&ALL),
+    };
+    [stream::<[f32; 3]>(&POSITION), attributes, stream::<Shading>(&SHADING)]
+}
 
 /// A pipeline that draws triangles against a reversed depth buffer: what is nearer is greater.
 #[derive(Clone, Copy, Debug)]

@@ -72,7 +72,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit(scene, &lighting);
-        let scene = GpuScene::new(gpu, scene, unit)?;
+        let scene = GpuScene::new(gpu, scene, &lighting, unit)?;
         gpu.check("uploading the scene")?;
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
@@ -175,7 +175,7 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            self.gbuffer.record(&mut recorder, scene, textures, clip_from_world, position);
+            self.gbuffer.record(&mut recorder, scene, textures, &view);
             if settings.view.needs_direct() {
                 recorder.stage("direct light");
                 self.direct.record(&mut recorder, gi, lights, &targets.gbuffer, &targets.direct);
@@ -339,7 +339,7 @@ fn bind_lights(
     let mut maps: Option<ShadowMaps> = None;
     if settings.shadows == ShadowMethod::Map {
         recorder.stage("shadow maps");
-        let pass = ShadowMapPass::new(&gpu.device, shaders, &scene.material_layout)?;
+        let pass = ShadowMapPass::new(&gpu.device, shaders, scene)?;
         maps = pass.record(gpu, recorder, scene, &mut lights, settings.shadow_resolution);
     }
     let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);
