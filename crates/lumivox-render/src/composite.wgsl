@@ -27,7 +27,9 @@ struct CompositeSettings {
 @group(1) @binding(3) var irradiance: texture_2d<f32>;
 // Reflected radiance in rgb, cone samples in a.
 @group(1) @binding(4) var specular: texture_2d<f32>;
-@group(1) @binding(5) var picture: texture_storage_2d<rgba32float, write>;
+// What coloured glass in front lets through, in rgb; one white texel where the scene has none.
+@group(1) @binding(5) var tint: texture_2d<f32>;
+@group(1) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
 
 fn cos_view(surface: Surface) -> f32 {
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
@@ -87,6 +89,18 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
     }
 }
 
+// The tint of what is seen as light that comes to the camera.
+fn tint_at(pixel: vec2u) -> vec3f {
+    switch composite_settings.shown {
+        case VIEW_DIFFUSE, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST: {
+            return vec3f(1.0);
+        }
+        default: {
+            return textureLoad(tint, min(pixel, textureDimensions(tint) - 1u), 0).rgb;
+        }
+    }
+}
+
 // The sky is seen as what it is, light of its own, wherever emission is.
 fn shows_environment() -> bool {
     switch composite_settings.shown {
@@ -108,9 +122,9 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     let surface = load_surface(pixel);
     if surface.depth > 0.0 {
-        textureStore(picture, pixel, vec4f(shade(pixel, surface), 1.0));
+        textureStore(picture, pixel, vec4f(shade(pixel, surface) * tint_at(pixel), 1.0));
     } else if shows_environment() {
-        textureStore(picture, pixel, vec4f(light_globals.environment, 0.0));
+        textureStore(picture, pixel, vec4f(light_globals.environment * tint_at(pixel), 0.0));
     } else {
         textureStore(picture, pixel, vec4f(0.0));
     }

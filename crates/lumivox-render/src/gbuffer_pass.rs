@@ -14,6 +14,7 @@
 //!
 //! Materials without layers have shaders that sample their four textures and nothing else. What blends
 //! or transmits light is there in a share of the frames (`screen_door.wgsl`), and opaque when it is.
+//! Where it is not and its glass has a colour, a second pass multiplies that onto the tint of the pixel.
 
 use std::collections::BTreeMap;
 
@@ -24,9 +25,12 @@ use lumivox::{GBufferViews, View};
 use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
 use lumivox_scene::Camera;
 
+use wgpu::util::DeviceExt as _;
+
+use crate::Gpu;
 use crate::raster::{self, RasterPipeline};
 use crate::textures::ScreenTextures;
-use crate::upload::{Attributes, GpuScene, SceneDraw};
+use crate::upload::{Attributes, GpuMaterial, GpuScene, SceneDraw};
 
 /// Formats of the colour targets, in the order of their locations.
 const FORMATS: [wgpu::TextureFormat; 4] = [
@@ -35,6 +39,16 @@ const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba8UnormSrgb,
     wgpu::TextureFormat::Rgba16Float,
 ];
+
+/// What panes in front of the visible surface colour its light with, in linear light.
+const TINT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// Panes multiply, in whatever order they come.
+const MULTIPLY: wgpu::BlendComponent = wgpu::BlendComponent {
+    src_factor: wgpu::BlendFactor::Dst,
+    dst_factor: wgpu::BlendFactor::Zero,
+    operation: wgpu::BlendOperation::Add,
+};
 
 /// `RasterView` of `gbuffer_pass.wgsl`.
 #[repr(C)]
@@ -58,6 +72,8 @@ struct Variant {
 pub struct GBufferPass {
     /// Those that the scene needs.
     pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
+    /// Those for what is tinted.
+    tint_pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
     view: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -70,11 +86,20 @@ pub struct GBufferTargets {
     diffuse: wgpu::TextureView,
     specular: wgpu::TextureView,
     emission: wgpu::TextureView,
+    /// What the light of a pixel's surface is multiplied by; of one white texel where nothing is tinted.
+    pub(crate) tint: wgpu::TextureView,
 }
 
 impl GBufferTargets {
-    pub(crate) fn new(textures: &mut ScreenTextures<'_>) -> Self {
+    /// `is_tinted` says whether the scene has coloured glass.
+    pub(crate) fn new(gpu: &Gpu, textures: &mut ScreenTextures<'_>, is_tinted: bool) -> Self {
+        let tint = if is_tinted {
+            textures.target("tint", TINT_FORMAT)
+        } else {
+            white(gpu)
+        };
         Self {
+            tint,
             depth: textures.target("depth", raster::DEPTH_FORMAT),
             normals: textures.target("normals", FORMATS[0]),
             diffuse: textures.target("diffuse albedo", FORMATS[1]),
@@ -109,29 +134,39 @@ impl GBufferPass {
         let layout = LayoutBuilder::new(stages).uniform().storage().build(device, "raster view");
         let (module, _) = shaders.create(device, "render::gbuffer_pass")?;
         let targets = FORMATS.map(|format| Some(format.into()));
-        let mut pipelines = BTreeMap::new();
+        let tint_targets = [Some(wgpu::ColorTargetState {
+            format: TINT_FORMAT,
+            blend: Some(wgpu::BlendState { color: MULTIPLY, alpha: MULTIPLY }),
+            write_mask: wgpu::ColorWrites::ALL,
+        })];
+        let create = |variant: Variant, is_tint: bool| {
+            RasterPipeline {
+                label: if is_tint { "tint" } else { "G-buffer" },
+                module: &module,
+                vertex: variant.vertex(),
+                fragment: Some(if is_tint { "tint_fragment" } else { variant.fragment() }),
+                targets: if is_tint { &tint_targets } else { &targets },
+                vertex_buffers: &raster::streams(variant.attributes),
+                groups: &[&layout, &scene.material_layout],
+                cull_mode: (!variant.is_double_sided).then_some(wgpu::Face::Back),
+                writes_depth: !is_tint,
+            }
+            .create(device)
+        };
+        let (mut pipelines, mut tint_pipelines) = (BTreeMap::new(), BTreeMap::new());
         for draw in &scene.draws {
             let variant = Variant::of(scene, draw);
-            pipelines.entry(variant).or_insert_with(|| {
-                RasterPipeline {
-                    label: "G-buffer",
-                    module: &module,
-                    vertex: variant.vertex(),
-                    fragment: Some(variant.fragment()),
-                    targets: &targets,
-                    vertex_buffers: &raster::streams(variant.attributes),
-                    groups: &[&layout, &scene.material_layout],
-                    cull_mode: (!variant.is_double_sided).then_some(wgpu::Face::Back),
-                }
-                .create(device)
-            });
+            pipelines.entry(variant).or_insert_with(|| create(variant, false));
+            if scene.materials[draw.material].is_tinted {
+                tint_pipelines.entry(variant).or_insert_with(|| create(variant, true));
+            }
         }
         let view = lumivox::gpu::uniform_buffer(device, "raster view", &RasterView::zeroed());
         let group = BindGroupBuilder::new(&layout)
             .buffer(&view)
             .buffer(&scene.draw_records)
             .build(device, "raster view");
-        Ok(Self { pipelines, view, group })
+        Ok(Self { pipelines, tint_pipelines, view, group })
     }
 
     /// Renders a scene. The view takes effect at the next submission: one frame per recorder.
@@ -162,23 +197,80 @@ impl GBufferPass {
         });
         let depth = raster::depth_attachment(&targets.depth);
         recorder.render("gbuffer_pass", &colors, Some(depth), |pass| {
-            pass.set_bind_group(0, &self.group, &[]);
-            for (variant, pipeline) in &self.pipelines {
-                pass.set_pipeline(pipeline);
-                for (number, draw) in scene.draws.iter().enumerate() {
-                    if Variant::of(scene, draw) != *variant {
-                        continue;
-                    }
-                    let batch = &scene.batches[draw.batch];
-                    pass.set_bind_group(1, &scene.materials[draw.material].group, &[]);
-                    pass.set_vertex_buffer(0, batch.positions.slice(..));
-                    pass.set_vertex_buffer(1, batch.attributes.slice(..));
-                    pass.set_vertex_buffer(2, batch.shading.slice(..));
-                    raster::draw(pass, batch, draw, number as u32);
-                }
-            }
+            self.draw(pass, scene, &self.pipelines, |_| true);
+        });
+        if !self.tint_pipelines.is_empty() {
+            self.record_tint(recorder, scene, targets);
+        }
+    }
+
+    /// Renders what colours the light on its way from the visible surfaces.
+    fn record_tint(&self, recorder: &mut Recorder, scene: &GpuScene, targets: &GBufferTargets) {
+        let color = wgpu::RenderPassColorAttachment {
+            view: &targets.tint,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                store: wgpu::StoreOp::Store,
+            },
+        };
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: None,
+            stencil_ops: None,
+        };
+        recorder.render("gbuffer_pass::tint", &[Some(color)], Some(depth), |pass| {
+            self.draw(pass, scene, &self.tint_pipelines, |material| material.is_tinted);
         });
     }
+
+    /// Draws what is wanted, each with the pipeline that it needs.
+    fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        scene: &GpuScene,
+        pipelines: &BTreeMap<Variant, wgpu::RenderPipeline>,
+        is_wanted: impl Fn(&GpuMaterial) -> bool,
+    ) {
+        pass.set_bind_group(0, &self.group, &[]);
+        for (variant, pipeline) in pipelines {
+            pass.set_pipeline(pipeline);
+            for (number, draw) in scene.draws.iter().enumerate() {
+                let material = &scene.materials[draw.material];
+                if Variant::of(scene, draw) != *variant || !is_wanted(material) {
+                    continue;
+                }
+                let batch = &scene.batches[draw.batch];
+                pass.set_bind_group(1, &material.group, &[]);
+                pass.set_vertex_buffer(0, batch.positions.slice(..));
+                pass.set_vertex_buffer(1, batch.attributes.slice(..));
+                pass.set_vertex_buffer(2, batch.shading.slice(..));
+                raster::draw(pass, batch, draw, number as u32);
+            }
+        }
+    }
+}
+
+/// A texture of one white texel.
+fn white(gpu: &Gpu) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("white"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TINT_FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        &[255; 4],
+    );
+    crate::textures::view(&texture)
 }
 
 impl Variant {

@@ -1,7 +1,7 @@
 // The G-buffer: what package::trace::gbuffer declares, rasterized.
 
 import package::render::draws::draws;
-import package::render::layers::{sample_layers, shade_layers};
+import package::render::layers::{sample_layers, shade_layers, Layered};
 import package::render::material::{
     base_color_sampler, base_color_texture, emission_sampler, emission_texture, material,
     metallic_roughness_sampler, metallic_roughness_texture, normal_sampler, normal_texture, texcoord,
@@ -20,7 +20,8 @@ struct RasterView {
 @group(0) @binding(0) var<uniform> raster_view: RasterView;
 
 struct Vertex {
-    @builtin(position) clip: vec4f,
+    // The same in all pipelines: their depths are compared.
+    @builtin(position) @invariant clip: vec4f,
     // From the camera, not from the origin: f32 then resolves the small steps between near pixels, whose
     // derivatives the geometric normal comes from.
     @location(0) from_camera: vec3f,
@@ -248,8 +249,13 @@ fn colored_fragment(fragment: ColoredFragment) -> Targets {
     ));
 }
 
-@fragment
-fn layered_fragment(fragment: LayeredFragment) -> Targets {
+struct LayeredPoint {
+    samples: PointSamples,
+    frame: PointFrame,
+    layered: Layered,
+}
+
+fn layered_point(fragment: LayeredFragment) -> LayeredPoint {
     let point = Point(
         fragment.from_camera,
         fragment.normal,
@@ -262,15 +268,33 @@ fn layered_fragment(fragment: LayeredFragment) -> Targets {
     let frame = frame_at(point, samples);
     let cos_view = saturate(dot(frame.shading, frame.to_camera));
     let layered = shade_layers(layers, samples.base, samples.metallic, samples.emission, cos_view);
+    return LayeredPoint(samples, frame, layered);
+}
+
+@fragment
+fn layered_fragment(fragment: LayeredFragment) -> Targets {
+    let point = layered_point(fragment);
+    let layered = point.layered;
     let seed = surface_seed(fragment.draw, fragment.is_front, length(fragment.from_camera));
-    if is_masked_out(samples.base)
+    if is_masked_out(point.samples.base)
         || !is_there(layered.coverage, vec2u(fragment.pixel.xy), seed, raster_view.frame) {
         discard;
     }
     return Targets(
-        encode_normals(frame),
+        encode_normals(point.frame),
         vec4f(layered.diffuse, 1.0 - layered.coat_strength),
-        vec4f(layered.f0, samples.roughness),
+        vec4f(layered.f0, point.samples.roughness),
         vec4f(layered.emission, layered.coat_roughness),
     );
+}
+
+// After the G-buffer: what is nearer than the surface that a pixel shows was not there in this frame, or it would
+// be the one. So the light passed it.
+@fragment
+fn tint_fragment(fragment: LayeredFragment) -> @location(0) vec4f {
+    let point = layered_point(fragment);
+    if is_masked_out(point.samples.base) {
+        discard;
+    }
+    return vec4f(point.layered.tint, 1.0);
 }

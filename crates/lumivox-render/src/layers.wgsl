@@ -27,6 +27,8 @@ struct Layered {
     coat_roughness: f32,
     // The probability that the surface is there.
     coverage: f32,
+    // What colours the light that passes where it is not.
+    tint: vec3f,
 }
 
 fn mean(color: vec3f) -> f32 {
@@ -56,7 +58,7 @@ fn sample_layers(texcoords: vec4f) -> LayerSamples {
     );
 }
 
-// The share of the light that enters a thin pane and passes, by colour, and what that is at most.
+// The share of the light that enters a thin pane and passes, of the colour of which most does.
 //
 // KHR_materials_transmission: of the light that is not reflected at the surface, the share t passes through, tinted
 // by the base colour, instead of being reflected diffusely.
@@ -93,13 +95,21 @@ fn shade_layers(
     let pane_f0 = saturate((fresnel / max(pane, 1e-4) - rest_5) / max(1.0 - rest_5, 1e-4));
     let is_pane = transmission > 0.0;
 
-    // The lit share of what the coat lets through is the composite's business: it is a pane of its own.
+    // Of what is not there, holes let light through as it is, and panes tint it.
+    let alpha = select(1.0, base.a, material.is_blended != 0u);
+    let coverage = alpha * pane;
+    let glass = base.rgb / max(largest(base.rgb), 1e-6);
+    let tint = (1.0 - alpha + alpha * (1.0 - pane) * glass) / max(1.0 - coverage, 1e-6);
+
+    // The coat is taken as brighter where its pane is seen, too; only where that would be more than a whole coat
+    // is something lost, on glass that is varnished.
     return Layered(
         min(diffuse, vec3f(1.0)),
         select(f0, pane_f0, is_pane),
         emission / max(pane, 1e-3),
         min(samples.coat_strength / max(pane, 1e-3), 1.0),
         samples.coat_roughness,
-        pane * select(1.0, base.a, material.is_blended != 0u),
+        coverage,
+        select(vec3f(1.0), tint, coverage < 1.0),
     );
 }

@@ -44,6 +44,8 @@ pub(crate) struct RasterPipeline<'a> {
     pub(crate) vertex_buffers: &'a [Option<wgpu::VertexBufferLayout<'static>>],
     pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
     pub(crate) cull_mode: Option<wgpu::Face>,
+    /// Whether what is drawn hides what lies behind.
+    pub(crate) writes_depth: bool,
 }
 
 impl RasterPipeline<'_> {
@@ -70,7 +72,7 @@ impl RasterPipeline<'_> {
             },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
+                depth_write_enabled: Some(self.writes_depth),
                 depth_compare: Some(wgpu::CompareFunction::Greater),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),

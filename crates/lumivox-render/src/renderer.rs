@@ -108,7 +108,9 @@ impl Renderer {
         let composite = CompositePass::new(&gpu.device, &shaders, &gi)?;
         let passes = (&direct, &composite);
         let resolution = settings.trace.resolution;
-        let targets = Targets::new(gpu, &shaders, &gi, passes, settings.size, resolution).await?;
+        let is_tinted = scene.is_tinted();
+        let targets =
+            Targets::new(gpu, &shaders, &gi, passes, settings.size, resolution, is_tinted).await?;
         gpu.check("making the picture's textures")?;
         Ok(Self {
             gpu: gpu.clone(),

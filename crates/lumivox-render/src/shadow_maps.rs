@@ -100,6 +100,7 @@ impl Variant {
             vertex_buffers: &streams[..if attributes.is_some() { 2 } else { 1 }],
             groups,
             cull_mode: None,
+            writes_depth: true,
         }
         .create(device)
     }

@@ -21,6 +21,8 @@ pub(crate) struct GpuMaterial {
     pub(crate) is_double_sided: bool,
     /// Whether it needs the fragment shader that knows all layers.
     pub(crate) is_layered: bool,
+    /// Whether light that passes it may change its colour.
+    pub(crate) is_tinted: bool,
 }
 
 /// Where a surface is there.
@@ -34,6 +36,15 @@ pub(crate) enum Presence {
     Partial,
     /// Nowhere: its alpha has no texture and is below the cutoff, or zero.
     Absent,
+}
+
+/// What the colours of the vertices say on which a material is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct VertexColors {
+    /// There are any.
+    pub(crate) has_colors: bool,
+    /// Some have an alpha below 1.
+    pub(crate) has_alpha: bool,
 }
 
 /// Group 1 of the passes that rasterize: 9 of WebGPU's 16 textures and samplers.
@@ -73,14 +84,14 @@ impl<'a> MaterialUpload<'a> {
         self.textures.bytes
     }
 
-    /// Uploads one material, for the rasterizer and for the voxels. `has_vertex_alpha` says whether it
-    /// is used on vertices whose colours have an alpha below 1.
+    /// Uploads one material, for the rasterizer and for the voxels. The
+    /// colours are those of the vertices on which it is used.
     pub(crate) fn upload(
         &mut self,
         material: &Material,
-        has_vertex_alpha: bool,
+        VertexColors { has_colors, has_alpha }: VertexColors,
     ) -> (GpuMaterial, SurfaceMaterial) {
-        let record = record(material, self.radiance_unit, self.white, has_vertex_alpha);
+        let record = record(material, self.radiance_unit, self.white, has_alpha);
         let references = textures(material);
         let alpha = alpha_of_base(material, &record);
         let encodings = [
@@ -115,6 +126,7 @@ impl<'a> MaterialUpload<'a> {
             presence: presence(material, &record),
             is_double_sided: material.double_sided,
             is_layered: is_layered(material, &record),
+            is_tinted: record.transmission > 0.0 && (has_colors || has_color(&record, &references)),
         };
 
         let surface_texture = |index: usize| {
@@ -162,6 +174,12 @@ impl<'a> MaterialUpload<'a> {
         let reflected = f0 + (1.0 - f0) / 21.0;
         record.transmission * (1.0 - record.metallic * metalness) * (1.0 - reflected)
     }
+}
+
+/// Whether a material's base colour may be anything but grey.
+fn has_color(record: &MaterialRecord, references: &[Option<TextureRef>; TEXTURE_COUNT]) -> bool {
+    let [r, g, b, _] = record.base_color;
+    references[0].is_some() || r.to_bits() != g.to_bits() || g.to_bits() != b.to_bits()
 }
 
 /// What the alpha of the base colour's texture is used for.

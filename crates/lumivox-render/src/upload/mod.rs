@@ -28,7 +28,7 @@ pub use units::radiance_unit;
 use crate::memory::MemoryUse;
 use crate::{Gpu, RenderError};
 use geometry::{BatchLimits, pack};
-use materials::MaterialUpload;
+use materials::{MaterialUpload, VertexColors};
 
 /// `DrawRecord` of `draws.wgsl`.
 #[repr(C)]
@@ -95,12 +95,12 @@ impl GpuScene {
         let material_layout = material_layout(&gpu.device);
         let white = reference_white::reference_white(scene, lighting);
         let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, white, &material_layout);
-        let is_clear = materials_on_clear_vertices(scene);
+        let colors = colors_of_materials(scene);
         let (materials, surfaces): (Vec<_>, Vec<_>) = scene
             .materials
             .iter()
-            .zip(is_clear)
-            .map(|(material, is_clear)| upload.upload(material, is_clear))
+            .zip(colors)
+            .map(|(material, colors)| upload.upload(material, colors))
             .unzip();
         let texture_bytes = upload.texture_bytes();
 
@@ -171,13 +171,21 @@ impl GpuScene {
     }
 }
 
-/// For each material, whether it is used on vertices with an alpha below 1.
-fn materials_on_clear_vertices(scene: &Scene) -> Vec<bool> {
-    let is_clear: Vec<bool> =
-        scene.meshes.iter().map(|mesh| mesh.colors.iter().any(|color| color.w < 1.0)).collect();
-    let mut materials = vec![false; scene.materials.len()];
+/// For each material, the colours of the vertices on which it is used.
+fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
+    let of_meshes: Vec<VertexColors> = scene
+        .meshes
+        .iter()
+        .map(|mesh| VertexColors {
+            has_colors: !mesh.colors.is_empty(),
+            has_alpha: mesh.colors.iter().any(|color| color.w < 1.0),
+        })
+        .collect();
+    let mut materials = vec![VertexColors::default(); scene.materials.len()];
     for instance in &scene.instances {
-        materials[instance.material] |= is_clear[instance.mesh];
+        let (material, mesh) = (&mut materials[instance.material], of_meshes[instance.mesh]);
+        material.has_colors |= mesh.has_colors;
+        material.has_alpha |= mesh.has_alpha;
     }
     materials
 }
@@ -191,6 +199,13 @@ fn needed_attributes(scene: &Scene) -> Vec<Attributes> {
     }
     let needed = |(mesh, uses)| Attributes::needed(mesh, uses);
     scene.meshes.iter().zip(uses_second_set).map(needed).collect()
+}
+
+impl GpuScene {
+    /// Whether light that passes something may change its colour.
+    pub(crate) fn is_tinted(&self) -> bool {
+        self.draws.iter().any(|draw| self.materials[draw.material].is_tinted)
+    }
 }
 
 impl DrawRecord {
