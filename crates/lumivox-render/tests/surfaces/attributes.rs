@@ -113,7 +113,7 @@ fn masks_are_cut_at_their_own_coordinates() {
     // leaves free is lit.
     scene.lights.push(Light {
         kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
-        direction: Vec3::new(0.6, 0.0, -1.0).normalize(),
+        direction: Vec3::new(0.7, 0.0, -1.0).normalize(),
         ..Light::default()
     });
     let [_, right, ..] = quarters(&scene, View::Shadow);

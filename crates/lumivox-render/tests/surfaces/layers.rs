@@ -58,9 +58,9 @@ fn varnish_adds_what_it_takes() {
         });
         let gold = Vec3::new(1.0, 0.5, 0.2).map(|f0| fresnel(f0, angle));
         let expected = reflected + (1.0 - reflected) * gold;
-        let both = under_the_sky(angle, Material { clearcoat: coat(1.0, 0.4), ..mirror });
+        let both = under_the_sky(angle, Material { clearcoat: coat(1.0, 0.25), ..mirror });
         // A rough coat at a grazing angle loses what would be reflected into the surface.
-        assert_near("gold", both, expected, 0.03 + 0.04 * reflected);
+        assert_near("gold", both, expected, 0.02 + 0.1 * reflected);
     }
 }
 
@@ -159,7 +159,7 @@ fn what_takes_no_light_shows_its_colour_beside_a_white_wall() {
     let beside = lit(&scene);
     scene.materials[0] = Material::diffuse("matte", color);
     let expected = lit(&scene);
-    assert!(expected.min_element() > 1.0, "{expected}");
+    assert!(expected.min_element() > 0.5, "{expected}");
     assert_near("beside", beside, expected, 1e-4 * expected.max_element());
     scene.materials[0] = Material { shading: unlit, ..Material::default() };
     scene.lights.clear();

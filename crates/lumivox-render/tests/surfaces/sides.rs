@@ -6,13 +6,17 @@ use lumivox_scene::{Camera, Light, LightKind, Material, Scene};
 
 use crate::stage::*;
 
-/// A white wall at x = 0 that faces +x, on a white floor, with a lamp at one side; the camera looks down at the
+/// In the middle of a voxel: where a wall of two sides stands at a voxel's edge, cones that start on it see its other
+/// side (6 % of its light).
+const WALL_X: f32 = 0.03;
+
+/// A white wall that faces +x, on a white floor, with a lamp at one side; the camera looks down at the
 /// floor on the side of +x or -x.
 fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
     let mut scene = scene();
     let white = Material::diffuse("white", Vec3::splat(0.8));
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), white.clone());
-    let wall = quad(Vec3::Y, Vec3::NEG_Z * 2.0, Vec3::Y);
+    let wall = quad(Vec3::new(WALL_X, 1.0, 0.0), Vec3::NEG_Z * 2.0, Vec3::Y);
     add(&mut scene, wall, Material { double_sided, ..white });
     scene.lights.push(Light {
         kind: LightKind::Point { intensity_cd: 10.0, range_m: None },
