@@ -21,8 +21,8 @@ use std::collections::BTreeMap;
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::perspective_infinite_reverse;
 use glam::{Mat4, UVec2, Vec2};
-use lumivox::{GBufferViews, View};
 use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use lumivox::{GBufferViews, View};
 use lumivox_scene::Camera;
 
 use wgpu::util::DeviceExt as _;
@@ -93,11 +93,7 @@ pub struct GBufferTargets {
 impl GBufferTargets {
     /// `is_tinted` says whether the scene has coloured glass.
     pub(crate) fn new(gpu: &Gpu, textures: &mut ScreenTextures<'_>, is_tinted: bool) -> Self {
-        let tint = if is_tinted {
-            textures.target("tint", TINT_FORMAT)
-        } else {
-            white(gpu)
-        };
+        let tint = if is_tinted { textures.target("tint", TINT_FORMAT) } else { white(gpu) };
         Self {
             tint,
             depth: textures.target("depth", raster::DEPTH_FORMAT),

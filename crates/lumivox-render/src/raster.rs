@@ -13,12 +13,12 @@ const ALL: [wgpu::VertexAttribute; 3] =
 
 const fn stream<T>(
     attributes: &'static [wgpu::VertexAttribute],
-) -> Option<wgpu::VertexBufferLayout<'static>> {
-    Some(wgpu::VertexBufferLayout {
+) -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
         array_stride: size_of::<T>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes,
-    })
+    }
 }
 
 /// Vertex buffers by their slots: positions, attributes, normals and tangents.
@@ -30,7 +30,7 @@ pub(crate) const fn streams(attributes: Attributes) -> Streams {
         Attributes::Texcoords => stream::<[f32; 2]>(&TEXCOORD),
         Attributes::All => stream::<AllAttributes>(&ALL),
     };
-    [stream::<[f32; 3]>(&POSITION), attributes, stream::<Shading>(&SHADING)]
+    [Some(stream::<[f32; 3]>(&POSITION)), Some(attributes), Some(stream::<Shading>(&SHADING))]
 }
 
 /// A pipeline that draws triangles against a reversed depth buffer: what is nearer is greater.

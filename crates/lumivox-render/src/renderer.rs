@@ -7,7 +7,7 @@ use lumivox_scene::{Camera, Scene};
 use crate::composite::CompositePass;
 use crate::direct::DirectPass;
 use crate::gbuffer_pass::{self, GBufferPass};
-use crate::memory::MemoryUse;
+use crate::memory::{MemoryUse, available_memory};
 use crate::readback::read_texture;
 use crate::shadow_maps::ShadowMapPass;
 use crate::targets::Targets;
@@ -72,8 +72,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit(scene, &lighting);
-        let scene = GpuScene::new(gpu, scene, &lighting, unit)?;
-        gpu.check("uploading the scene")?;
+        let scene = upload(gpu, scene, &lighting, unit).await?;
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
@@ -301,6 +300,34 @@ impl Renderer {
         memory.push(MemoryUse::new("picture", self.targets.bytes));
         memory
     }
+}
+
+/// Uploads a scene, or says that it is too large.
+async fn upload(
+    gpu: &Gpu,
+    scene: &Scene,
+    lighting: &Lighting,
+    radiance_unit: f32,
+) -> Result<GpuScene, RenderError> {
+    // Every texel takes four bytes, and a third more for the mips.
+    let texels = scene.textures.iter().map(|texture| texture.rgba8.len() as u64);
+    let needed = texels.sum::<u64>() / 3 * 4;
+    let too_large = || RenderError::OutOfMemory {
+        what: format!("the scene with its {} textures", scene.textures.len()),
+        needed_mib: needed >> 20,
+        remedy: "make its textures smaller",
+    };
+    // Software drivers hand out memory that they do not have, and the system then ends the process.
+    if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {
+        return Err(too_large());
+    }
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let uploaded = GpuScene::new(gpu, scene, lighting, radiance_unit);
+    if scope.pop().await.is_some() {
+        return Err(too_large());
+    }
+    gpu.check("uploading the scene")?;
+    uploaded
 }
 
 fn validate(settings: &RenderSettings, gpu: &Gpu) -> Result<(), RenderError> {

@@ -124,9 +124,9 @@ impl ShadowMapPass {
         let mut pipelines = BTreeMap::new();
         for draw in &scene.draws {
             let variant = Variant::of(scene, draw);
-            pipelines
-                .entry(variant)
-                .or_insert_with(|| variant.create(device, &module, &layout, &scene.material_layout));
+            pipelines.entry(variant).or_insert_with(|| {
+                variant.create(device, &module, &layout, &scene.material_layout)
+            });
         }
         Ok(Self { layout, pipelines })
     }

@@ -8,6 +8,7 @@ use crate::accumulate::AccumulatePass;
 use crate::composite::{CompositePass, CompositeTargets};
 use crate::direct::{DirectPass, DirectTargets};
 use crate::gbuffer_pass::GBufferTargets;
+use crate::memory::available_memory;
 use crate::textures::ScreenTextures;
 use crate::tone_map::ToneMapPass;
 use crate::voxel_view::VoxelViewPass;
@@ -85,7 +86,8 @@ impl Targets {
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
         let direct = direct.targets(device, &mut textures);
         let traced = gi.targets(size, resolution);
-        let composite = composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
+        let composite =
+            composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
         let voxel_view = VoxelViewPass::new(device, shaders, gi, &composite)?;
         let accumulate =
             AccumulatePass::new(device, shaders, &mut textures, size, &composite.picture)?;
@@ -103,11 +105,4 @@ impl Targets {
             bytes,
         })
     }
-}
-
-/// Bytes of main memory that are free for use; `None` where the system does not tell.
-fn available_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
 }

@@ -95,7 +95,7 @@ impl Attributes {
                 let color = mesh.colors.get(vertex).copied().unwrap_or(Vec4::ONE).to_array();
                 bytes.extend_from_slice(bytemuck::bytes_of(&AllAttributes {
                     texcoord,
-                    texcoord_1: mesh.uvs1.get(vertex).map_or(texcoord, |uv| uv.to_array()),
+                    texcoord_1: mesh.uvs1.get(vertex).map_or(texcoord, Vec2::to_array),
                     color: color.map(|x| (x * f32::from(u16::MAX)).round() as u16),
                 }));
             }

@@ -79,12 +79,17 @@ pub(crate) fn textures(material: &Material) -> [Option<TextureRef>; TEXTURE_COUN
     ]
 }
 
+/// Whether there is any velvet.
+pub(crate) fn has_sheen(record: &MaterialRecord) -> bool {
+    record.sheen_color.iter().any(|component| *component > 0.0)
+}
+
 /// Whether a material has something that the plain fragment shader leaves out.
 pub(crate) fn is_layered(material: &Material, record: &MaterialRecord) -> bool {
     record.is_blended != 0
         || record.transmission > 0.0
         || record.coat_strength > 0.0
-        || record.sheen_color != [0.0; 3]
+        || has_sheen(record)
         || textures(material)[4].is_some()
 }
 
@@ -205,7 +210,8 @@ mod tests {
     #[test]
     fn specular_colour_is_limited_before_the_factor_scales_it() {
         let color = Vec3::new(10.0, 50.0, 0.0);
-        let shading = MetallicRoughness { specular: 0.5, specular_color: color, ..Default::default() };
+        let shading =
+            MetallicRoughness { specular: 0.5, specular_color: color, ..Default::default() };
         let tinted = plain(&with(shading));
         let expected = Vec3::new(0.2, 0.5, 0.0);
         assert!((Vec3::from(tinted.dielectric_f0) - expected).abs().max_element() < 1e-6);

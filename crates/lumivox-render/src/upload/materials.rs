@@ -5,7 +5,9 @@ use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, uniform_buffer};
 use lumivox::{SurfaceMaterial, SurfaceTexture};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
 
-use super::material_record::{MaterialRecord, TEXTURE_COUNT, is_layered, record, textures};
+use super::material_record::{
+    MaterialRecord, TEXTURE_COUNT, has_sheen, is_layered, record, textures,
+};
 use super::mips::{Alpha, Encoding};
 use super::textures::TextureUpload;
 use crate::Gpu;
@@ -109,8 +111,7 @@ impl<'a> MaterialUpload<'a> {
             self.textures.texture(references[i], encoding, alpha)
         });
         let samplers = references.map(|reference| self.textures.sampler(reference));
-        let has_sheen = record.sheen_color != [0.0; 3];
-        let (sheen_albedo, sheen_sampler) = self.textures.sheen_albedo(has_sheen);
+        let (sheen_albedo, sheen_sampler) = self.textures.sheen_albedo(has_sheen(&record));
         let uniform = uniform_buffer(&self.gpu.device, &material.name, &record);
         let group = views
             .iter()

@@ -46,11 +46,7 @@ const TRANSPARENT_WEIGHT: f32 = 1.0 / 4096.0;
 /// With a mask, alpha becomes 1 where it is at least the cutoff and 0 elsewhere, so that the coarser
 /// levels' alpha is the covered share. Where alpha is coverage, their colour is the mean of what is
 /// there: the clear parts of a leaf's picture are black or white as it comes.
-pub(crate) fn mip_chain(
-    texture: &Texture,
-    encoding: Encoding,
-    alpha_use: Alpha,
-) -> Vec<Level> {
+pub(crate) fn mip_chain(texture: &Texture, encoding: Encoding, alpha_use: Alpha) -> Vec<Level> {
     let decode = decoding_table(encoding);
     let mut texels: Vec<Vec4> = texture
         .rgba8

@@ -48,7 +48,8 @@ fn brdf(n_dot_v: f32, n_dot_l: f32, n_dot_h: f32, roughness: f32) -> f32 {
     let alpha = (roughness * roughness).max(1e-3);
     let sine = (1.0 - n_dot_h * n_dot_h).max(0.0).sqrt();
     let distribution = (2.0 + 1.0 / alpha) * sine.powf(1.0 / alpha) / (2.0 * PI);
-    let visibility = 1.0 / ((1.0 + lambda(n_dot_v, alpha) + lambda(n_dot_l, alpha)) * 4.0 * n_dot_v * n_dot_l);
+    let visibility =
+        1.0 / ((1.0 + lambda(n_dot_v, alpha) + lambda(n_dot_l, alpha)) * 4.0 * n_dot_v * n_dot_l);
     // KHR_materials_sheen bounds it so.
     distribution * visibility.clamp(0.0, 1.0)
 }

@@ -99,11 +99,8 @@ impl<'a> TextureUpload<'a> {
 
     /// The table of [`sheen`] for materials that have any, else anything, and its sampler.
     pub(super) fn sheen_albedo(&mut self, is_used: bool) -> (wgpu::TextureView, wgpu::Sampler) {
-        let edge = Sampler {
-            wrap_u: Wrap::ClampToEdge,
-            wrap_v: Wrap::ClampToEdge,
-            ..Sampler::default()
-        };
+        let edge =
+            Sampler { wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge, ..Sampler::default() };
         let sampler = self.sampler_of(edge);
         if !is_used {
             return (self.white.clone(), sampler);

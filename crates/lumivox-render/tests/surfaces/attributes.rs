@@ -106,7 +106,11 @@ fn masks_are_cut_at_their_own_coordinates() {
     scene.materials[0] = with(scene.materials[0].clone(), |shading| {
         shading.base_color_texture = Some(TextureRef { transform, ..reference });
     });
-    add(&mut scene, quad(Vec3::NEG_Z, Vec3::X * 2.0, Vec3::Y * 2.0), Material::diffuse("wall", Vec3::ZERO));
+    add(
+        &mut scene,
+        quad(Vec3::NEG_Z, Vec3::X * 2.0, Vec3::Y * 2.0),
+        Material::diffuse("wall", Vec3::ZERO),
+    );
     let shown = quarters(&scene, View::Albedo);
     assert_quarters("mask", shown, [WHITE, Vec3::ZERO, WHITE, Vec3::ZERO]);
     // From the side, the shadow of the left half lies on the right half of the wall, and only what the mask
@@ -118,7 +122,8 @@ fn masks_are_cut_at_their_own_coordinates() {
     });
     let [_, right, ..] = quarters(&scene, View::Shadow);
     assert_near("shadow of the left half", right, Vec3::ZERO, 0.1);
-    scene.meshes[0].uvs1 = scene.meshes[0].uvs1.iter().map(|uv| Vec2::new(0.0, uv.y + 0.5)).collect();
+    scene.meshes[0].uvs1 =
+        scene.meshes[0].uvs1.iter().map(|uv| Vec2::new(0.0, uv.y + 0.5)).collect();
     let [_, right, ..] = quarters(&scene, View::Albedo);
     assert_near("the other half", right, WHITE, 0.005);
 }

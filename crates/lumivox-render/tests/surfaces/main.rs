@@ -9,4 +9,4 @@ mod layers;
 mod sides;
 mod stage;
 mod transparency;
-
+mod zoo;

@@ -47,7 +47,10 @@ fn a_lamp_behind_a_wall_does_not_shine_through() {
             // The wall faces the lamp, and what is seen is behind it. Cones pass the back of a single side.
             if shadows == ShadowMethod::Map || double_sided {
                 let behind = lit(0.7, -0.7);
-                assert!(behind < 0.01 * beside, "{shadows:?}, {double_sided}: {behind} of {beside}");
+                assert!(
+                    behind < 0.01 * beside,
+                    "{shadows:?}, {double_sided}: {behind} of {beside}"
+                );
             }
         }
     }

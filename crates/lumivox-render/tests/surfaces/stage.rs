@@ -130,7 +130,8 @@ pub fn mean_of(picture: &Picture, low: UVec2, high: UVec2) -> Vec3 {
 
 /// The root mean square difference of the pixels from a colour.
 pub fn rms(picture: &Picture, from: Vec3) -> f32 {
-    let squares = picture.hdr.iter().map(|[r, g, b, _]| (Vec3::new(*r, *g, *b) - from).length_squared());
+    let squares =
+        picture.hdr.iter().map(|[r, g, b, _]| (Vec3::new(*r, *g, *b) - from).length_squared());
     (squares.sum::<f32>() / (3 * picture.hdr.len()) as f32).sqrt()
 }
 

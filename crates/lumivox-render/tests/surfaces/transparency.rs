@@ -179,7 +179,10 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
             // The pattern of the map's texels is filtered away, the leaf's own holes are not.
             let noise = rms(&picture, mean(&picture));
             println!("noise {noise}");
-            assert!(what.contains("leaf") || noise < 0.12, "{what}: the shadow has a noise of {noise}");
+            assert!(
+                what.contains("leaf") || noise < 0.12,
+                "{what}: the shadow has a noise of {noise}"
+            );
         }
     }
     // Two roofs of a half leave a quarter.
@@ -199,14 +202,21 @@ fn leaves_let_the_skys_light_through_in_proportion() {
         let mut scene = scene();
         scene.environment.radiance = Vec3::ONE;
         let black = Material { double_sided: true, ..Material::diffuse("wall", Vec3::ZERO) };
-        add(&mut scene, quad(Vec3::ZERO, Vec3::X, Vec3::NEG_Z), Material::diffuse("floor", Vec3::ONE));
-        for (center, u) in [(Vec3::X, Vec3::Z), (-Vec3::X, Vec3::Z), (Vec3::Z, Vec3::X), (-Vec3::Z, Vec3::X)] {
+        add(
+            &mut scene,
+            quad(Vec3::ZERO, Vec3::X, Vec3::NEG_Z),
+            Material::diffuse("floor", Vec3::ONE),
+        );
+        for (center, u) in
+            [(Vec3::X, Vec3::Z), (-Vec3::X, Vec3::Z), (Vec3::Z, Vec3::X), (-Vec3::Z, Vec3::X)]
+        {
             add(&mut scene, quad(center + Vec3::Y * 0.5, u, Vec3::Y * 0.5), black.clone());
         }
         // Four by four texels repeat 16 times along an edge of 32 or 64 voxels: as large as half a voxel or a
         // whole one.
         scene.textures.push(texture(2, 2, |x, y| {
-            let is_there = quarters.is_some_and(|quarters| [[0, 2], [3, 1]][y as usize][x as usize] < quarters);
+            let is_there = quarters
+                .is_some_and(|quarters| [[0, 2], [3, 1]][y as usize][x as usize] < quarters);
             [0, 0, 0, if is_there { 255 } else { 0 }]
         }));
         if quarters.is_some() {
@@ -219,7 +229,8 @@ fn leaves_let_the_skys_light_through_in_proportion() {
             add(&mut scene, leaves, leaf);
         }
         scene.cameras = vec![Camera::look_at(Vec3::new(0.0, 0.6, 0.0), Vec3::ZERO, 0.8)];
-        mean(&render(&scene, RenderSettings { bounces: 1, resolution, ..settings(View::Diffuse) })).x
+        mean(&render(&scene, RenderSettings { bounces: 1, resolution, ..settings(View::Diffuse) }))
+            .x
     };
     for resolution in [32, 64] {
         let open = irradiance(None, resolution);
@@ -227,7 +238,10 @@ fn leaves_let_the_skys_light_through_in_proportion() {
             let expected = 1.0 - quarters as f32 / 4.0;
             let share = irradiance(Some(quarters), resolution) / open;
             println!("{resolution} voxels: {share:.4} of {expected}");
-            assert!((share - expected).abs() < 0.03, "{resolution} voxels: {share}, not {expected}");
+            assert!(
+                (share - expected).abs() < 0.03,
+                "{resolution} voxels: {share}, not {expected}"
+            );
         }
     }
 }

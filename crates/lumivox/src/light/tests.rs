@@ -255,11 +255,8 @@ fn a_cover_lets_light_through_in_proportion() {
             (0.2, 0.0, true),
             (1.0, 0.9, false),
         ] {
-            let passed = light_below(
-                Some(cover(alpha, transmission, double_sided)),
-                resolution,
-                offset,
-            );
+            let passed =
+                light_below(Some(cover(alpha, transmission, double_sided)), resolution, offset);
             let expected = alpha * (1.0 - transmission * transmission);
             let [sky, lamp] = [0, 1].map(|i| 1.0 - passed[i] / open[i]);
             println!(

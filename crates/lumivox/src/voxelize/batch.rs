@@ -179,11 +179,8 @@ fn run_group(
         end_draw: group.draws.end,
     };
     let run = uniform_buffer(device, "run of items", &run);
-    let textures = [
-        &material.reflectance_texture,
-        &material.emission_texture,
-        &material.transmission_texture,
-    ];
+    let textures =
+        [&material.reflectance_texture, &material.emission_texture, &material.transmission_texture];
     textures
         .into_iter()
         .fold(BindGroupBuilder::new(&layouts.run).buffer(&run), |builder, texture| match texture {

@@ -272,7 +272,8 @@ fn check_attributes(attributes: &VertexAttributes) -> Result<(), String> {
         return Err(format!("the stride of its attributes, {stride} bytes, is no multiple of 4"));
     }
     for offset in texcoords.iter().chain([color]).flatten() {
-        let fits = offset.is_multiple_of(4) && offset.checked_add(8).is_some_and(|end| end <= *stride);
+        let fits =
+            offset.is_multiple_of(4) && offset.checked_add(8).is_some_and(|end| end <= *stride);
         if !fits {
             return Err(format!(
                 "an attribute at byte {offset} does not lie in whole words within the stride of \

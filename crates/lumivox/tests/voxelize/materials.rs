@@ -360,7 +360,7 @@ fn attributes_that_do_not_fit_are_refused() {
             &geometry,
             lumivox::gpu::Timing::Off,
         ));
-        voxelized.err().expect("refused").to_string()
+        voxelized.expect_err("refused").to_string()
     };
     assert!(error_of(&|a| a.stride = 10).contains("multiple of 4"));
     assert!(error_of(&|a| a.texcoords[1] = Some(4)).contains("byte 4"));
