@@ -13,6 +13,7 @@ const MODULES: &[(&str, &str)] = &[
     ("gbuffer_pass", include_str!("gbuffer_pass.wgsl")),
     ("layers", include_str!("layers.wgsl")),
     ("material", include_str!("upload/material.wgsl")),
+    ("point", include_str!("point.wgsl")),
     ("screen_door", include_str!("screen_door.wgsl")),
     ("shadow_maps", include_str!("shadow_maps.wgsl")),
     ("tone_map", include_str!("tone_map.wgsl")),

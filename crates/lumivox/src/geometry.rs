@@ -26,7 +26,10 @@ pub struct SurfaceMaterial {
     /// alpha already thresholded (0 or 1), so that its mips hold the covered share.
     pub alpha_is_coverage: bool,
     /// Whether the surface is there seen from behind as well; else it is seen, lit and opaque from the front
-    /// (counter-clockwise) side alone.
+    /// (counter-clockwise) side alone: cones pass it from behind. A back would stand in the same voxel as the
+    /// front, and cones that start near it, on the floor below a wall, would meet it: with backs on all
+    /// surfaces the indirect light of the Cornell box falls by 5 %, of the atrium by 25 % (64 voxels), and there
+    /// are twice as many faces.
     pub double_sided: bool,
 }
 
