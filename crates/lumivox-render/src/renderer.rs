@@ -83,7 +83,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
-        let mut scene = upload(gpu, scene, unit, &settings).await?;
+        let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         scene.bounds = bounds;
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
@@ -98,9 +98,7 @@ impl Renderer {
         progress(Progress { stage: "light", done: 0, total: 1 });
         let shaders = crate::shaders::library(gi.shaders());
         let shadow_pass = match settings.shadows {
-            ShadowMethod::Map => {
-                Some(ShadowMapPass::new(&gpu.device, &shaders, &scene.material_layout)?)
-            }
+            ShadowMethod::Map => Some(ShadowMapPass::new(&gpu.device, &shaders, &scene)?),
             ShadowMethod::Cone => None,
         };
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
@@ -131,7 +129,9 @@ impl Renderer {
         let composite = CompositePass::new(&gpu.device, &shaders, &gi)?;
         let passes = (&direct, &composite);
         let resolution = settings.trace.resolution;
-        let targets = Targets::new(gpu, &shaders, &gi, passes, settings.size, resolution).await?;
+        let is_tinted = scene.is_tinted();
+        let targets =
+            Targets::new(gpu, &shaders, &gi, passes, settings.size, resolution, is_tinted).await?;
         gpu.check("making the picture's textures")?;
         Ok(Self {
             gpu: gpu.clone(),
@@ -172,6 +172,9 @@ impl Renderer {
         let lighting = Lighting::of(scene);
         self.scene.repose(gpu, scene)?;
         self.gbuffer.set_scene(&gpu.device, &self.scene);
+        if let Some(pass) = &mut self.shadow_pass {
+            pass.set_scene(&gpu.device, &self.scene);
+        }
         gpu.check("uploading the scene")?;
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
@@ -250,7 +253,7 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            self.gbuffer.record(&mut recorder, scene, textures, clip_from_world, position);
+            self.gbuffer.record(&mut recorder, scene, textures, &view);
             if settings.view.needs_direct() {
                 recorder.stage("direct light");
                 self.direct.record(&mut recorder, gi, lights, &targets.gbuffer, &targets.direct);
@@ -411,13 +414,14 @@ fn validate_level(level: u32, grid: &Grid) -> Result<(), RenderError> {
 async fn upload(
     gpu: &Gpu,
     scene: &Scene,
+    lighting: &Lighting,
     radiance_unit: f32,
     settings: &RenderSettings,
 ) -> Result<GpuScene, RenderError> {
     let estimate = MemoryEstimate::new(scene, settings)?;
     estimate.check(gpu)?;
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let uploaded = GpuScene::new(gpu, scene, radiance_unit);
+    let uploaded = GpuScene::new(gpu, scene, lighting, radiance_unit);
     if scope.pop().await.is_some() {
         return Err(estimate.too_large());
     }

@@ -29,12 +29,12 @@ pub(crate) struct Targets {
     pub(crate) bytes: u64,
 }
 
-/// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
+/// Bytes a pixel of everything in [`Targets`]: G-buffer 28 (and a tint of 4), direct light 16, cones 20 (and at half
 /// resolution 16 + 20 / 4), picture and mean 48, screen 4.
-pub(crate) const BYTES_PER_PIXEL: u64 = 116;
+pub(crate) const BYTES_PER_PIXEL: u64 = 120;
 
 impl Targets {
-    /// Makes everything.
+    /// Makes everything; `is_tinted` says whether the scene has coloured glass.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`] when the device has not the memory, and when a shader does not link.
@@ -45,6 +45,7 @@ impl Targets {
         passes: (&DirectPass, &CompositePass),
         size: UVec2,
         resolution: TraceResolution,
+        is_tinted: bool,
     ) -> Result<Self, RenderError> {
         let needed = u64::from(size.x) * u64::from(size.y) * BYTES_PER_PIXEL;
         let too_large = || RenderError::OutOfMemory {
@@ -57,7 +58,7 @@ impl Targets {
             return Err(too_large());
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let targets = Self::create(gpu, shaders, gi, passes, size, resolution);
+        let targets = Self::create(gpu, shaders, gi, passes, size, resolution, is_tinted);
         if scope.pop().await.is_some() {
             return Err(too_large());
         }
@@ -71,10 +72,11 @@ impl Targets {
         (direct, composite): (&DirectPass, &CompositePass),
         size: UVec2,
         resolution: TraceResolution,
+        is_tinted: bool,
     ) -> Result<Self, RenderError> {
         let device = &gpu.device;
         let mut textures = ScreenTextures::new(device, size);
-        let gbuffer_textures = GBufferTargets::new(&mut textures);
+        let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
         let view = lumivox::View {
             clip_from_world: Mat4::IDENTITY,
             position: glam::Vec3::ZERO,
@@ -84,7 +86,8 @@ impl Targets {
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
         let direct = direct.targets(device, &mut textures);
         let traced = gi.targets(size, resolution);
-        let composite = composite.targets(device, &mut textures, &direct, &traced);
+        let composite =
+            composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
         let voxel_view = VoxelViewPass::new(device, shaders, gi, &composite)?;
         let accumulate =
             AccumulatePass::new(device, shaders, &mut textures, size, &composite.picture)?;

@@ -48,6 +48,7 @@ impl LoadArgs {
                 geometry_bytes: self.geometry_memory,
             },
             progress: None,
+            ..LoadOptions::default()
         }
     }
 
