@@ -204,7 +204,11 @@ impl Scene {
         let framing = Framing::of(self);
         let camera = camera.or(self.cameras.first()).cloned();
         let light = framing.light(&camera.unwrap_or_else(|| framing.camera(1.0)));
-        tracing::info!("nothing shines in the scene \"{}\": it is lit by {light}", self.name);
+        tracing::warn!(
+            "nothing shines in the scene \"{}\": it is lit by {light}; add a light, an environment or \
+             an emissive material",
+            self.name
+        );
         match &light {
             DefaultLight::SunAndSky { sun, sky_radiance } => {
                 self.lights = vec![sun.clone()];
