@@ -43,7 +43,8 @@ const CLOSED: f32 = 0.01;
 /// What rays found out about a scene, for a default camera and default lights. It borrows nothing:
 /// make it once where both are wanted.
 ///
-/// It takes up to 0.5 GB while it is made and 0.2 GB afterwards (for a million triangles or more).
+/// For a million triangles it takes 1.3 s, 260 MB, and 130 MB afterwards; for ten million, which are
+/// simplified first, 1.9 s and 100 MB (debug build, one core of a busy machine).
 pub struct Framing {
     unit: Unit,
     soup: Soup,
