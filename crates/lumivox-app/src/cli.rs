@@ -176,7 +176,7 @@ pub struct RenderArgs {
     pub frames: u32,
 
     /// Where from: a camera's name or number, or position and target in metres [default: the
-    /// scene's first camera, else `framing`, a view of all of it]
+    /// scene's first camera, else `framing`, the view that shows it best]
     ///
     /// Numbers count from 0; `lumivox info SCENE` lists the cameras. PX,PY,PZ is the eye, TX,TY,TZ
     /// what it looks at, and FOV the vertical field of view in degrees, 1 to 170 (default: 45).

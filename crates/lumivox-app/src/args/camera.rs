@@ -122,7 +122,7 @@ pub fn resolve(
         .iter()
         .enumerate()
         .map(|(index, camera)| format!("{index} \"{}\"", camera.name))
-        .chain([format!("\"{FRAMING}\" (a view of all of it)")])
+        .chain([format!("\"{FRAMING}\" (the view that shows it best)")])
         .collect();
     bail!(Failure::input(format!(
         "the scene \"{}\" has no {wanted}; there are: {}; or give a position and a target",

@@ -1,9 +1,9 @@
 //! The view of a place: from a free spot, at the height of an eye, over as much of it as can be.
 //!
 //! Spots are points of the survey, brought to the height of an eye over the floor that they see. A
-//! view is worth the share of the place's [patches](super::survey::Patch) that it shows, times the
-//! mean root of the distances to them: what lies far looks small but tells more of the place, and
-//! nothing shall stand before the eye. That is most at the end of a hall with all of the hall ahead.
+//! view is worth the share of the place's [patches](super::survey::Patch) that it shows, which is most
+//! at the end of a hall with all of the hall ahead. It is worth less where the spot is narrow, where
+//! things stand close before the eye, and upstairs.
 
 use std::f32::consts::TAU;
 
@@ -157,7 +157,7 @@ fn spot(rays: &Rays, patches: &[Patch], point: Vec3, scale_m: f32) -> Option<Spo
         let is_seen = way.dot(patch.normal) < 0.0 && rays.is_free(eye, way, 1.0);
         is_seen.then_some((way, patch.weight))
     });
-    Some(Spot { eye, clearance, sights: sights.collect() })
+    clearance.is_finite().then(|| Spot { eye, clearance, sights: sights.collect() })
 }
 
 /// The eye on the vertical through a point: 1.6 m over the floor in places of a building's size,

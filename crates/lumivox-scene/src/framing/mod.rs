@@ -43,7 +43,8 @@ const CLOSED: f32 = 0.01;
 /// What rays found out about a scene, for a default camera and default lights. It borrows nothing:
 /// make it once where both are wanted.
 ///
-/// It takes up to 0.5 GB while it is made and 0.2 GB afterwards (for a million triangles or more).
+/// For a million triangles it takes 1.3 s, 260 MB, and 130 MB afterwards; for ten million, which are
+/// simplified first, 1.9 s and 100 MB (debug build, one core of a busy machine).
 pub struct Framing {
     unit: Unit,
     soup: Soup,
@@ -204,7 +205,11 @@ impl Scene {
         let framing = Framing::of(self);
         let camera = camera.or(self.cameras.first()).cloned();
         let light = framing.light(&camera.unwrap_or_else(|| framing.camera(1.0)));
-        tracing::info!("nothing shines in the scene \"{}\": it is lit by {light}", self.name);
+        tracing::warn!(
+            "nothing shines in the scene \"{}\": it is lit by {light}; add a light, an environment or \
+             an emissive material",
+            self.name
+        );
         match &light {
             DefaultLight::SunAndSky { sun, sky_radiance } => {
                 // Behind those that are there but dark: a rig knows its own by their places.
