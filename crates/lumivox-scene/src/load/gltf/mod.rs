@@ -4,6 +4,11 @@
 //! that exist before memory is taken, indices before they are used, paths before they are followed.
 //! Only what the default scene (or else the first) reaches is loaded. One primitive becomes one
 //! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding.
+//!
+//! The way of the data: `container` parses and checks, `compression` makes plain buffers of what is
+//! compressed, `extensions` refuses or warns; then nodes are walked, and what they reach is
+//! converted. Textures are only listed meanwhile and made in the end, within the memory budget
+//! (`load::textures`).
 
 mod accessor;
 mod attributes;
