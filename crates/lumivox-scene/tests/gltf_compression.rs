@@ -9,7 +9,7 @@
 
 mod common;
 
-use common::{File, load, shading, world_triangles, write};
+use common::{File, shading, world_triangles, write};
 use draco_core::{
     DataType, EncoderBuffer, EncoderOptions, FaceIndex, GeometryAttributeType, Mesh, MeshEncoder,
     PointAttribute, PointIndex,
@@ -50,10 +50,10 @@ fn grid() -> File {
     draco(
         GRID,
         &[
-            ("POSITION", 5126, "VEC3", 0),
-            ("NORMAL", 5126, "VEC3", 3),
+            ("POSITION", 5126, "VEC3", 3),
+            ("NORMAL", 5126, "VEC3", 2),
             ("TEXCOORD_0", 5126, "VEC2", 1),
-            ("COLOR_0", 5121, "VEC4", 2),
+            ("COLOR_0", 5121, "VEC4", 0),
         ],
     )
 }
@@ -122,13 +122,13 @@ fn all_levels_of_draco() {
 #[test]
 fn draco_streams_without_sense() {
     let fault = |file: &File| file.load().unwrap_err().to_string();
-    let position = ("POSITION", 5126, "VEC3", 0);
+    let position = ("POSITION", 5126, "VEC3", 3);
     let error = fault(&draco(&GRID[..GRID.len() / 2], &[position]));
     assert!(error.contains("mesh 0, primitive 0, its Draco compression"), "{error}");
     assert!(fault(&draco(b"DRACO", &[position])).contains("cannot be decoded"));
     assert!(fault(&draco(GRID, &[("POSITION", 5126, "VEC3", 9)])).contains("lacks"));
     // Normals as coordinates: three numbers instead of two.
-    let error = fault(&draco(GRID, &[position, ("TEXCOORD_0", 5126, "VEC2", 3)]));
+    let error = fault(&draco(GRID, &[position, ("TEXCOORD_0", 5126, "VEC2", 2)]));
     assert!(error.contains("3 components instead of 2"), "{error}");
     let mut file = grid();
     let extension = |file: &mut File, key: &str, value: serde_json::Value| {
@@ -149,7 +149,7 @@ fn draco_streams_without_sense() {
     let budget = MemoryBudget { geometry_bytes: 100, ..MemoryBudget::default() };
     let options = &mut LoadOptions { budget, ..LoadOptions::default() };
     let error = Scene::load_with(&path, options).unwrap_err().to_string();
-    assert!(error.contains("100") || error.contains("0.1 KiB"), "{error}");
+    assert!(error.contains("need more, but the budget is 0.1 KiB"), "{error}");
 }
 
 /// The triangle with its texture from these bytes.
@@ -245,27 +245,10 @@ fn images_without_sense() {
     }
 }
 
-/// Changes single bytes of compressed data; whatever comes of it, it must not be a panic. A linear
-/// congruential generator (Knuth 1998, volume 2, section 3.3.4) chooses, so that a failure repeats.
 #[test]
 fn flipped_bytes_never_panic() {
-    let mut state = 1_u64;
-    let mut draw = |below: usize| {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
-    for original in [image(ETC1S), image(UASTC), image(ASTC), grid(), meshopt_file()] {
-        let view = original.json["bufferViews"].as_array().unwrap().len() - 1;
-        let view = if original.json["materials"][0].is_null() { 0 } else { view };
-        let length = original.json["bufferViews"][view]["byteLength"].as_u64().unwrap() as usize;
-        let begin = original.json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize;
-        for _ in 0..300 {
-            let mut file = original.clone();
-            for _ in 0..=draw(4) {
-                file.binary[begin + draw(length)] = draw(256) as u8;
-            }
-            let _ = load("scene.glb", &file.glb());
-        }
+    for original in [image(ETC1S), image(UASTC), image(ASTC)] {
+        common::flip_bytes(&original, 2, 300);
     }
+    common::flip_bytes(&grid(), 0, 300);
 }

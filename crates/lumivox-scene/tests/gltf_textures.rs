@@ -215,7 +215,7 @@ fn textures_shrink_into_their_budget() {
 
     // Halved until all fit, from the largest.
     let (_, small) = load(1500);
-    assert_eq!(small, [(8, 8), (8, 4), (16, 16), (4, 1)]);
+    assert_eq!(small, [(8, 8), (16, 8), (8, 8), (4, 1)]);
     let (scene, single) = load(0);
     assert_eq!(single, [(1, 1); 4]);
     assert_eq!(scene.notes.warnings.len(), 1);

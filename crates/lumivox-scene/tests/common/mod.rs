@@ -285,3 +285,24 @@ pub fn textured_cube() -> File {
     file.node(json!({ "mesh": mesh }), true);
     file
 }
+
+/// Changes some bytes of a buffer view, many times over; whatever comes of it, it must not be a
+/// panic. A linear congruential generator (Knuth 1998, volume 2, section 3.3.4) chooses, so that a
+/// failure repeats.
+pub fn flip_bytes(original: &File, view: usize, times: usize) {
+    let number = |key: &str| original.json["bufferViews"][view][key].as_u64().unwrap() as usize;
+    let (begin, length) = (number("byteOffset"), number("byteLength"));
+    let mut state = 1_u64;
+    let mut draw = |below: usize| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for _ in 0..times {
+        let mut file = original.clone();
+        for _ in 0..=draw(4) {
+            file.binary[begin + draw(length)] = draw(256) as u8;
+        }
+        let _ = file.load();
+    }
+}

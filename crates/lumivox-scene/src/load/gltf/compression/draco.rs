@@ -6,7 +6,9 @@
 
 use std::collections::HashMap;
 
-use draco_core::{DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder, PointAttribute};
+use draco_core::{
+    DataType, DecodeLimits, DecoderBuffer, ErrorKind, Mesh, MeshDecoder, PointAttribute,
+};
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::buffer::View;
 use gltf::json::mesh::Mode;
@@ -105,7 +107,10 @@ fn decode(
     let mut mesh = Mesh::new();
     MeshDecoder::new()
         .decode(&mut DecoderBuffer::new(encoded).with_limits(limits), &mut mesh)
-        .map_err(|error| sink.malformed(part, format!("it cannot be decoded: {error}")))?;
+        .map_err(|error| match error.kind() {
+            ErrorKind::LimitExceeded => sink.too_large(part, "more".to_owned()),
+            _ => sink.malformed(part, format!("it cannot be decoded: {error}")),
+        })?;
     Ok(mesh)
 }
 

@@ -59,17 +59,20 @@ impl Sink<'_> {
 
     /// Takes bytes from the budget.
     fn spend(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
-        match self.left.checked_sub(bytes) {
-            Some(left) => {
-                self.left = left;
-                Ok(())
-            }
-            None => Err(SceneError::TooLarge {
-                file: self.file.to_owned(),
-                part: format!("{part}, decompressed,"),
-                needed: size_text(self.budget.saturating_sub(self.left).saturating_add(bytes)),
-                budget: size_text(self.budget),
-            }),
+        let Some(left) = self.left.checked_sub(bytes) else {
+            let needed = self.budget.saturating_sub(self.left).saturating_add(bytes);
+            return Err(self.too_large(part, size_text(needed)));
+        };
+        self.left = left;
+        Ok(())
+    }
+
+    fn too_large(&self, part: &str, needed: String) -> SceneError {
+        SceneError::TooLarge {
+            file: self.file.to_owned(),
+            part: part.trim_end_matches(',').to_owned(),
+            needed,
+            budget: size_text(self.budget),
         }
     }
 }
