@@ -6,8 +6,11 @@
 //! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding,
 //! and where bones or morph targets deform it, each use gets its own.
 //!
-//! Nodes go into a [`Rig`] first, which then places everything: at rest now, and at other times
-//! when asked to.
+//! The way of the data: `container` parses and checks, `compression` makes plain buffers of what is
+//! compressed, `extensions` refuses or warns. Then nodes go into a [`Rig`], what they reach is
+//! converted and put on them, and the rig places everything: at rest now, and at other times when
+//! asked to. Textures are only listed meanwhile and made in the end, within the memory budget
+//! (`load::textures`).
 
 mod about;
 mod accessor;
