@@ -97,7 +97,7 @@ pub fn scene() -> Scene {
     }
     scene.cameras.push(Camera {
         name: "front".to_owned(),
-        ..Camera::look_at(Vec3::new(0.0, 2.3, 4.6), Vec3::new(0.0, 0.38, -0.1), 0.52)
+        ..Camera::look_at(Vec3::new(0.0, 2.3, 4.6), Vec3::new(0.0, 0.5, -0.1), 0.6)
     });
     scene.validate().expect("a valid scene");
     scene
