@@ -13,7 +13,7 @@ use lumivox_scene::{LightKind, Material, Scene, Shading, Texture};
 
 use crate::memory::available_memory;
 use crate::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
-use crate::targets::BYTES_PER_PIXEL;
+use crate::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL};
 use crate::upload::{DrawRecord, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
@@ -45,6 +45,9 @@ impl MemoryEstimate {
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
         let voxels = voxel_count(scene, &grid);
+        // Clear glass has none either; it is too little to look for.
+        let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
+        let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
         let parts = [
             ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
             ("textures", texture_bytes(scene)),
@@ -52,7 +55,7 @@ impl MemoryEstimate {
             ("shadow maps", shadow_bytes(scene, settings)),
             ("voxel volume", volume_bytes(&grid, settings.directionality)),
             ("voxel list (about)", list_bytes(&grid, voxels)),
-            ("picture", pixels * BYTES_PER_PIXEL),
+            ("picture", pixels * (BYTES_PER_PIXEL + tint)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
         Ok(Self { parts, voxels, name: scene.name.clone() })

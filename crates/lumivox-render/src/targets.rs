@@ -29,9 +29,11 @@ pub(crate) struct Targets {
     pub(crate) bytes: u64,
 }
 
-/// Bytes a pixel of everything in [`Targets`]: G-buffer 28 (and a tint of 4), direct light 16, cones 20 (and at half
+/// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
 /// resolution 16 + 20 / 4), picture and mean 48, screen 4.
-pub(crate) const BYTES_PER_PIXEL: u64 = 120;
+pub(crate) const BYTES_PER_PIXEL: u64 = 116;
+/// And of the tint, where there is coloured glass.
+pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
 
 impl Targets {
     /// Makes everything; `is_tinted` says whether the scene has coloured glass.
@@ -47,7 +49,8 @@ impl Targets {
         resolution: TraceResolution,
         is_tinted: bool,
     ) -> Result<Self, RenderError> {
-        let needed = u64::from(size.x) * u64::from(size.y) * BYTES_PER_PIXEL;
+        let tint = if is_tinted { TINT_BYTES_PER_PIXEL } else { 0 };
+        let needed = u64::from(size.x) * u64::from(size.y) * (BYTES_PER_PIXEL + tint);
         let too_large = || RenderError::OutOfMemory {
             what: format!("a picture of {}x{}", size.x, size.y),
             needed_mib: needed >> 20,

@@ -27,9 +27,11 @@ mod soup;
 mod sun;
 mod survey;
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
-use crate::{Camera, Light, Scene};
+use crate::{Camera, Environment, EnvironmentMap, Light, Scene};
 use inside::Inside;
 use outside::View;
 use rays::Rays;
@@ -121,7 +123,7 @@ impl Framing {
         }
         let eye = self.unit.unit_from_world(camera.position);
         let towards_sun = sun::direction(&self.rays, &self.survey.patches, eye, camera.forward);
-        DefaultLight::SunAndSky { sun: sun::light(towards_sun), sky_radiance: sun::SKY_RADIANCE }
+        sun::day(towards_sun)
     }
 
     fn lamps(&self) -> Vec<Light> {
@@ -152,13 +154,13 @@ fn sane(aspect: f32) -> f32 {
 /// Light for a scene in which nothing shines; physical values in all cases.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DefaultLight {
-    /// The sun of a clear day, 80 000 lux, and a blue sky in all directions. In a place the sun
-    /// stands where it lights most of what is inside, otherwise to the left of the camera.
+    /// The sun and the [sky](crate::sky) of a clear day. In a place the sun stands where it lights
+    /// most of what is inside, otherwise to the left of the camera, 50 degrees high.
     SunAndSky {
         /// The sun.
         sun: Light,
-        /// The environment's radiance in cd/m².
-        sky_radiance: Vec3,
+        /// The sky, in cd/m².
+        sky: Arc<EnvironmentMap>,
     },
     /// A lamp below the ceiling of each closed room, eight at most: each gives the surfaces that it
     /// reaches 300 lux in the mean, whatever the room's size.
@@ -192,8 +194,8 @@ impl Scene {
         shines::shines(self)
     }
 
-    /// Lights a scene in which nothing [shines](Scene::shines), and says how: under the open sky by a
-    /// sun of 80 000 lux and a sky, in closed rooms by lamps of 300 lux. `None`, and no change, where
+    /// Lights a scene in which nothing [shines](Scene::shines), and says how: under the open sky by
+    /// the sun and sky of a clear day, in closed rooms by lamps of 300 lux. `None`, and no change, where
     /// something shines.
     ///
     /// `camera` is the one that the scene will be seen by; `None` stands for the scene's first, or the
@@ -211,11 +213,11 @@ impl Scene {
             self.name
         );
         match &light {
-            DefaultLight::SunAndSky { sun, sky_radiance } => {
+            DefaultLight::SunAndSky { sun, sky } => {
                 // Behind those that are there but dark: a rig knows its own by their places.
                 self.lights.push(sun.clone());
-                self.environment.radiance = *sky_radiance;
-                self.environment.map = None;
+                self.environment =
+                    Environment { radiance: Vec3::ONE, map: Some(sky.clone()), rotation_rad: 0.0 };
             }
             DefaultLight::Lamps(lamps) => self.lights.extend(lamps.iter().cloned()),
         }

@@ -1,17 +1,14 @@
 //! Sun and sky for what lies in the open.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
-use super::directions;
 use super::rays::Rays;
 use super::survey::Patch;
-use crate::{Light, LightKind};
-
-/// The sky of a clear day in all directions, cd/m²: 2700 in luminance, 8500 lux on open ground.
-pub(super) const SKY_RADIANCE: Vec3 = Vec3::new(2000.0, 2800.0, 4000.0);
-const SUN_LUX: f32 = 80_000.0;
-const SUN_COLOR: Vec3 = Vec3::new(1.0, 0.96, 0.90);
-const SUN_ANGULAR_RADIUS_RAD: f32 = 0.004_65;
+use super::{DefaultLight, directions};
+use crate::Light;
+use crate::sky::{Sky, SkySettings, sky};
 
 /// The key light of things: so far to the left of the camera, and so high.
 const KEY_AZIMUTH_RAD: f32 = 0.87;
@@ -23,16 +20,15 @@ const ELEVATIONS_RAD: [f32; 5] = [0.35, 0.6, 0.85, 1.1, 1.3];
 /// Directions that the eye looks into.
 const LOOKS: usize = 600;
 
-pub(super) fn light(towards_sun: Vec3) -> Light {
-    Light {
-        name: "default sun".to_owned(),
-        kind: LightKind::Directional {
-            illuminance_lux: SUN_LUX,
-            angular_radius_rad: SUN_ANGULAR_RADIUS_RAD,
-        },
-        color: SUN_COLOR,
-        direction: -towards_sun,
-        ..Light::default()
+/// A clear day with the sun in that direction, which is above the horizon.
+pub(super) fn day(towards_sun: Vec3) -> DefaultLight {
+    let settings = SkySettings { sun_direction: towards_sun, ..SkySettings::default() };
+    let Ok(Sky { map, sun: Some(sun) }) = sky(&settings) else {
+        unreachable!("a sun above the horizon has a sky")
+    };
+    DefaultLight::SunAndSky {
+        sun: Light { name: "default sun".to_owned(), ..sun },
+        sky: Arc::new(map),
     }
 }
 
