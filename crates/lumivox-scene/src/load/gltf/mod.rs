@@ -25,6 +25,7 @@ mod primitive;
 mod put;
 mod repair;
 mod scenes;
+mod sharing;
 mod skin;
 mod texture;
 
@@ -63,8 +64,8 @@ struct Loader<'a> {
     budget: Budget,
     /// From glTF skin to the rig's.
     skins: HashMap<usize, usize>,
-    /// From (glTF mesh, primitive, mirrored) to a scene's mesh; `None` where it was skipped.
-    meshes: HashMap<(usize, usize, bool), Option<usize>>,
+    /// From primitives to a scene's meshes; `None` where one was skipped.
+    meshes: HashMap<sharing::MeshKey, Option<usize>>,
     /// From glTF material to a scene's; the default material has none.
     materials: HashMap<Option<usize>, usize>,
     /// The scene's textures, to be made in the end.
