@@ -38,18 +38,37 @@ fn rich() -> File {
     file.push(
         "materials",
         json!({
-            "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+            "pbrMetallicRoughness": { "baseColorTexture": { "index": 0, "extensions": {
+                "KHR_texture_transform": { "scale": [2, 3], "rotation": 1, "texCoord": 1 },
+            } } },
             "normalTexture": { "index": 0 },
             "emissiveFactor": [1, 1, 1],
-            "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 2 } },
+            "extensions": {
+                "KHR_materials_emissive_strength": { "emissiveStrength": 2 },
+                "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 0 } },
+                "KHR_materials_sheen": { "sheenRoughnessTexture": { "index": 0 } },
+                "KHR_materials_specular": { "specularTexture": { "index": 0 } },
+            },
         }),
     );
+    file.push(
+        "materials",
+        json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": {
+            "diffuseTexture": { "index": 0 }, "specularGlossinessTexture": { "index": 0 },
+        } } }),
+    );
+    let colors = file.vectors(&[[0.5_f32, 0.5, 1.0]; 3]);
     let normals = file.vectors(&[[0.0, 0.0, 1.0]; 3]);
     let uvs = file.vectors(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
     let primitive = &mut file.json["meshes"][0]["primitives"][0];
     primitive["material"] = json!(0);
     primitive["attributes"]["NORMAL"] = json!(normals);
     primitive["attributes"]["TEXCOORD_0"] = json!(uvs);
+    primitive["attributes"]["TEXCOORD_1"] = json!(uvs);
+    primitive["attributes"]["COLOR_0"] = json!(colors);
+    let mut other = primitive.clone();
+    other["material"] = json!(1);
+    file.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(other);
     file.push(
         "cameras",
         json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }),

@@ -6,8 +6,11 @@
 //! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding,
 //! and where bones or morph targets deform it, each use gets its own.
 //!
-//! Nodes go into a [`Rig`] first, which then places everything: at rest now, and at other times
-//! when asked to.
+//! The way of the data: `container` parses and checks, `compression` makes plain buffers of what is
+//! compressed, `extensions` refuses or warns. Nodes go into a [`Rig`] first, which then places
+//! everything: at rest now, and at other times when asked to. What they reach is converted; `extras`
+//! restores what Lumivox's own files say beyond glTF. Textures are only listed meanwhile and made in
+//! the end, within the memory budget (`load::textures`).
 
 mod accessor;
 mod animation;
