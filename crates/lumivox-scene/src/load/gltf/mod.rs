@@ -7,10 +7,10 @@
 //! and where bones or morph targets deform it, each use gets its own.
 //!
 //! The way of the data: `container` parses and checks, `compression` makes plain buffers of what is
-//! compressed, `extensions` refuses or warns. Nodes go into a [`Rig`] first, which then places
-//! everything: at rest now, and at other times when asked to. What they reach is converted; `extras`
-//! restores what Lumivox's own files say beyond glTF. Textures are only listed meanwhile and made in
-//! the end, within the memory budget (`load::textures`).
+//! compressed, `extensions` refuses or warns. Then nodes go into a [`Rig`], what they reach is
+//! converted and put on them, and the rig places everything: at rest now, and at other times when
+//! asked to. `extras` restores what Lumivox's own files say beyond glTF. Textures are only listed
+//! meanwhile and made in the end, within the memory budget (`load::textures`).
 
 mod accessor;
 mod animation;
