@@ -89,6 +89,10 @@ fn scene_with(name: &str, data: &[u8], files: &HashMap<String, Vec<u8>>) {
     scene.validate().expect("a loaded scene is valid");
     assert!(once.meshes == scene.meshes, "validating twice changes nothing");
 
+    // Saving takes far longer than most loading: a quarter of the inputs will do.
+    if data.iter().fold(0_u8, |sum, &byte| sum.wrapping_add(byte)) % 4 != 0 {
+        return;
+    }
     let saved = scene.to_glb().expect("a valid scene can be saved");
     let again = match load(&saved, "scene.glb") {
         Ok(again) => again,

@@ -40,7 +40,8 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
             reason: format!("none has an area; {removed} degenerate ones were removed"),
         });
     }
-    Ok(())
+    // What is left may be smaller.
+    Check { file }.extent(scene)
 }
 
 /// The part of [`Scene::validate`] that changes nothing.

@@ -167,7 +167,7 @@ impl Writer<'_> {
 }
 
 /// Whether anything but the colour counts.
-fn takes_light(material: &Material) -> bool {
+pub(super) fn takes_light(material: &Material) -> bool {
     !matches!(material.shading, Shading::Unlit(_))
 }
 

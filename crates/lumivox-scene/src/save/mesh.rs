@@ -47,7 +47,7 @@ impl<'a> Writer<'a> {
     ) -> Map<String, Value> {
         let count = mesh.positions.len();
         let textures = material::textures(material);
-        let bumpy = material.normal_texture.is_some_and(|normal| textures.contains(&normal));
+        let bumpy = material.normal_texture.is_some() && material::takes_light(material);
         let mut attributes = Map::new();
         let mut add = |name: &str, kind: &str, source: Source<'a>, more: Value| {
             let form = (kind, FLOAT);

@@ -83,7 +83,7 @@ fn convert_light(light: &Light) -> Value {
             // glTF wants at most pi/2, above which f32's own pi/2 lies, and an inner angle below the
             // outer one. In f64 there is room for both; read as f32 they are what they were.
             let outer = f64::from(outer_angle_rad).min(std::f64::consts::FRAC_PI_2);
-            let inner = f64::from(inner_angle_rad).min(outer.next_down());
+            let inner = f64::from(inner_angle_rad).min(outer * (1.0 - 1e-12));
             json.set("spot", json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
             ("spot", intensity_cd, range_m)
         }

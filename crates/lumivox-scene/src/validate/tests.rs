@@ -152,6 +152,21 @@ fn what_has_no_extent_is_dropped() {
 }
 
 #[test]
+fn the_extent_is_that_of_what_is_left() {
+    // The large triangle is a line and goes; the small one, far from the origin, rounds to a point.
+    let error = fault(|s| {
+        s.meshes[0].positions.extend([Vec3::ZERO, Vec3::splat(1e-12), Vec3::X * 1e-12]);
+        s.meshes[0].positions[2] = Vec3::X * 2.0;
+        s.meshes[0].normals = vec![Vec3::Z; 6];
+        s.meshes[0].uvs = vec![Vec2::ZERO; 6];
+        s.meshes[0].tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 6];
+        s.meshes[0].indices = vec![0, 1, 2, 3, 4, 5];
+        s.instances[0].world_from_local = Mat4::from_translation(Vec3::splat(9.0));
+    });
+    assert!(error.contains("size zero"), "{error}");
+}
+
+#[test]
 fn normals_are_brought_to_unit_length() {
     let mut scene = triangle();
     scene.meshes[0].normals[0] = Vec3::Z * 3.0;

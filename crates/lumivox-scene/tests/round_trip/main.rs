@@ -47,7 +47,7 @@ fn round_trip(scene: &Scene) -> Scene {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 6000, ..ProptestConfig::default() })]
 
     #[test]
     fn random_scenes_survive_to_the_bit(scene in strategy::scene()) {

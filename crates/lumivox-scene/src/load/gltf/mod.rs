@@ -9,8 +9,8 @@
 //! The way of the data: `container` parses and checks, `compression` makes plain buffers of what is
 //! compressed, `extensions` refuses or warns. Then nodes go into a [`Rig`], what they reach is
 //! converted and put on them, and the rig places everything: at rest now, and at other times when
-//! asked to. Textures are only listed meanwhile and made in the end, within the memory budget
-//! (`load::textures`).
+//! asked to. `extras` restores what Lumivox's own files say beyond glTF. Textures are only listed
+//! meanwhile and made in the end, within the memory budget (`load::textures`).
 
 mod about;
 mod accessor;
@@ -29,6 +29,7 @@ mod primitive;
 mod put;
 mod repair;
 mod scenes;
+mod sharing;
 mod skin;
 mod texture;
 
@@ -67,8 +68,8 @@ struct Loader<'a> {
     budget: Budget,
     /// From glTF skin to the rig's.
     skins: HashMap<usize, usize>,
-    /// From (glTF mesh, primitive, mirrored) to a scene's mesh; `None` where it was skipped.
-    meshes: HashMap<(usize, usize, bool), Option<usize>>,
+    /// From primitives to a scene's meshes; `None` where one was skipped.
+    meshes: HashMap<sharing::MeshKey, Option<usize>>,
     /// From glTF material to a scene's; the default material has none.
     materials: HashMap<Option<usize>, usize>,
     /// The scene's textures, to be made in the end.

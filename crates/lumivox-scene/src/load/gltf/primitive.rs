@@ -17,11 +17,11 @@ impl Loader<'_> {
         mirrored: bool,
         material: usize,
     ) -> Result<Option<usize>, SceneError> {
-        let key = (mesh.index(), primitive.index(), mirrored);
+        let name = mesh_name(mesh, primitive);
+        let key = self.mesh_key(&name, primitive, mirrored, material);
         if let Some(&known) = self.meshes.get(&key) {
             return Ok(known);
         }
-        let name = mesh_name(mesh, primitive);
         let loaded = self.read(primitive, name, material)?.map(|mut mesh| {
             if mirrored {
                 mesh.flip_winding();

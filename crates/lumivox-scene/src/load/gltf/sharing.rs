@@ -1,0 +1,51 @@
+//! Which primitives are the same mesh.
+//!
+//! glTF ties a primitive to one material, so a shape in several materials comes as several primitives
+//! over the same accessors. A scene's mesh knows no material: it is read once for all of them.
+
+use gltf::Semantic;
+
+use super::Loader;
+
+/// All that a mesh depends on.
+#[derive(PartialEq, Eq, Hash)]
+pub(super) struct MeshKey {
+    name: String,
+    /// By their names in the file.
+    attributes: Vec<(String, usize)>,
+    indices: Option<usize>,
+    mode: u32,
+    /// Whether its winding is turned.
+    mirrored: bool,
+    /// Whether the material uses the second texture coordinates.
+    needs_second_uvs: bool,
+    /// What tangents are computed for, if they are: the normal texture's coordinates (floats by their
+    /// bits).
+    tangents: Option<(u32, [u32; 6])>,
+}
+
+impl Loader<'_> {
+    pub(super) fn mesh_key(
+        &self,
+        name: &str,
+        primitive: &gltf::Primitive<'_>,
+        mirrored: bool,
+        material: usize,
+    ) -> MeshKey {
+        let mut attributes: Vec<_> =
+            primitive.attributes().map(|(name, a)| (name.to_string(), a.index())).collect();
+        attributes.sort_unstable();
+        let material = &self.scene.materials[material];
+        let given = primitive.get(&Semantic::Tangents).is_some();
+        let normal = material.normal_texture.filter(|_| !given);
+        MeshKey {
+            name: name.to_owned(),
+            attributes,
+            indices: primitive.indices().map(|a| a.index()),
+            mode: primitive.mode().as_gl_enum(),
+            mirrored,
+            needs_second_uvs: material.textures().any(|texture| texture.uv_set == 1),
+            tangents: normal.map(|n| (n.uv_set, n.transform.to_cols_array().map(f32::to_bits))),
+        }
+    }
+}
