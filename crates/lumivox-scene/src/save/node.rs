@@ -124,6 +124,8 @@ fn axes(camera: &Camera) -> (Vec3, Vec3) {
     {
         return (forward, up);
     }
-    let up = (u - f * f.dot(u)).try_normalize().map(|up| up.as_vec3());
+    // Divided by the length squared, which rounding leaves beside 1: an up almost along the line of
+    // sight would show it.
+    let up = (u - f * (f.dot(u) / f.length_squared())).try_normalize().map(|up| up.as_vec3());
     (forward, up.unwrap_or_else(|| forward.any_orthonormal_vector()))
 }
