@@ -90,7 +90,7 @@ fn a_missing_image_has_a_stand_in() {
     let some = files(&[("data.bin", &file.binary)]);
     let scene = load("scene.gltf", &file.naming("data.bin"), Some(&some)).unwrap();
     assert_eq!(scene.notes.warnings.len(), 1);
-    assert!(scene.notes.warnings[0].contains("some wood.png"), "{:?}", scene.notes.warnings);
+    assert!(scene.notes.warnings[0].contains("some%20wood.png"), "{:?}", scene.notes.warnings);
     assert_eq!(scene.textures.len(), 1);
 }
 

@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::hash::BuildHasher;
 use std::io;
 use std::path::{Component, Path};
 
@@ -39,7 +40,7 @@ pub trait FileSource {
     }
 }
 
-impl FileSource for HashMap<String, Vec<u8>> {
+impl<S: BuildHasher> FileSource for HashMap<String, Vec<u8>, S> {
     fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>> {
         let bytes = self.get(path);
         bytes.map(|bytes| Cow::Borrowed(bytes.as_slice())).ok_or_else(|| {

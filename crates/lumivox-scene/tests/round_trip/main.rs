@@ -123,7 +123,7 @@ fn extras_that_do_not_fit_are_ignored_with_a_warning() {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let json = std::str::from_utf8(&glb[20..20 + length]).unwrap();
     for (right, wrong) in [
-        (r#""radiance":[1.0,1.0,1.0]"#, r#""radiance":[1.0,1.0,-1.]"#),
+        (r#""radiance":[1.0,1.0,1.0]"#, r#""radiance":[1.0,1.0,-1 ]"#),
         (r#""rotationRad":0.0"#, r#""rotationRad":"a""#),
     ] {
         assert!(json.contains(right));
