@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::hash::BuildHasher;
 use std::io;
 use std::path::{Component, Path};
 
@@ -12,15 +13,16 @@ use std::path::{Component, Path};
 ///
 /// ```
 /// # use std::collections::HashMap;
-/// # use lumivox_scene::{LoadOptions, Scene};
+/// # use lumivox_scene::{LoadOptions, Scene, Shading};
 /// // Dropped on a page, say: a scene with its files.
 /// let files = HashMap::from([
-///     ("room.obj".to_owned(), b"mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
+///     ("room.obj".to_owned(), b"mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n".to_vec()),
 ///     ("room.mtl".to_owned(), b"newmtl red\nKd 1 0 0\n".to_vec()),
 /// ]);
 /// let mut options = LoadOptions { files: Some(&files), ..LoadOptions::default() };
-/// # let _ =
-/// Scene::load_with("room.obj", &mut options);
+/// let scene = Scene::load_with("room.obj", &mut options)?;
+/// assert!(matches!(scene.materials[0].shading, Shading::Phong(red) if red.diffuse.y == 0.0));
+/// # Ok::<(), lumivox_scene::SceneError>(())
 /// ```
 pub trait FileSource {
     /// The bytes of the file at `path`: the scene's own path as it was given, or that of a file which
@@ -38,7 +40,7 @@ pub trait FileSource {
     }
 }
 
-impl FileSource for HashMap<String, Vec<u8>> {
+impl<S: BuildHasher> FileSource for HashMap<String, Vec<u8>, S> {
     fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>> {
         let bytes = self.get(path);
         bytes.map(|bytes| Cow::Borrowed(bytes.as_slice())).ok_or_else(|| {

@@ -22,12 +22,15 @@ pub(super) struct Progress<'s, 'o, R> {
     options: &'s mut LoadOptions<'o>,
 }
 
+/// A file on the disk or elsewhere.
+pub(super) type Opened<'s, 'o> = BufReader<Progress<'s, 'o, Box<dyn Read + 'o>>>;
+
 /// Opens a file that is a file (a pipe or a device might never end). The second part of the answer
 /// is its length in bytes.
 pub(super) fn open<'s, 'o>(
     file: &Path,
     options: &'s mut LoadOptions<'o>,
-) -> Result<(BufReader<Progress<'s, 'o, Box<dyn Read + 'o>>>, u64), SceneError> {
+) -> Result<(Opened<'s, 'o>, u64), SceneError> {
     let source = options.files;
     let opened = || -> io::Result<(Box<dyn Read + 'o>, u64)> {
         if let Some(source) = source {

@@ -1,6 +1,6 @@
 //! Vectors of length one.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// The vector at unit length; `None` where it has no direction.
 ///
@@ -13,7 +13,7 @@ pub(crate) fn to_unit(v: Vec3) -> Option<Vec3> {
     if (wide.length() - 1.0).abs() <= 1e-5 {
         return Some(v);
     }
-    wide.try_normalize().map(|unit| unit.as_vec3())
+    wide.try_normalize().map(DVec3::as_vec3)
 }
 
 #[cfg(test)]
@@ -24,7 +24,7 @@ mod tests {
     fn unit_vectors_stay_and_others_get_there() {
         let unit = Vec3::new(0.3, -0.5, 0.7).normalize();
         assert_eq!(to_unit(unit), Some(unit));
-        assert_eq!(to_unit(Vec3::splat(1e-30)).map(|v| v.length()), Some(1.0));
+        assert_eq!(to_unit(Vec3::splat(1e-30)).map(Vec3::length), Some(1.0));
         assert_eq!(to_unit(Vec3::new(0.0, 3e38, 0.0)), Some(Vec3::Y));
         assert_eq!(to_unit(Vec3::ZERO), None);
         assert_eq!(to_unit(Vec3::NAN), None);

@@ -29,12 +29,12 @@ struct List {
 
 impl<'a> Document<'a> {
     /// Appends to a list of the document, and returns the index.
-    pub(super) fn push(&mut self, list: &'static str, entry: Value) -> usize {
+    pub(super) fn push(&mut self, list: &'static str, entry: &Value) -> usize {
         self.lists.entry(list).or_default().push(&entry.to_string())
     }
 
     /// The same, unless the list has an entry like this already.
-    pub(super) fn push_once(&mut self, list: &'static str, entry: Value) -> usize {
+    pub(super) fn push_once(&mut self, list: &'static str, entry: &Value) -> usize {
         let list = self.lists.entry(list).or_default();
         let text = entry.to_string();
         if let Some(&known) = list.known.get(&text) {
@@ -67,7 +67,7 @@ impl<'a> Document<'a> {
         if let (Value::Object(accessor), Value::Object(mut more)) = (&mut accessor, more) {
             accessor.append(&mut more);
         }
-        self.push_once("accessors", accessor)
+        self.push_once("accessors", &accessor)
     }
 
     /// The whole as text.
@@ -144,7 +144,7 @@ pub(super) fn numbers(values: &[f32]) -> Value {
 }
 
 /// What glTF has no words for, under this project's name in an entry's `extras`.
-pub(super) fn own_extras(entry: &mut Map<String, Value>, own: Map<String, Value>) {
+pub(super) fn own_extras(entry: &mut Map<String, Value>, own: &Map<String, Value>) {
     if !own.is_empty() {
         entry.insert("extras".to_owned(), json!({ crate::EXTRAS: own }));
     }
@@ -185,11 +185,11 @@ mod tests {
     #[test]
     fn equal_entries_are_one_where_asked() {
         let mut document = Document::default();
-        assert_eq!(document.push_once("samplers", json!({ "wrapS": 1 })), 0);
-        assert_eq!(document.push_once("samplers", json!({ "wrapS": 2 })), 1);
-        assert_eq!(document.push_once("samplers", json!({ "wrapS": 1 })), 0);
-        assert_eq!(document.push("nodes", json!({})), 0);
-        assert_eq!(document.push("nodes", json!({})), 1);
+        assert_eq!(document.push_once("samplers", &json!({ "wrapS": 1 })), 0);
+        assert_eq!(document.push_once("samplers", &json!({ "wrapS": 2 })), 1);
+        assert_eq!(document.push_once("samplers", &json!({ "wrapS": 1 })), 0);
+        assert_eq!(document.push("nodes", &json!({})), 0);
+        assert_eq!(document.push("nodes", &json!({})), 1);
         let json: Value = serde_json::from_str(&document.json().0).unwrap();
         assert_eq!(json["samplers"].as_array().unwrap().len(), 2);
         assert_eq!(json["scenes"][0]["nodes"], json!([0, 1]));

@@ -27,6 +27,6 @@ impl Writer<'_> {
         }
         let mut own = Map::new();
         own.insert("environment".to_owned(), Value::Object(json));
-        own_extras(&mut self.document.scene, own);
+        own_extras(&mut self.document.scene, &own);
     }
 }

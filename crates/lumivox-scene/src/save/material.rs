@@ -38,7 +38,7 @@ impl Writer<'_> {
         }
         let scene = self.scene;
         let json = self.convert(&scene.materials[index]);
-        let written = self.document.push("materials", json);
+        let written = self.document.push("materials", &json);
         self.materials[index] = Some(written);
         written
     }
@@ -53,7 +53,7 @@ impl Writer<'_> {
                 self.core(&stand_in(phong), &mut json, &mut extensions);
                 let mut own = Map::new();
                 own.insert("phong".to_owned(), json!({ "shininess": number(phong.shininess) }));
-                own_extras(&mut json.0, own);
+                own_extras(&mut json.0, &own);
             }
             Shading::Unlit(unlit) => {
                 // What the extension recommends to those who do not know it: rough, no metal.

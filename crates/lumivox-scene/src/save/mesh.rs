@@ -36,7 +36,7 @@ impl<'a> Writer<'a> {
         let primitive =
             json!({ "attributes": attributes, "indices": indices, "material": material });
         self.document
-            .push_once("meshes", json!({ "name": shorten(&mesh.name), "primitives": [primitive] }))
+            .push_once("meshes", &json!({ "name": shorten(&mesh.name), "primitives": [primitive] }))
     }
 
     fn attributes(
@@ -69,7 +69,7 @@ impl<'a> Writer<'a> {
             add("TANGENT", "VEC4", tangents, Value::Null);
         }
         let textured = !textures.is_empty();
-        if textured || mesh.uvs.iter().any(is_not_zero) {
+        if textured || mesh.uvs.iter().any(|&uv| is_not_zero(uv)) {
             add("TEXCOORD_0", "VEC2", Source::Vec2(&mesh.uvs), Value::Null);
         }
         if textures.iter().any(|reference| reference.uv_set == 1) {
@@ -92,6 +92,6 @@ fn has_default_tangents(mesh: &Mesh, mirrored: bool) -> bool {
     })
 }
 
-fn is_not_zero(uv: &Vec2) -> bool {
+fn is_not_zero(uv: Vec2) -> bool {
     uv.to_array().iter().any(|x| x.to_bits() != 0)
 }

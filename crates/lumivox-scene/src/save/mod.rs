@@ -73,7 +73,7 @@ impl Scene {
     fn container(&self, file: &Path) -> Result<file::Container<'_>, SceneError> {
         crate::validate::check(self, file)?;
         let mut writer = Writer::new(self, file)?;
-        writer.nodes()?;
+        writer.nodes();
         writer.environment();
         let (json, binary) = writer.document.json();
         file::Container::new(json, binary)

@@ -1,6 +1,6 @@
 //! What stands where: instances, lights and cameras, each at a node of its own.
 
-use glam::{Mat4, Vec3};
+use glam::{DVec3, Mat4, Vec3};
 use serde_json::{Value, json};
 
 use super::Writer;
@@ -8,7 +8,7 @@ use super::document::{number, numbers, own_extras};
 use super::material::{Object, power_of_two_above};
 use crate::load::shorten;
 use crate::model::to_unit;
-use crate::{Camera, Instance, Light, LightKind, Scene, SceneError};
+use crate::{Camera, Instance, Light, LightKind, Scene};
 
 /// The instances that show anything.
 pub(super) fn shown(scene: &Scene) -> impl Iterator<Item = &Instance> {
@@ -16,33 +16,32 @@ pub(super) fn shown(scene: &Scene) -> impl Iterator<Item = &Instance> {
 }
 
 impl Writer<'_> {
-    pub(super) fn nodes(&mut self) -> Result<(), SceneError> {
+    pub(super) fn nodes(&mut self) {
         let scene = self.scene;
         for instance in shown(scene) {
             let mirrored = instance.world_from_local.as_dmat4().determinant() < 0.0;
             let mesh = self.mesh(instance.mesh, instance.material, mirrored);
             let mut node = placed(&instance.name, instance.world_from_local);
             node.set("mesh", json!(mesh));
-            self.document.push("nodes", Value::Object(node.0));
+            self.document.push("nodes", &Value::Object(node.0));
         }
         for light in &scene.lights {
             const EXTENSION: &str = "KHR_lights_punctual";
             self.document.uses(EXTENSION);
-            let number = self.document.push("lights", convert_light(light));
+            let number = self.document.push("lights", &convert_light(light));
             let direction = to_unit(light.direction).unwrap_or(Vec3::NEG_Z);
             let up = direction.any_orthonormal_vector();
             let mut node = placed(&light.name, looking(light.position, direction, up));
             node.set("extensions", json!({ EXTENSION: { "light": number } }));
-            self.document.push("nodes", Value::Object(node.0));
+            self.document.push("nodes", &Value::Object(node.0));
         }
         for camera in &scene.cameras {
-            let number = self.document.push("cameras", convert_camera(camera));
+            let number = self.document.push("cameras", &convert_camera(camera));
             let (forward, up) = axes(camera);
             let mut node = placed(&camera.name, looking(camera.position, forward, up));
             node.set("camera", json!(number));
-            self.document.push("nodes", Value::Object(node.0));
+            self.document.push("nodes", &Value::Object(node.0));
         }
-        Ok(())
     }
 }
 
@@ -95,7 +94,7 @@ fn convert_light(light: &Light) -> Value {
     // glTF's colours end at 1. A power of two moves to the intensity, where nothing is lost by it.
     let scale = power_of_two_above(light.color.max_element());
     let (color, scaled) = (light.color / scale, intensity * scale);
-    let exact = color * scale == light.color && scaled / scale == intensity;
+    let exact = color * scale == light.color && (scaled / scale).to_bits() == intensity.to_bits();
     if scale > 1.0 && exact {
         own.set("colorScale", number(scale));
         json.set("color", numbers(color.as_ref()));
@@ -104,7 +103,7 @@ fn convert_light(light: &Light) -> Value {
         json.color("color", light.color, Vec3::ONE);
         json.set("intensity", number(intensity));
     }
-    own_extras(&mut json.0, own.0);
+    own_extras(&mut json.0, &own.0);
     Value::Object(json.0)
 }
 
@@ -124,6 +123,8 @@ fn axes(camera: &Camera) -> (Vec3, Vec3) {
     {
         return (forward, up);
     }
-    let up = (u - f * f.dot(u)).try_normalize().map(|up| up.as_vec3());
+    // Divided by the length squared, which rounding leaves beside 1: an up almost along the line of
+    // sight would show it.
+    let up = (u - f * (f.dot(u) / f.length_squared())).try_normalize().map(DVec3::as_vec3);
     (forward, up.unwrap_or_else(|| forward.any_orthonormal_vector()))
 }

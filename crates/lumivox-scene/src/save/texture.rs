@@ -51,11 +51,11 @@ impl Writer<'_> {
         let view = self.document.binary.view(Source::Bytes(png), Target::None);
         let image = self.document.push_once(
             "images",
-            json!({ "bufferView": view, "mimeType": "image/png", "name": shorten(&texture.name) }),
+            &json!({ "bufferView": view, "mimeType": "image/png", "name": shorten(&texture.name) }),
         );
         let sampler = self.document.push_once(
             "samplers",
-            json!({
+            &json!({
                 "wrapS": wrap(texture.sampler.wrap_u),
                 "wrapT": wrap(texture.sampler.wrap_v),
                 "magFilter": match texture.sampler.magnify {
@@ -69,7 +69,7 @@ impl Writer<'_> {
                 },
             }),
         );
-        self.document.push_once("textures", json!({ "sampler": sampler, "source": image }))
+        self.document.push_once("textures", &json!({ "sampler": sampler, "source": image }))
     }
 
     /// A reference to a texture (glTF's `textureInfo`).
@@ -115,7 +115,7 @@ fn texture_transform(transform: Affine2) -> Map<String, Value> {
     if rotation != 0.0 {
         let mut own = Map::new();
         own.insert("matrix".to_owned(), numbers(&transform.to_cols_array()));
-        own_extras(&mut json, own);
+        own_extras(&mut json, &own);
     }
     json
 }

@@ -191,7 +191,7 @@ impl Document<'_> {
         assert_eq!(accessor(indices)["type"], "SCALAR");
         assert_eq!(index(&accessor(indices)["count"]) % 3, 0);
         let restart =
-            if accessor(indices)["componentType"] == 5123 { 65535.0 } else { 4294967295.0 };
+            if accessor(indices)["componentType"] == 5123 { 65535.0 } else { 4_294_967_295.0 };
         for number in self.numbers(index(indices)) {
             assert!(number < count as f64 && number < restart);
         }

@@ -142,7 +142,9 @@ fn texture() -> impl Strategy<Value = Texture> {
             let texels = vec(any::<[u8; 4]>(), (width * height) as usize);
             texels.prop_map(move |mut texels| {
                 if opaque {
-                    texels.iter_mut().for_each(|texel| texel[3] = 255);
+                    for texel in &mut texels {
+                        texel[3] = 255;
+                    }
                 }
                 let rgba8 = texels.concat();
                 Texture { name: name.clone(), width, height, rgba8, sampler }
