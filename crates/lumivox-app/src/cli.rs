@@ -23,6 +23,7 @@ use crate::args::number::ExposureChoice;
 use crate::args::scene::SceneSource;
 use crate::args::{choices, number, size};
 use crate::exit;
+use crate::motion::{AnimationName, animation};
 use load::scene_source;
 
 const EXAMPLES: &str = "\
@@ -94,6 +95,12 @@ pub enum Command {
                             --resolution 256 --isotropic --json"
     )]
     Voxels(VoxelsArgs),
+    /// Write a scene as one GLB file (glTF 2.0)
+    #[command(
+        after_help = "Examples:\n  lumivox convert hall.obj --unit cm -o hall.glb\n  lumivox \
+                            convert robot.glb --animation walk --time 1.5 -o pose.glb"
+    )]
+    Convert(ConvertArgs),
     /// List the built-in scenes
     Scenes,
 }
@@ -278,6 +285,40 @@ pub struct VoxelsArgs {
     /// The GPU.
     #[command(flatten)]
     pub gpu: GpuArgs,
+}
+
+/// The arguments of `convert`.
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// The file to write, .glb [required]
+    ///
+    /// A file of that name is replaced once the new one is complete, never half.
+    #[arg(short, long, value_name = "FILE", help_heading = "Scene")]
+    pub output: PathBuf,
+
+    /// The moment that is written, in seconds, -10000 to 10000 [default: the scene as its file shows
+    /// it]
+    ///
+    /// Animations themselves are not written.
+    #[arg(long, value_name = "SECONDS", value_parser = number::number(-10_000.0..=10_000.0))]
+    #[arg(allow_hyphen_values = true, help_heading = "Scene")]
+    pub time: Option<f32>,
+
+    /// What the scene plays: an animation's name or number, or all of them at once [default: the
+    /// first, if there is a --time]
+    ///
+    /// Numbers count from 0; `lumivox info SCENE` lists them.
+    #[arg(long, value_name = "NAME|NUMBER|all", value_parser = animation)]
+    #[arg(help_heading = "Scene")]
+    pub animation: Option<AnimationName>,
+
+    /// Print one JSON object instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
 }
 
 #[cfg(test)]

@@ -193,7 +193,14 @@ impl Schedule {
     }
 }
 
-fn choose(asked: Option<&AnimationName>, scene: &Scene) -> anyhow::Result<Option<AnimationChoice>> {
+/// The animation that is asked for; without a name the first, if there is one.
+///
+/// # Errors
+/// A [`Failure`] of input that lists the animations that there are.
+pub fn choose(
+    asked: Option<&AnimationName>,
+    scene: &Scene,
+) -> anyhow::Result<Option<AnimationChoice>> {
     let known = scene.animations();
     let unknown = |what: String| {
         let names: Vec<String> =
