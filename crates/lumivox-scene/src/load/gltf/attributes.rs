@@ -7,7 +7,6 @@ use gltf::mesh::Mode;
 
 use super::Loader;
 use crate::SceneError;
-use crate::load::textures::size_text;
 
 /// Bytes of a vertex that every mesh has: position, normal, texture coordinates, tangent.
 const PLAIN_VERTEX_BYTES: u64 = 12 + 12 + 8 + 16;
@@ -44,17 +43,7 @@ impl Loader<'_> {
 
     /// Takes memory for geometry from the budget, before it is allocated.
     pub(super) fn spend_bytes(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
-        let all = self.budget.geometry_bytes_taken.saturating_add(bytes);
-        if all > self.budget.geometry_bytes {
-            return Err(SceneError::TooLarge {
-                file: self.file.to_owned(),
-                part: part.to_owned(),
-                needed: size_text(all),
-                budget: size_text(self.budget.geometry_bytes),
-            });
-        }
-        self.budget.geometry_bytes_taken = all;
-        Ok(())
+        self.budget.geometry.take(|| part.to_owned(), bytes)
     }
 
     pub(super) fn read_uvs(&self, accessor: usize) -> Result<Vec<Vec2>, SceneError> {

@@ -33,23 +33,23 @@ mod sharing;
 mod skin;
 mod texture;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
 use gltf::json::Root;
 
 use super::files::{self, Reach};
+use super::geometry::GeometryBudget;
 use super::textures::Textures;
-use super::{LoadOptions, Notes, tangents};
+use super::{LoadOptions, Notes, stream, tangents};
 use crate::pose::Parts;
 use crate::{Rig, Scene, SceneError};
 
 /// How much a scene may take, whatever its file claims: a small file can refer to the same data
 /// many times over.
-struct Budget {
-    /// Of vertices and indices: all that may be taken, and what was.
-    geometry_bytes: u64,
-    geometry_bytes_taken: u64,
+struct Budget<'a> {
+    geometry: GeometryBudget<'a>,
     /// Left. Generous for real scenes.
     instances: usize,
     weights: usize,
@@ -60,18 +60,18 @@ struct Loader<'a> {
     file: &'a Path,
     reach: Reach<'a>,
     document: &'a gltf::Document,
-    buffers: &'a [Vec<u8>],
+    buffers: &'a [Cow<'a, [u8]>],
     scene: Scene,
     /// What places the scene's instances, lights and cameras.
     rig: Parts,
     notes: Notes,
-    budget: Budget,
+    budget: Budget<'a>,
     /// From glTF skin to the rig's.
     skins: HashMap<usize, usize>,
     /// From primitives to a scene's meshes; `None` where one was skipped.
     meshes: HashMap<sharing::MeshKey, Option<usize>>,
-    /// From glTF material to a scene's; the default material has none.
-    materials: HashMap<Option<usize>, usize>,
+    /// From what a primitive says of its looks to a scene's material.
+    materials: HashMap<material::Key, usize>,
     /// The scene's textures, to be made in the end.
     textures: Textures<'a>,
     /// From glTF image to a listed one, or why it is not there.
@@ -79,10 +79,7 @@ struct Loader<'a> {
 }
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
-    let bytes = options
-        .reach()
-        .read(file)
-        .map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
+    let bytes = stream::read_all(file, options)?;
     load_bytes(file, &bytes, options)
 }
 
@@ -105,8 +102,7 @@ fn load_bytes(
         rig: Parts { file: file.to_owned(), ..Parts::default() },
         notes,
         budget: Budget {
-            geometry_bytes: options.budget.geometry_bytes,
-            geometry_bytes_taken: 0,
+            geometry: GeometryBudget::new(file, options.budget.geometry_bytes),
             instances: 1_000_000,
             weights: 10_000_000,
         },
