@@ -29,6 +29,7 @@ mod primitive;
 mod put;
 mod repair;
 mod scenes;
+mod shared;
 mod sharing;
 mod skin;
 mod texture;
