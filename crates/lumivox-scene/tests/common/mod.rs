@@ -1,7 +1,7 @@
 //! Makes small glTF files in memory and on disk.
 
 // Each test file uses its part of this.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::needless_pass_by_value)]
 
 pub mod tube;
 
