@@ -23,7 +23,7 @@ impl Choices<'_> {
 pub fn glb(file: &[u8], data: &[u8]) -> Vec<u8> {
     let (mut json, mut binary) = split(file);
     let mut choices = Choices(data);
-    for _ in 0..choices.byte() % 8 + 1 {
+    for _ in 0..=choices.byte() % 8 {
         change(&mut json, &mut choices);
     }
     for _ in 0..choices.byte() % 4 {
@@ -79,7 +79,7 @@ fn change(json: &mut Value, choices: &mut Choices<'_>) {
             // Without one of its parts.
             match value {
                 Value::Array(list) if !list.is_empty() => {
-                    drop(list.remove(choices.below(list.len())))
+                    drop(list.remove(choices.below(list.len())));
                 }
                 Value::Object(object) => remove(object, choices),
                 _ => *value = Value::Null,
@@ -151,9 +151,9 @@ fn interesting(choices: &mut Choices<'_>) -> Value {
         json!(127),
         json!(255),
         json!(65535),
-        json!(2147483647_u32),
-        json!(4294967295_u32),
-        json!(18446744073709551615_u64),
+        json!(2_147_483_647_u32),
+        json!(4_294_967_295_u32),
+        json!(18_446_744_073_709_551_615_u64),
         json!(0.0),
         json!(-0.0),
         json!(1e-45),
