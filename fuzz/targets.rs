@@ -37,9 +37,9 @@ pub fn run(target: &str, data: &[u8]) {
         "gltf" => scene("scene.gltf", data),
         "glb" => scene("scene.glb", data),
         "glb_structured" => scene("scene.glb", &mutate::glb(EVERYTHING, data)),
-        "draco" => wrapped(wrap::draco(data), data),
-        "meshopt" => wrapped(wrap::meshopt(data), data),
-        "image" => wrapped(wrap::image(data), data),
+        "draco" => wrapped(&wrap::draco(data), data),
+        "meshopt" => wrapped(&wrap::meshopt(data), data),
+        "image" => wrapped(&wrap::image(data), data),
         "obj" => scene("scene.obj", data),
         "mtl" => {
             let files = HashMap::from([
@@ -87,7 +87,7 @@ fn scene(name: &str, data: &[u8]) {
 }
 
 /// A document around compressed data, which are its `data.bin`.
-fn wrapped(document: serde_json::Value, data: &[u8]) {
+fn wrapped(document: &serde_json::Value, data: &[u8]) {
     let files = HashMap::from([("data.bin".to_owned(), data.to_vec())]);
     scene_with("scene.gltf", document.to_string().as_bytes(), &files);
 }
@@ -135,7 +135,11 @@ fn promises(scene: &Scene) {
         for (normal, tangent) in mesh.normals.iter().zip(&mesh.tangents) {
             let (n, t) = (normal.length(), tangent.truncate().length());
             assert!((n - 1.0).abs() < 1e-4, "mesh {}: normal {normal}", mesh.name);
-            assert!(t > 0.5 && t.is_finite(), "mesh {}: tangent {tangent} at {normal}", mesh.name);
+            assert!(
+                t > 0.5 && tangent.is_finite(),
+                "mesh {}: tangent {tangent} at {normal}",
+                mesh.name
+            );
         }
     }
 }
