@@ -9,14 +9,27 @@
 
 #[path = "mutate.rs"]
 mod mutate;
+#[path = "wrap.rs"]
+mod wrap;
 
 use std::collections::HashMap;
 
 use lumivox_scene::{AnimationChoice, EnvironmentMap, LoadOptions, MemoryBudget, Scene};
 
 /// All targets; each has a folder of seeds in `corpus/`.
-pub const TARGETS: [&str; 8] =
-    ["gltf", "glb", "glb_structured", "obj", "mtl", "ply", "stl", "environment"];
+pub const TARGETS: [&str; 11] = [
+    "gltf",
+    "glb",
+    "glb_structured",
+    "draco",
+    "meshopt",
+    "image",
+    "obj",
+    "mtl",
+    "ply",
+    "stl",
+    "environment",
+];
 
 /// Runs one input.
 pub fn run(target: &str, data: &[u8]) {
@@ -24,6 +37,9 @@ pub fn run(target: &str, data: &[u8]) {
         "gltf" => scene("scene.gltf", data),
         "glb" => scene("scene.glb", data),
         "glb_structured" => scene("scene.glb", &mutate::glb(EVERYTHING, data)),
+        "draco" => wrapped(&wrap::draco(data), data),
+        "meshopt" => wrapped(&wrap::meshopt(data), data),
+        "image" => wrapped(&wrap::image(data), data),
         "obj" => scene("scene.obj", data),
         "mtl" => {
             let files = HashMap::from([
@@ -70,6 +86,12 @@ fn scene(name: &str, data: &[u8]) {
     scene_with(name, data, &files);
 }
 
+/// A document around compressed data, which are its `data.bin`.
+fn wrapped(document: &serde_json::Value, data: &[u8]) {
+    let files = HashMap::from([("data.bin".to_owned(), data.to_vec())]);
+    scene_with("scene.gltf", document.to_string().as_bytes(), &files);
+}
+
 fn scene_with(name: &str, data: &[u8], files: &HashMap<String, Vec<u8>>) {
     let load = |bytes: &[u8], name: &str| {
         let mut options =
@@ -110,7 +132,14 @@ fn promises(scene: &Scene) {
         let count = mesh.positions.len();
         assert!(mesh.indices.iter().all(|&i| (i as usize) < count));
         assert!([mesh.normals.len(), mesh.uvs.len(), mesh.tangents.len()] == [count; 3]);
-        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4));
-        assert!(mesh.tangents.iter().all(|t| t.is_finite() && t.truncate().length() > 0.5));
+        for (normal, tangent) in mesh.normals.iter().zip(&mesh.tangents) {
+            let (n, t) = (normal.length(), tangent.truncate().length());
+            assert!((n - 1.0).abs() < 1e-4, "mesh {}: normal {normal}", mesh.name);
+            assert!(
+                t > 0.5 && tangent.is_finite(),
+                "mesh {}: tangent {tangent} at {normal}",
+                mesh.name
+            );
+        }
     }
 }

@@ -180,7 +180,7 @@ impl Deformed {
             let linear = matrix.matrix3;
             let (cofactors, determinant) = cofactors(linear);
             mirrors |= determinant < 0.0;
-            let sign = determinant.signum();
+            let sign = if determinant < 0.0 { -1.0 } else { 1.0 };
             let normal = Vec3A::from(chunk.normals[vertex]);
             let turned = Vec3::from(cofactors * normal * sign);
             // A bone of no size leaves no direction; its triangles have no area either.
@@ -231,11 +231,21 @@ impl Deformed {
     }
 }
 
-/// The matrix that takes normals along, but for the determinant's sign, and the determinant.
+/// The matrix that takes normals along, but for the determinant's sign and some factor, and the
+/// determinant, but for some positive factor.
 fn cofactors(m: Mat3A) -> (Mat3A, f32) {
-    let x = m.y_axis.cross(m.z_axis);
-    let cofactors = Mat3A::from_cols(x, m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
-    (cofactors, m.x_axis.dot(x))
+    let plain = |m: Mat3A| {
+        let x = m.y_axis.cross(m.z_axis);
+        let cofactors = Mat3A::from_cols(x, m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+        (cofactors, m.x_axis.dot(x))
+    };
+    let (cofactors, determinant) = plain(m);
+    if determinant.is_normal() {
+        return (cofactors, determinant);
+    }
+    // Products of three overflow long before their factors do, and vanish as early.
+    let largest = m.to_cols_array().into_iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
+    if largest.is_normal() { plain(m * largest.recip()) } else { (cofactors, 0.0) }
 }
 
 /// Gives each three vertices the normal of their plane; the other way round where `is_mirrored`
@@ -299,4 +309,24 @@ fn has_area_fast(corners: [Vec3; 3]) -> bool {
     // times |u||v|, and the cross product by less than 4.2e-7 times it; squared that is 1.8e-13.
     let is_sure = squared > 1e-30 && squared > 1e-12 * u.length_squared() * v.length_squared();
     is_sure || has_area(corners)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bones_of_any_size_turn_normals() {
+        for size in [1e-30_f32, 1e-14, 1.0, 1e14, 1e30] {
+            // A quarter about z, mirrored along x, twice as long along y.
+            let m =
+                Mat3A::from_cols(Vec3A::NEG_Y * size, Vec3A::NEG_X * (2.0 * size), Vec3A::Z * size);
+            let (cofactors, determinant) = cofactors(m);
+            assert!(determinant < 0.0, "{size}");
+            let turned = unit_or((cofactors * Vec3A::X * -1.0).into(), Vec3::ZERO);
+            assert!((turned - Vec3::NEG_Y).length() < 1e-6, "{size}: {turned}");
+        }
+        assert_eq!(cofactors(Mat3A::ZERO).1, 0.0);
+        assert_eq!(cofactors(Mat3A::from_diagonal(Vec3::new(1.0, 1.0, 0.0))).1, 0.0);
+    }
 }

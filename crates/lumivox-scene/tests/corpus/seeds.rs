@@ -8,7 +8,7 @@ use crate::common::{File, data_uri, encode, png};
 /// Target, file name, bytes.
 pub fn all() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let panel = builtin::scene("panel").unwrap();
-    vec![
+    let mut seeds = vec![
         ("glb", "everything.glb", everything().glb()),
         ("glb", "panel.glb", panel.to_glb().unwrap()),
         ("glb", "triangle.glb", File::triangle().glb()),
@@ -34,6 +34,43 @@ pub fn all() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         // Decisions of `fuzz/mutate.rs`; its file is the real seed.
         ("glb_structured", "none", vec![0]),
         ("glb_structured", "some", (0..64_u8).map(|i| i.wrapping_mul(37)).collect()),
+        ("draco", "grid.drc", include_bytes!("../data/grid.drc").to_vec()),
+        ("image", "etc1s.ktx2", include_bytes!("../data/ramp-etc1s.ktx2").to_vec()),
+        ("image", "uastc.ktx2", include_bytes!("../data/ramp-uastc-zstd.ktx2").to_vec()),
+        ("image", "astc.ktx2", include_bytes!("../data/ramp-astc.ktx2").to_vec()),
+        ("image", "grey.jpg", grey_jpeg()),
+        ("image", "colors.png", png(4, 4, &[123; 64])),
+        ("image", "colors.webp", webp()),
+    ];
+    #[cfg(feature = "meshopt")]
+    seeds.extend(meshopt());
+    seeds
+}
+
+fn grey_jpeg() -> Vec<u8> {
+    let grey = image::GrayImage::from_fn(8, 8, |x, y| image::Luma([(x * y) as u8]));
+    encode(&grey.into(), image::ImageFormat::Jpeg)
+}
+
+fn webp() -> Vec<u8> {
+    let colors = image::RgbaImage::from_fn(4, 4, |x, y| image::Rgba([x as u8, y as u8, 7, 99]));
+    encode(&colors.into(), image::ImageFormat::WebP)
+}
+
+/// Streams behind the four bytes that `fuzz/wrap.rs` reads: mode, filter, stride, count.
+#[cfg(feature = "meshopt")]
+fn meshopt() -> Vec<(&'static str, &'static str, Vec<u8>)> {
+    let corners = [[0.0_f32, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
+    let wide = corners.map(|[x, y, z]| [x, y, z, 1.0]);
+    let indices = [0, 1, 2, 0, 2, 3];
+    let stream = |head: [u8; 4], stream: Vec<u8>| [head.to_vec(), stream].concat();
+    let triangles = meshopt::encode_index_buffer(&indices, 4).unwrap();
+    let vertices = meshopt::encode_vertex_buffer(&corners).unwrap();
+    let filtered = meshopt::encode_vertex_buffer(&wide).unwrap();
+    vec![
+        ("meshopt", "vertices", stream([0, 0, 12, 4], vertices)),
+        ("meshopt", "exponential", stream([0, 3, 16, 4], filtered)),
+        ("meshopt", "triangles", stream([1, 0, 2, 6], triangles)),
     ]
 }
 
@@ -105,8 +142,7 @@ fn images(file: &mut File) {
     let colors: Vec<u8> = (0..64).map(|i| i * 4 + 1).collect();
     let view = file.view(&png(4, 4, &colors));
     file.push("images", json!({ "bufferView": view, "mimeType": "image/png", "name": "colors" }));
-    let grey = image::GrayImage::from_fn(8, 8, |x, y| image::Luma([(x * y) as u8]));
-    let view = file.view(&encode(&grey.into(), image::ImageFormat::Jpeg));
+    let view = file.view(&grey_jpeg());
     file.push("images", json!({ "bufferView": view, "mimeType": "image/jpeg" }));
     let deep = image::ImageBuffer::from_fn(2, 2, |x, _| image::Rgb([x as u16 * 30_000, 7, 65_535]));
     let view = file.view(&encode(&image::DynamicImage::ImageRgb16(deep), image::ImageFormat::Png));
