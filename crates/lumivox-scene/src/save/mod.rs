@@ -18,7 +18,8 @@
 //!   where the material asks and there are none the first are written, which is what is used then;
 //! - what an unlit material says of light: layers, emission, normals;
 //! - names beyond 80 characters, which loaders cut;
-//! - [`Scene::name`], which is the file's, and [`Scene::notes`].
+//! - [`Scene::rig`]: the pose that is shown is written, and no animations;
+//! - [`Scene::name`], which is the file's, and notes and warnings.
 //!
 //! A transform with shear is written as it is, although glTF wants matrices to be products of
 //! translation, rotation and scale; programs that take them apart will miss the shear.

@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod seeds;
+mod shapes;
 #[path = "../../../../fuzz/targets.rs"]
 mod targets;
 
