@@ -84,11 +84,8 @@ mod tests {
 
     #[test]
     fn a_list_of_ones_own_stays_as_it_is() {
-        let mut mesh = Mesh {
-            positions: vec![Vec3::ZERO; 100],
-            indices: vec![7, 8, 9],
-            ..Mesh::default()
-        };
+        let mut mesh =
+            Mesh { positions: vec![Vec3::ZERO; 100], indices: vec![7, 8, 9], ..Mesh::default() };
         let before = mesh.clone();
         keep_own(&mut mesh, None);
         assert_eq!(mesh, before);
