@@ -79,6 +79,10 @@ fn decode(
     let decoded = match (stream["mode"].as_str(), stride) {
         (Some("ATTRIBUTES"), _) => attributes(encoded, count, stride as usize)
             .and_then(|bytes| filtered(bytes, stride as usize, filter)),
+        // The library takes this for granted, and would write beyond the end.
+        (Some("TRIANGLES"), _) if !count.is_multiple_of(3) => {
+            Err(format!("its {count} indices are no triangles"))
+        }
         (Some("TRIANGLES"), 2) => meshopt::decode_index_buffer::<u16>(encoded, count)
             .map(|indices| indices.into_iter().flat_map(u16::to_le_bytes).collect())
             .map_err(|error| error.to_string()),
