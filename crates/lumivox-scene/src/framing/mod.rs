@@ -207,11 +207,7 @@ impl Scene {
         let framing = Framing::of(self);
         let camera = camera.or(self.cameras.first()).cloned();
         let light = framing.light(&camera.unwrap_or_else(|| framing.camera(1.0)));
-        tracing::warn!(
-            "nothing shines in the scene \"{}\": it is lit by {light}; add a light, an environment or \
-             an emissive material",
-            self.name
-        );
+        tracing::info!("nothing shines in the scene \"{}\": it is lit by {light}", self.name);
         match &light {
             DefaultLight::SunAndSky { sun, sky } => {
                 // Behind those that are there but dark: a rig knows its own by their places.
