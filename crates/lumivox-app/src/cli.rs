@@ -2,21 +2,29 @@
 //!
 //! Each option states its unit, range and default; the tests below hold it to that.
 
-use std::ffi::OsString;
+mod light;
+mod load;
+mod motion;
+
 use std::path::PathBuf;
 
-use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{ArgAction, Args, Parser, Subcommand};
 use glam::{UVec2, Vec3};
 use lumivox::{Directionality, MAX_RESOLUTION};
-use lumivox_render::{Exposure, ShadowMethod, ToneMap, View};
-use lumivox_scene::Light;
+use lumivox_render::{ToneMap, View};
+
+pub use light::LightArgs;
+pub use load::{LoadArgs, SceneArg};
+pub use motion::MotionArgs;
 
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
+use crate::args::number::ExposureChoice;
 use crate::args::scene::SceneSource;
-use crate::args::{choices, light, number, size};
+use crate::args::{choices, number, size};
 use crate::exit;
+use crate::motion::{AnimationName, animation};
+use load::scene_source;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -42,6 +50,11 @@ Examples:
 
   From a place of your choice, with a field of view of 60 degrees:
     lumivox render hall.glb -o hall.png --camera 4,1.7,0,0,1.5,0,60
+
+  Sequences: an animation with its own camera, a turn round a model, a walk:
+    lumivox render robot.glb -o robot_####.png --animation walk --time 0..2 --fps 30
+    lumivox render helmet.glb -o helmet --orbit 360 --time 0..6
+    lumivox render hall.glb -o walk --camera-path walk.json
 
   What the cones see, and what they cost:
     lumivox render builtin:atrium -o voxels.png --view voxels --level 1
@@ -82,22 +95,14 @@ pub enum Command {
                             --resolution 256 --isotropic --json"
     )]
     Voxels(VoxelsArgs),
+    /// Write a scene as one GLB file (glTF 2.0)
+    #[command(
+        after_help = "Examples:\n  lumivox convert hall.obj --unit cm -o hall.glb\n  lumivox \
+                            convert robot.glb --animation walk --time 1.5 -o pose.glb"
+    )]
+    Convert(ConvertArgs),
     /// List the built-in scenes
     Scenes,
-}
-
-/// A scene to work on.
-#[derive(Args, Debug)]
-pub struct SceneArg {
-    /// The scene: a .gltf or .glb file (glTF 2.0), or builtin:NAME
-    ///
-    /// `lumivox scenes` lists the built-in ones.
-    #[arg(value_name = "SCENE", value_parser = scene_source())]
-    pub scene: SceneSource,
-}
-
-fn scene_source() -> impl TypedValueParser<Value = SceneSource> {
-    OsStringValueParser::new().map(|text: OsString| SceneSource::from(text))
 }
 
 /// How voxels are made.
@@ -155,10 +160,14 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArg,
 
-    /// The picture's file: .png (8 bits a channel) or .exr (floats, in cd/m2) [required]
+    /// The picture's file: .png (8 bits a channel) or .exr (floats, in cd/m2); or where a sequence
+    /// goes: a folder, or a file with #### for the number [required]
     ///
-    /// A file of that name is replaced once the picture is complete, never half.
-    #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
+    /// A file of that name is replaced once the picture is complete, never half. A folder gets PNG
+    /// files with the names 0000.png and so on. Beside the pictures of a sequence lies an index in
+    /// JSON of what each shows (index.json, or the file's name with `index` for ####). The same
+    /// command again goes on where it was stopped.
+    #[arg(short, long, value_name = "FILE|FOLDER", help_heading = "Picture")]
     pub output: PathBuf,
 
     /// Width and height in pixels, each from 1 to 32768 (or less, as the GPU allows)
@@ -174,7 +183,7 @@ pub struct RenderArgs {
     pub frames: u32,
 
     /// Where from: a camera's name or number, or position and target in metres [default: the
-    /// scene's first camera, else `framing`, a view of all of it]
+    /// scene's first camera, else `framing`, the view that shows it best]
     ///
     /// Numbers count from 0; `lumivox info SCENE` lists the cameras. PX,PY,PZ is the eye, TX,TY,TZ
     /// what it looks at, and FOV the vertical field of view in degrees, 1 to 170 (default: 45).
@@ -197,58 +206,32 @@ pub struct RenderArgs {
     #[arg(help_heading = "Picture", default_value = "0", allow_negative_numbers = true)]
     pub level: u32,
 
-    /// Exposure in stops, -64 to 64, or auto
+    /// Exposure in stops, -64 to 64, or auto, or auto-each
     ///
     /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
-    /// average a middle grey. No effect on OpenEXR.
-    #[arg(long, value_name = "STOPS|auto", value_parser = number::exposure)]
+    /// average a middle grey; the pictures of a sequence all take the median of what five of them ask
+    /// for, so that they do not flicker. With auto-each every picture finds its own. No effect on
+    /// OpenEXR.
+    #[arg(long, value_name = "STOPS|auto|auto-each", value_parser = number::exposure)]
     #[arg(help_heading = "Picture", default_value = "auto", allow_hyphen_values = true)]
-    pub exposure: Exposure,
+    pub exposure: ExposureChoice,
 
     /// Curve from radiance to the screen's range, for PNG
     #[arg(long, value_name = "NAME", value_parser = choices::tone_map())]
     #[arg(help_heading = "Picture", default_value = "neutral")]
     pub tone_map: ToneMap,
 
+    /// What moves.
+    #[command(flatten)]
+    pub motion: MotionArgs,
+
     /// The voxels.
     #[command(flatten)]
     pub voxels: VoxelArgs,
 
-    /// Reflections of indirect light, 0 to 16
-    ///
-    /// 0 is direct light alone, 1 is light by way of one other surface. Each costs one more gather
-    /// in the voxels, once.
-    #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=16))]
-    #[arg(help_heading = "Light", default_value = "4", allow_negative_numbers = true)]
-    pub bounces: u32,
-
-    /// Add a sun that stands in the direction X,Y,Z, with LUX lux [default: none; LUX: 100000]
-    ///
-    /// The vector points from the scene to the sun (y is up), at any length: 0,1,0 is noon. LUX is
-    /// the illuminance of a surface that faces it, 0 to 1e10. It has the size of ours.
-    #[arg(long, value_name = "X,Y,Z[,LUX]", value_parser = light::sun, help_heading = "Light")]
-    #[arg(allow_hyphen_values = true)]
-    pub sun: Option<Light>,
-
-    /// Radiance of the surroundings in cd/m2, each from 0 to 1e10 [default: the scene's]
-    ///
-    /// It replaces the scene's own. A clear blue sky has about 2000,2600,3600.
-    #[arg(long, value_name = "R,G,B", value_parser = light::environment, help_heading = "Light")]
-    #[arg(allow_hyphen_values = true)]
-    pub environment: Option<Vec3>,
-
-    /// How shadows of lamps and sun are found
-    #[arg(long, value_name = "HOW", value_parser = choices::shadows(), help_heading = "Light")]
-    #[arg(default_value = "map")]
-    pub shadows: ShadowMethod,
-
-    /// Edge of a shadow map in texels, 16 to 32768 (or less, as the GPU allows)
-    ///
-    /// Higher: sharper shadows that begin nearer to their caster. Four bytes a texel; a point light
-    /// has six maps.
-    #[arg(long, value_name = "TEXELS", value_parser = number::whole(16..=size::LONGEST_EDGE))]
-    #[arg(help_heading = "Light", default_value = "1024", allow_negative_numbers = true)]
-    pub shadow_resolution: u32,
+    /// What shines.
+    #[command(flatten)]
+    pub light: LightArgs,
 
     /// The cones.
     #[command(flatten)]
@@ -266,10 +249,18 @@ pub struct RenderArgs {
 /// The arguments of `info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
-    /// Describe this scene instead: a .gltf or .glb file, or builtin:NAME [default: describe the
-    /// machine]
+    /// Describe this scene instead: a glTF, OBJ, PLY or STL file, or builtin:NAME [default: describe
+    /// the machine]
     #[arg(value_name = "SCENE", value_parser = scene_source())]
     pub scene: Option<SceneSource>,
+
+    /// How its file is read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+
+    /// The voxels whose memory is told.
+    #[command(flatten)]
+    pub voxels: VoxelArgs,
 
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]
@@ -294,6 +285,40 @@ pub struct VoxelsArgs {
     /// The GPU.
     #[command(flatten)]
     pub gpu: GpuArgs,
+}
+
+/// The arguments of `convert`.
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// The file to write, .glb [required]
+    ///
+    /// A file of that name is replaced once the new one is complete, never half.
+    #[arg(short, long, value_name = "FILE", help_heading = "Scene")]
+    pub output: PathBuf,
+
+    /// The moment that is written, in seconds, -10000 to 10000 [default: the scene as its file shows
+    /// it]
+    ///
+    /// Animations themselves are not written.
+    #[arg(long, value_name = "SECONDS", value_parser = number::number(-10_000.0..=10_000.0))]
+    #[arg(allow_hyphen_values = true, help_heading = "Scene")]
+    pub time: Option<f32>,
+
+    /// What the scene plays: an animation's name or number, or all of them at once [default: the
+    /// first, if there is a --time]
+    ///
+    /// Numbers count from 0; `lumivox info SCENE` lists them.
+    #[arg(long, value_name = "NAME|NUMBER|all", value_parser = animation)]
+    #[arg(help_heading = "Scene")]
+    pub animation: Option<AnimationName>,
+
+    /// Print one JSON object instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
 }
 
 #[cfg(test)]

@@ -76,8 +76,9 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
         if let Some(failure) = cause.downcast_ref::<Failure>() {
             return failure.exit;
         }
-        if cause.is::<SceneError>() {
-            return Exit::Input;
+        if let Some(error) = cause.downcast_ref::<SceneError>() {
+            let is_output = matches!(error, SceneError::Write { .. });
+            return if is_output { Exit::Output } else { Exit::Input };
         }
         if let Some(error) = cause.downcast_ref::<RenderError>() {
             return of_render_error(error);

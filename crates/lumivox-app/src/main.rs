@@ -17,8 +17,10 @@ mod cli;
 mod commands;
 mod exit;
 mod log;
+mod motion;
 mod progress;
 mod report;
+mod sequence;
 
 use std::process::ExitCode;
 
@@ -45,6 +47,7 @@ fn run() -> Exit {
         Some(Command::Render(args)) => commands::render::run(args, cli.verbose, &bars),
         Some(Command::Info(args)) => commands::info::run(args, &bars),
         Some(Command::Voxels(args)) => commands::voxels::run(args, &bars),
+        Some(Command::Convert(args)) => commands::convert::run(args, &bars),
         Some(Command::Scenes) => commands::scenes::run(),
     };
     match done {

@@ -37,8 +37,11 @@ struct Shared {
 #[derive(Clone, Debug)]
 struct State {
     stage: &'static str,
-    done: u32,
-    total: u32,
+    /// Steps done, maybe with a share of the next.
+    done: f64,
+    /// Steps of the stage; below 2, where they are counted, they are not worth telling.
+    total: f64,
+    is_counted: bool,
     stage_start: Instant,
     is_over: bool,
 }
@@ -46,7 +49,14 @@ struct State {
 impl Progress {
     /// Starts with a stage of one step.
     pub fn start(bars: &MultiProgress, stage: &'static str) -> Self {
-        let state = State { stage, done: 0, total: 1, stage_start: Instant::now(), is_over: false };
+        let state = State {
+            stage,
+            done: 0.0,
+            total: 1.0,
+            is_counted: true,
+            stage_start: Instant::now(),
+            is_over: false,
+        };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
         let (seen, bars) = (shared.clone(), bars.clone());
         // Without a thread (the system may refuse one) the work goes on, unseen.
@@ -56,11 +66,25 @@ impl Progress {
 
     /// Tells how far the work is: `done` steps of `total`.
     pub fn set(&self, stage: &'static str, done: u32, total: u32) {
+        self.change(stage, f64::from(done), f64::from(total), true);
+    }
+
+    /// The same with a share of the next step, from 0 to 1, that is done.
+    pub fn set_within(&self, stage: &'static str, done: u32, total: u32, share: f64) {
+        self.change(stage, f64::from(done) + share.min(0.999), f64::from(total), true);
+    }
+
+    /// The same for what nobody counts, such as bytes: it is shown in per cent.
+    pub fn set_share(&self, stage: &'static str, done: u64, total: u64) {
+        self.change(stage, done as f64, total as f64, false);
+    }
+
+    fn change(&self, stage: &'static str, done: f64, total: f64, is_counted: bool) {
         let mut state = self.shared.lock();
         if state.stage != stage {
             (state.stage, state.stage_start) = (stage, Instant::now());
         }
-        (state.done, state.total) = (done, total);
+        (state.done, state.total, state.is_counted) = (done, total, is_counted);
     }
 }
 
@@ -122,21 +146,26 @@ fn new_bar() -> ProgressBar {
 }
 
 impl State {
+    fn has_steps(&self) -> bool {
+        self.total > 1.0
+    }
+
     /// A bar, where there are steps, and the words.
     fn words_with_bar(&self) -> String {
-        if self.total <= 1 {
+        if !self.has_steps() {
             return self.words();
         }
-        let full = (u64::from(self.done) * BAR_WIDTH as u64 / u64::from(self.total)) as usize;
+        let full = (self.done * BAR_WIDTH as f64 / self.total) as usize;
         let bar = "=".repeat(full.min(BAR_WIDTH));
         format!("[{bar:<BAR_WIDTH$}] {}", self.words())
     }
 
     fn words(&self) -> String {
         let elapsed = self.stage_start.elapsed();
-        let steps = match self.total {
-            0 | 1 => String::new(),
-            total => format!(" {}/{total}", self.done),
+        let steps = match (self.has_steps(), self.is_counted) {
+            (false, _) => String::new(),
+            (true, true) => format!(" {}/{}", self.done.floor(), self.total),
+            (true, false) => format!(" {:.0} %", (100.0 * self.done / self.total).floor()),
         };
         let left = match time_left(elapsed, self.done, self.total) {
             Some(left) => format!(", about {} left", clock(left)),
@@ -147,11 +176,11 @@ impl State {
 }
 
 /// The time that the rest takes if it goes on as it went so far; `None` while that is unknown.
-fn time_left(elapsed: Duration, done: u32, total: u32) -> Option<Duration> {
-    if done == 0 || total <= 1 || elapsed < GUESS_AFTER {
+fn time_left(elapsed: Duration, done: f64, total: f64) -> Option<Duration> {
+    if done <= 0.0 || total <= 1.0 || elapsed < GUESS_AFTER {
         return None;
     }
-    Some(elapsed.mul_f64(f64::from(total.saturating_sub(done)) / f64::from(done)))
+    Duration::try_from_secs_f64(elapsed.as_secs_f64() * (total - done).max(0.0) / done).ok()
 }
 
 /// `m:ss`, or `h:mm:ss`.
@@ -172,11 +201,13 @@ mod tests {
     #[test]
     fn the_rest_is_guessed_from_what_was() {
         let seconds = Duration::from_secs;
-        assert_eq!(time_left(seconds(10), 5, 16), Some(seconds(22)));
-        assert_eq!(time_left(seconds(10), 16, 16), Some(Duration::ZERO));
-        assert_eq!(time_left(seconds(10), 0, 16), None);
-        assert_eq!(time_left(seconds(10), 1, 1), None);
-        assert_eq!(time_left(Duration::from_millis(10), 1, 16), None);
+        assert_eq!(time_left(seconds(10), 5.0, 16.0), Some(seconds(22)));
+        assert_eq!(time_left(seconds(10), 2.5, 5.0), Some(seconds(10)));
+        assert_eq!(time_left(seconds(10), 16.0, 16.0), Some(Duration::ZERO));
+        assert_eq!(time_left(seconds(10), 0.0, 16.0), None);
+        assert_eq!(time_left(seconds(10), 1.0, 1.0), None);
+        assert_eq!(time_left(Duration::from_millis(10), 1.0, 16.0), None);
+        assert_eq!(time_left(seconds(10), 1e-300, 16.0), None);
     }
 
     #[test]
@@ -189,12 +220,21 @@ mod tests {
     #[test]
     fn bars_grow_with_the_steps() {
         let stage_start = Instant::now();
-        let state =
-            |done, total| State { stage: "frame", done, total, stage_start, is_over: false };
-        assert_eq!(state(0, 1).words_with_bar(), "frame, 0:00");
+        let state = |done, total| State {
+            stage: "frame",
+            done,
+            total,
+            is_counted: true,
+            stage_start,
+            is_over: false,
+        };
+        assert_eq!(state(0.0, 1.0).words_with_bar(), "frame, 0:00");
         let half = format!("[{}{}] frame 8/16, 0:00", "=".repeat(12), " ".repeat(12));
-        assert_eq!(state(8, 16).words_with_bar(), half);
-        assert!(state(16, 16).words_with_bar().starts_with(&format!("[{}]", "=".repeat(24))));
+        assert_eq!(state(8.0, 16.0).words_with_bar(), half);
+        assert_eq!(state(8.4, 16.0).words(), "frame 8/16, 0:00");
+        assert!(state(16.0, 16.0).words_with_bar().starts_with(&format!("[{}]", "=".repeat(24))));
+        let bytes = State { is_counted: false, ..state(123_456.0, 987_654.0) };
+        assert_eq!(bytes.words(), "frame 12 %, 0:00");
     }
 
     #[test]

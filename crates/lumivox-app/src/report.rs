@@ -32,16 +32,39 @@ pub fn print_json(report: &impl Serialize) -> anyhow::Result<()> {
     print(&format!("{}\n", serde_json::to_string_pretty(report)?))
 }
 
-/// Rows of cells that stand below each other. The first column is left-aligned, the others right.
+/// Rows of cells that stand below each other. The first column is left-aligned, the others right or
+/// left.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     rows: Vec<Vec<String>>,
+    is_left: bool,
 }
 
 impl Table {
     /// A table with a heading; cells may be empty.
     pub fn new(heading: &[&str]) -> Self {
-        Self { rows: vec![heading.iter().map(|cell| (*cell).to_owned()).collect()] }
+        let heading = heading.iter().map(|cell| (*cell).to_owned()).collect();
+        Self { rows: vec![heading], is_left: false }
+    }
+
+    /// The same with all columns left-aligned, for words.
+    pub fn left(heading: &[&str]) -> Self {
+        Self { is_left: true, ..Self::new(heading) }
+    }
+
+    /// Rows below the heading.
+    pub fn len(&self) -> usize {
+        self.rows.len().saturating_sub(1)
+    }
+
+    /// The table, or its first rows and a word on the others.
+    pub fn text_of(&self, most: usize) -> String {
+        let rows = self.rows.iter().take(most + 1).cloned().collect();
+        let mut text = Self { rows, is_left: self.is_left }.text();
+        if self.len() > most {
+            text += &format!("  and {} more; --json has all\n", self.len() - most);
+        }
+        text
     }
 
     /// Adds a row.
@@ -64,6 +87,7 @@ impl Table {
                 let width = widths[column];
                 line += &match column {
                     0 => format!(" {cell:<width$}"),
+                    _ if self.is_left => format!("  {cell:<width$}"),
                     _ => format!("  {cell:>width$}"),
                 };
             }

@@ -7,29 +7,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{CORNER, container, folder, glb, lumivox, names};
-
-const USAGE: i32 = 2;
-const INPUT: i32 = 3;
-const GPU: i32 = 4;
-const OUTPUT: i32 = 5;
-
-/// Runs `line`, and expects it to fail with `code`, to say all of `needles`, and to change nothing.
-#[track_caller]
-fn expect_error(folder: &Path, line: &str, code: i32, needles: &[&str]) {
-    let before = names(folder);
-    let run = lumivox(folder, line);
-    assert_eq!(run.code, code, "lumivox {line}: {}", run.stderr);
-    assert!(run.stderr.contains("error: "), "lumivox {line}: {}", run.stderr);
-    for needle in needles {
-        assert!(run.stderr.contains(needle), "lumivox {line}: no \"{needle}\" in {}", run.stderr);
-    }
-    for word in ["panicked", "defect", "RUST_BACKTRACE"] {
-        assert!(!run.stderr.contains(word), "lumivox {line}: {}", run.stderr);
-    }
-    assert_eq!(run.stdout, "", "lumivox {line}");
-    assert_eq!(names(folder), before, "lumivox {line}");
-}
+use common::{CORNER, GPU, INPUT, OUTPUT, USAGE, container, expect_error, folder, glb};
 
 #[test]
 fn broken_scenes() {
@@ -46,7 +24,7 @@ fn broken_scenes() {
     file("none.glb", &container("{ \"asset\": { \"version\": \"2.0\" } }", &[]));
     file("point.glb", &glb(&[[1.0, 2.0, 3.0]; 3]));
     file("line.glb", &glb(&[[0.0; 3], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]]));
-    file("scene.fbx", b"v 0 0 0");
+    file("scene.blend", b"BLENDER");
     fs::create_dir(folder.path().join("folder.glb")).unwrap();
     for (name, needle) in [
         ("missing.glb", "cannot read the file"),
@@ -60,7 +38,7 @@ fn broken_scenes() {
         ("none.glb", "triangles"),
         ("point.glb", "size zero"),
         ("line.glb", "triangles"),
-        ("scene.fbx", ".gltf, .glb, .obj, .ply or .stl"),
+        ("scene.blend", ".gltf, .glb, .obj"),
         ("folder.glb", "is a folder"),
     ] {
         let line = format!("render {name} -o a.png");

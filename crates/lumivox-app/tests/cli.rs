@@ -30,7 +30,7 @@ fn without_arguments_it_shows_the_help() {
 #[test]
 fn every_command_has_help() {
     let folder = folder();
-    for command in ["render", "info", "voxels", "scenes"] {
+    for command in ["render", "info", "voxels", "convert", "scenes"] {
         let long = lumivox(folder.path(), &format!("{command} --help")).expect_ok();
         let asked = lumivox(folder.path(), &format!("help {command}")).expect_ok();
         assert_eq!(long.stdout, asked.stdout);
@@ -54,6 +54,31 @@ fn every_command_has_help() {
         assert!(help.contains(text), "{text} is missing in {help}");
     }
     assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+}
+
+#[test]
+fn a_scene_is_converted_and_stays_the_same() {
+    let folder = folder();
+    let run = lumivox(folder.path(), "convert builtin:cornell -o box.glb").expect_ok();
+    assert!(run.stdout.starts_with("box.glb: "), "{}", run.stdout);
+    lumivox(folder.path(), "convert box.glb -o again.glb").expect_ok();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("box.glb") == read("again.glb"), "what is read and written again changes");
+    let info = |scene: &str| {
+        let text = lumivox(folder.path(), &format!("info {scene} --json")).expect_ok().stdout;
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        ["triangles", "materials", "lights", "cameras"].map(|key| json[key].clone())
+    };
+    assert_eq!(info("builtin:cornell"), info("box.glb"));
+    for (line, needle) in [
+        ("convert builtin:cornell -o box.obj", ".glb"),
+        ("convert builtin:cornell -o nowhere/box.glb", "there is no folder"),
+        ("convert builtin:cornell -o still.glb --time 1", "nothing moves"),
+    ] {
+        let run = lumivox(folder.path(), line);
+        assert!(run.code != 0 && run.stderr.contains(needle), "{line}: {}", run.stderr);
+    }
+    assert_eq!(names(folder.path()), ["again.glb", "box.glb"]);
 }
 
 #[test]
@@ -87,10 +112,10 @@ fn info_describes_a_scene() {
     let report = lumivox(folder.path(), "info corner.glb --json").expect_ok().json();
     assert_eq!(report["triangles"], 4);
     assert_eq!(report["bounds_max"], serde_json::json!([1.0, 2.0, 1.0]));
-    assert_eq!(report["lights"][0]["kind"], "point");
-    assert_eq!(report["lights"][0]["strength"], 100.0);
+    assert_eq!(report["light_list"][0]["kind"], "point");
+    assert_eq!(report["light_list"][0]["strength"], 100.0);
     let report = lumivox(folder.path(), "info builtin:cornell --json").expect_ok().json();
-    assert!(report["cameras"][0]["vertical_fov_deg"].as_f64().unwrap() > 1.0);
+    assert!(report["camera_list"][0]["vertical_fov_deg"].as_f64().unwrap() > 1.0);
 }
 
 #[test]

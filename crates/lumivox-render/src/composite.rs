@@ -2,7 +2,7 @@
 //!
 //! Outgoing radiance is emission, plus what lamps and sun send directly, plus albedo / pi times the
 //! gathered irradiance (less what the gloss reflects before it enters), plus what the glossy cones
-//! gathered. The background is the environment.
+//! gathered. The background is the environment. Coloured glass in front of it all tints the sum.
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
@@ -12,6 +12,7 @@ use lumivox::{GBuffer, Gi, Lights, TraceTargets};
 
 use crate::View;
 use crate::direct::DirectTargets;
+use crate::gbuffer_pass::GBufferTargets;
 use crate::textures::ScreenTextures;
 
 /// Format of pictures before tone mapping: full floats, so that the mean over frames is exact.
@@ -54,7 +55,7 @@ impl CompositePass {
         gi: &Gi,
     ) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute().uniform();
-        let layout = (0..4)
+        let layout = (0..5)
             .fold(layout, |layout, _| layout.texture_2d_unfilterable())
             .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
             .build(device, "composite");
@@ -69,6 +70,7 @@ impl CompositePass {
         &self,
         device: &wgpu::Device,
         textures: &mut ScreenTextures<'_>,
+        gbuffer: &GBufferTargets,
         direct: &DirectTargets,
         traced: &TraceTargets,
     ) -> CompositeTargets {
@@ -80,6 +82,7 @@ impl CompositePass {
             .view(&direct.specular)
             .view(&traced.irradiance)
             .view(&traced.specular)
+            .view(&gbuffer.tint)
             .view(&picture)
             .build(device, "composite");
         CompositeTargets { picture, settings, group }

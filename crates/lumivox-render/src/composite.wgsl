@@ -6,6 +6,7 @@ import package::constants::{
 };
 import package::light::environment::environment_background;
 import package::trace::brdf::{fresnel_schlick, PI};
+import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{
     gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface, ray_direction, view, Surface,
 };
@@ -26,10 +27,17 @@ struct CompositeSettings {
 @group(1) @binding(3) var irradiance: texture_2d<f32>;
 // Reflected radiance in rgb, cone samples in a.
 @group(1) @binding(4) var specular: texture_2d<f32>;
-@group(1) @binding(5) var picture: texture_storage_2d<rgba32float, write>;
+// What coloured glass in front lets through, in rgb; one white texel where the scene has none.
+@group(1) @binding(5) var tint: texture_2d<f32>;
+@group(1) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
 
-fn direct_light(pixel: vec2u) -> vec3f {
-    return textureLoad(gbuffer_emission, pixel, 0).rgb
+fn cos_view(surface: Surface) -> f32 {
+    let to_camera = normalize(view.position_in_world - surface.position_in_world);
+    return saturate(dot(surface.shading_normal, to_camera));
+}
+
+fn direct_light(pixel: vec2u, surface: Surface) -> vec3f {
+    return textureLoad(gbuffer_emission, pixel, 0).rgb * below_coat(load_coat(pixel), cos_view(surface))
         + textureLoad(direct_diffuse, pixel, 0).rgb
         + textureLoad(direct_specular, pixel, 0).rgb;
 }
@@ -37,16 +45,16 @@ fn direct_light(pixel: vec2u) -> vec3f {
 fn indirect_light(pixel: vec2u, surface: Surface) -> vec3f {
     let albedo = textureLoad(gbuffer_diffuse, pixel, 0).rgb;
     let f0 = textureLoad(gbuffer_specular, pixel, 0).rgb;
-    let to_camera = normalize(view.position_in_world - surface.position_in_world);
-    let fresnel = fresnel_schlick(f0, saturate(dot(surface.shading_normal, to_camera)));
-    let diffuse = textureLoad(irradiance, pixel, 0).rgb * albedo / PI * (1.0 - fresnel);
+    let fresnel = fresnel_schlick(f0, cos_view(surface));
+    let below = below_coat(load_coat(pixel), cos_view(surface));
+    let diffuse = textureLoad(irradiance, pixel, 0).rgb * albedo / PI * (1.0 - fresnel) * below;
     return diffuse + textureLoad(specular, pixel, 0).rgb;
 }
 
 fn shade(pixel: vec2u, surface: Surface) -> vec3f {
     switch composite_settings.shown {
         case VIEW_DIRECT: {
-            return direct_light(pixel);
+            return direct_light(pixel, surface);
         }
         case VIEW_INDIRECT: {
             return indirect_light(pixel, surface);
@@ -76,7 +84,19 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
             return vec3f(textureLoad(specular, pixel, 0).a);
         }
         default: {
-            return direct_light(pixel) + indirect_light(pixel, surface);
+            return direct_light(pixel, surface) + indirect_light(pixel, surface);
+        }
+    }
+}
+
+// The tint of what is seen as light that comes to the camera.
+fn tint_at(pixel: vec2u) -> vec3f {
+    switch composite_settings.shown {
+        case VIEW_DIFFUSE, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST: {
+            return vec3f(1.0);
+        }
+        default: {
+            return textureLoad(tint, min(pixel, textureDimensions(tint) - 1u), 0).rgb;
         }
     }
 }
@@ -102,9 +122,10 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     let surface = load_surface(pixel);
     if surface.depth > 0.0 {
-        textureStore(picture, pixel, vec4f(shade(pixel, surface), 1.0));
+        textureStore(picture, pixel, vec4f(shade(pixel, surface) * tint_at(pixel), 1.0));
     } else if shows_environment() {
-        textureStore(picture, pixel, vec4f(environment_background(ray_direction(pixel)), 0.0));
+        let background = environment_background(ray_direction(pixel));
+        textureStore(picture, pixel, vec4f(background * tint_at(pixel), 0.0));
     } else {
         textureStore(picture, pixel, vec4f(0.0));
     }

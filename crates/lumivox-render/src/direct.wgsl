@@ -6,6 +6,7 @@ import package::light::visibility::light_visibility;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
 };
+import package::trace::coat::{below_coat, coat_fresnel, load_coat};
 import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_specular, load_surface, view};
 
 // Reflected radiance in rgb, visibility in a.
@@ -36,6 +37,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let albedo = textureLoad(gbuffer_diffuse, pixel, 0).rgb;
     let specular = textureLoad(gbuffer_specular, pixel, 0);
     let alpha = alpha_from_roughness(specular.a);
+    let coat = load_coat(pixel);
     let normal = surface.shading_normal;
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
     // Never quite grazing: the visibility term is 0 / 0 there.
@@ -43,6 +45,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
 
     var diffuse = vec3f(0.0);
     var glossy = vec3f(0.0);
+    var varnish = vec3f(0.0);
     var arriving = 0.0;
     var sent = 0.0;
     for (var index = 0u; index < light_globals.light_count; index++) {
@@ -67,7 +70,13 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         glossy += glossy_share(light, alpha) * irradiance * fresnel
             * ggx_distribution(saturate(dot(normal, half_vector)), alpha)
             * ggx_visibility(n_dot_v, n_dot_l, alpha);
+        varnish += glossy_share(light, coat.alpha) * irradiance * coat_fresnel(coat, dot(half_vector, to_camera))
+            * ggx_distribution(saturate(dot(normal, half_vector)), coat.alpha)
+            * ggx_visibility(n_dot_v, n_dot_l, coat.alpha);
     }
+    let below = below_coat(coat, n_dot_v);
+    diffuse *= below;
+    glossy = below * glossy + varnish;
     let visibility = select(1.0, arriving / sent, sent > 0.0);
     textureStore(direct_diffuse, pixel, vec4f(min(diffuse, vec3f(MAX_HALF)), visibility));
     textureStore(direct_specular, pixel, vec4f(min(glossy, vec3f(MAX_HALF)), 1.0));

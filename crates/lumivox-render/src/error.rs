@@ -64,7 +64,7 @@ pub enum RenderError {
         /// How much it needs, in MiB.
         needed_mib: u64,
         /// What would help.
-        remedy: &'static str,
+        remedy: String,
     },
     /// A setting lies outside its range.
     #[error("{name} is {value}, but must be {expected}")]

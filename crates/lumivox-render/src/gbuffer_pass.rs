@@ -4,24 +4,33 @@
 //! | --- | --- | --- |
 //! | depth | `Depth32Float` | reversed, without a far plane |
 //! | normals | `Rgba16Float` | octahedral shading normal and geometric normal |
-//! | diffuse | `Rgba8UnormSrgb` | diffuse albedo |
+//! | diffuse | `Rgba8UnormSrgb` | diffuse albedo, 1 - the strength of a clear coat (linear) |
 //! | specular | `Rgba8UnormSrgb` | reflectance at normal incidence, perceptual roughness (linear) |
-//! | emission | `Rgba16Float` | emitted radiance |
+//! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
 //!
 //! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
 //! decides from where cones start and which side light comes from, where an interpolated normal would
 //! lie.
+//!
+//! Materials without layers have shaders that sample their four textures and nothing else. What blends
+//! or transmits light is there in a share of the frames (`screen_door.wgsl`), and opaque when it is.
+//! Where it is not and its glass has a colour, a second pass multiplies that onto the tint of the pixel.
+
+use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::perspective_infinite_reverse;
-use glam::{Mat4, UVec2, Vec2, Vec3};
-use lumivox::GBufferViews;
+use glam::{Mat4, UVec2, Vec2};
 use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use lumivox::{GBufferViews, View};
 use lumivox_scene::Camera;
 
+use wgpu::util::DeviceExt as _;
+
+use crate::Gpu;
 use crate::raster::{self, RasterPipeline};
 use crate::textures::ScreenTextures;
-use crate::upload::GpuScene;
+use crate::upload::{Attributes, GpuMaterial, GpuScene, SceneDraw};
 
 /// Formats of the colour targets, in the order of their locations.
 const FORMATS: [wgpu::TextureFormat; 4] = [
@@ -31,21 +40,43 @@ const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba16Float,
 ];
 
+/// What panes in front of the visible surface colour its light with, in linear light.
+const TINT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// Panes multiply, in whatever order they come.
+const MULTIPLY: wgpu::BlendComponent = wgpu::BlendComponent {
+    src_factor: wgpu::BlendFactor::Dst,
+    dst_factor: wgpu::BlendFactor::Zero,
+    operation: wgpu::BlendOperation::Add,
+};
+
 /// `RasterView` of `gbuffer_pass.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct RasterView {
     pub(crate) clip_from_world: Mat4,
     pub(crate) position_in_world: [f32; 3],
-    padding: u32,
+    pub(crate) frame: u32,
+}
+
+/// What a pipeline is made for; draws come in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Variant {
+    is_double_sided: bool,
+    is_layered: bool,
+    attributes: Attributes,
 }
 
 /// Renders the G-buffer.
 #[derive(Debug)]
 pub struct GBufferPass {
-    /// Without and with back sides.
-    pipelines: [wgpu::RenderPipeline; 2],
+    module: wgpu::ShaderModule,
+    /// Those that the scene needs.
+    pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
+    /// Those for what is tinted.
+    tint_pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
     view: wgpu::Buffer,
+    layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
 }
 
@@ -57,11 +88,16 @@ pub struct GBufferTargets {
     diffuse: wgpu::TextureView,
     specular: wgpu::TextureView,
     emission: wgpu::TextureView,
+    /// What the light of a pixel's surface is multiplied by; of one white texel where nothing is tinted.
+    pub(crate) tint: wgpu::TextureView,
 }
 
 impl GBufferTargets {
-    pub(crate) fn new(textures: &mut ScreenTextures<'_>) -> Self {
+    /// `is_tinted` says whether the scene has coloured glass.
+    pub(crate) fn new(gpu: &Gpu, textures: &mut ScreenTextures<'_>, is_tinted: bool) -> Self {
+        let tint = if is_tinted { textures.target("tint", TINT_FORMAT) } else { white(gpu) };
         Self {
+            tint,
             depth: textures.target("depth", raster::DEPTH_FORMAT),
             normals: textures.target("normals", FORMATS[0]),
             diffuse: textures.target("diffuse albedo", FORMATS[1]),
@@ -95,39 +131,66 @@ impl GBufferPass {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let layout = LayoutBuilder::new(stages).uniform().storage().build(device, "raster view");
         let (module, _) = shaders.create(device, "render::gbuffer_pass")?;
-        let targets = FORMATS.map(|format| Some(format.into()));
-        let pipelines = [Some(wgpu::Face::Back), None].map(|cull_mode| {
-            RasterPipeline {
-                label: "G-buffer",
-                module: &module,
-                vertex: "vertex_main",
-                fragment: Some("fragment_main"),
-                targets: &targets,
-                vertex_buffers: &raster::ALL_STREAMS,
-                groups: &[&layout, &scene.material_layout],
-                cull_mode,
-            }
-            .create(device)
-        });
         let view = lumivox::gpu::uniform_buffer(device, "raster view", &RasterView::zeroed());
-        let group = BindGroupBuilder::new(&layout)
-            .buffer(&view)
-            .buffer(&scene.draw_records)
-            .build(device, "raster view");
-        Ok(Self { pipelines, view, group })
+        let group = bind(device, &layout, &view, scene);
+        let (pipelines, tint_pipelines) = (BTreeMap::new(), BTreeMap::new());
+        let mut pass = Self { module, pipelines, tint_pipelines, view, layout, group };
+        pass.make_pipelines(device, scene);
+        Ok(pass)
     }
 
-    /// Renders a scene. The camera takes effect at the next submission: one frame per recorder.
+    /// Takes up another pose of the scene that it was made for.
+    pub(crate) fn set_scene(&mut self, device: &wgpu::Device, scene: &GpuScene) {
+        self.group = bind(device, &self.layout, &self.view, scene);
+        // What was hidden may be there now.
+        self.make_pipelines(device, scene);
+    }
+
+    /// Makes those that are not there yet.
+    fn make_pipelines(&mut self, device: &wgpu::Device, scene: &GpuScene) {
+        let targets = FORMATS.map(|format| Some(format.into()));
+        let tint_targets = [Some(wgpu::ColorTargetState {
+            format: TINT_FORMAT,
+            blend: Some(wgpu::BlendState { color: MULTIPLY, alpha: MULTIPLY }),
+            write_mask: wgpu::ColorWrites::ALL,
+        })];
+        let (module, layout) = (&self.module, &self.layout);
+        let create = |variant: Variant, is_tint: bool| {
+            RasterPipeline {
+                label: if is_tint { "tint" } else { "G-buffer" },
+                module,
+                vertex: variant.vertex(),
+                fragment: Some(if is_tint { "tint_fragment" } else { variant.fragment() }),
+                targets: if is_tint { &tint_targets } else { &targets },
+                vertex_buffers: &raster::streams(variant.attributes),
+                groups: &[layout, &scene.material_layout],
+                cull_mode: (!variant.is_double_sided).then_some(wgpu::Face::Back),
+                writes_depth: !is_tint,
+            }
+            .create(device)
+        };
+        for draw in &scene.draws {
+            let variant = Variant::of(scene, draw);
+            self.pipelines.entry(variant).or_insert_with(|| create(variant, false));
+            if scene.materials[draw.material].is_tinted {
+                self.tint_pipelines.entry(variant).or_insert_with(|| create(variant, true));
+            }
+        }
+    }
+
+    /// Renders a scene. The view takes effect at the next submission: one frame per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         scene: &GpuScene,
         targets: &GBufferTargets,
-        clip_from_world: Mat4,
-        position_in_world: Vec3,
+        view: &View,
     ) {
-        let position_in_world = position_in_world.to_array();
-        let view = RasterView { clip_from_world, position_in_world, padding: 0 };
+        let view = RasterView {
+            clip_from_world: view.clip_from_world,
+            position_in_world: view.position.to_array(),
+            frame: view.frame,
+        };
         recorder.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let colors = [&targets.normals, &targets.diffuse, &targets.specular, &targets.emission];
         let colors = colors.map(|view| {
@@ -143,24 +206,116 @@ impl GBufferPass {
         });
         let depth = raster::depth_attachment(&targets.depth);
         recorder.render("gbuffer_pass", &colors, Some(depth), |pass| {
-            pass.set_bind_group(0, &self.group, &[]);
-            for (pipeline, is_double_sided) in self.pipelines.iter().zip([false, true]) {
-                pass.set_pipeline(pipeline);
-                for (number, draw) in scene.draws.iter().enumerate() {
-                    let material = &scene.materials[draw.material];
-                    if material.is_double_sided != is_double_sided {
-                        continue;
-                    }
-                    let batch = &scene.batches[draw.batch];
-                    pass.set_bind_group(1, &material.group, &[]);
-                    pass.set_vertex_buffer(0, batch.positions.slice(..));
-                    pass.set_vertex_buffer(1, batch.texcoords.slice(..));
-                    pass.set_vertex_buffer(2, batch.shading.slice(..));
-                    raster::draw(pass, batch, draw, number as u32);
-                }
-            }
+            self.draw(pass, scene, &self.pipelines, |_| true);
+        });
+        if !self.tint_pipelines.is_empty() {
+            self.record_tint(recorder, scene, targets);
+        }
+    }
+
+    /// Renders what colours the light on its way from the visible surfaces.
+    fn record_tint(&self, recorder: &mut Recorder, scene: &GpuScene, targets: &GBufferTargets) {
+        let color = wgpu::RenderPassColorAttachment {
+            view: &targets.tint,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                store: wgpu::StoreOp::Store,
+            },
+        };
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: None,
+            stencil_ops: None,
+        };
+        recorder.render("gbuffer_pass::tint", &[Some(color)], Some(depth), |pass| {
+            self.draw(pass, scene, &self.tint_pipelines, |material| material.is_tinted);
         });
     }
+
+    /// Draws what is wanted, each with the pipeline that it needs.
+    fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        scene: &GpuScene,
+        pipelines: &BTreeMap<Variant, wgpu::RenderPipeline>,
+        is_wanted: impl Fn(&GpuMaterial) -> bool,
+    ) {
+        pass.set_bind_group(0, &self.group, &[]);
+        for (variant, pipeline) in pipelines {
+            pass.set_pipeline(pipeline);
+            for (number, draw) in scene.draws.iter().enumerate() {
+                let material = &scene.materials[draw.material];
+                if Variant::of(scene, draw) != *variant || !is_wanted(material) {
+                    continue;
+                }
+                let batch = &scene.batches[draw.batch];
+                pass.set_bind_group(1, &material.group, &[]);
+                pass.set_vertex_buffer(0, batch.positions.slice(..));
+                pass.set_vertex_buffer(1, batch.attributes.slice(..));
+                pass.set_vertex_buffer(2, batch.shading.slice(..));
+                raster::draw(pass, batch, draw, number as u32);
+            }
+        }
+    }
+}
+
+/// A texture of one white texel.
+fn white(gpu: &Gpu) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("white"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TINT_FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        &[255; 4],
+    );
+    crate::textures::view(&texture)
+}
+
+impl Variant {
+    fn of(scene: &GpuScene, draw: &SceneDraw) -> Self {
+        let material = &scene.materials[draw.material];
+        Self {
+            is_double_sided: material.is_double_sided,
+            is_layered: material.is_layered,
+            attributes: scene.batches[draw.batch].kind,
+        }
+    }
+
+    fn vertex(self) -> &'static str {
+        match self.attributes {
+            Attributes::Texcoords => "plain_vertex",
+            Attributes::All => "colored_vertex",
+        }
+    }
+
+    fn fragment(self) -> &'static str {
+        match (self.is_layered, self.attributes) {
+            (true, _) => "layered_fragment",
+            (false, Attributes::All) => "colored_fragment",
+            (false, Attributes::Texcoords) => "plain_fragment",
+        }
+    }
+}
+
+fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    view: &wgpu::Buffer,
+    scene: &GpuScene,
+) -> wgpu::BindGroup {
+    let builder = BindGroupBuilder::new(layout).buffer(view).buffer(&scene.draw_records);
+    builder.build(device, "raster view")
 }
 
 /// From the world to clip space: reversed depth without a far plane, moved by `jitter` pixels.
@@ -197,6 +352,7 @@ fn radical_inverse(mut index: u32, base: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     #[test]
     fn jitter_covers_the_pixel_evenly() {

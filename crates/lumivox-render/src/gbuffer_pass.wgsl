@@ -1,29 +1,63 @@
 // The G-buffer: what package::trace::gbuffer declares, rasterized.
 
 import package::render::draws::draws;
-import package::render::material::{
-    base_color_sampler, base_color_texture, emission_sampler, emission_texture, material,
-    metallic_roughness_sampler, metallic_roughness_texture, normal_sampler, normal_texture,
-    MASK_THRESHOLD,
-};
+import package::render::layers::{sample_layers, shade_layers, Layered};
+import package::render::material::material;
+import package::render::point::{frame_at, is_masked_out, sample_point, Point, PointFrame, PointSamples};
+import package::render::screen_door::{is_there, surface_seed};
 import package::trace::gbuffer::octahedral_encode;
 
 struct RasterView {
     clip_from_world: mat4x4f,
     position_in_world: vec3f,
-    padding: u32,
+    // Counts the frames that are accumulated.
+    frame: u32,
 }
 
 @group(0) @binding(0) var<uniform> raster_view: RasterView;
 
 struct Vertex {
-    @builtin(position) clip: vec4f,
+    // The same in all pipelines: their depths are compared.
+    @builtin(position) @invariant clip: vec4f,
     // From the camera, not from the origin: f32 then resolves the small steps between near pixels, whose
     // derivatives the geometric normal comes from.
     @location(0) from_camera: vec3f,
     @location(1) normal: vec3f,
     @location(2) tangent: vec4f,
     @location(3) texcoord: vec2f,
+    @location(4) texcoord_1: vec2f,
+    @location(5) color: vec4f,
+    @location(6) @interpolate(flat) draw: u32,
+}
+
+// What plain materials need on vertices of one set of texture coordinates.
+struct PlainFragment {
+    @location(0) from_camera: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) texcoord: vec2f,
+}
+
+// On vertices of two, with colours.
+struct ColoredFragment {
+    @location(0) from_camera: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) texcoord: vec2f,
+    @location(4) texcoord_1: vec2f,
+    @location(5) color: vec4f,
+}
+
+struct LayeredFragment {
+    @builtin(position) pixel: vec4f,
+    @builtin(front_facing) is_front: bool,
+    @location(0) from_camera: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) texcoord: vec2f,
+    @location(4) texcoord_1: vec2f,
+    @location(5) color: vec4f,
+    @location(6) @interpolate(flat) draw: u32,
 }
 
 struct Targets {
@@ -33,13 +67,14 @@ struct Targets {
     @location(3) emission: vec4f,
 }
 
-@vertex
-fn vertex_main(
-    @location(0) position: vec3f,
-    @location(1) texcoord: vec2f,
-    @location(2) normal: vec3f,
-    @location(3) tangent: vec4f,
-    @builtin(instance_index) draw: u32,
+fn transform(
+    position: vec3f,
+    normal: vec3f,
+    tangent: vec4f,
+    texcoord: vec2f,
+    texcoord_1: vec2f,
+    color: vec4f,
+    draw: u32,
 ) -> Vertex {
     let world = draws[draw].world_from_local * vec4f(position, 1.0);
     return Vertex(
@@ -48,62 +83,126 @@ fn vertex_main(
         (draws[draw].normal_from_local * vec4f(normal, 0.0)).xyz,
         vec4f((draws[draw].world_from_local * vec4f(tangent.xyz, 0.0)).xyz, tangent.w),
         texcoord,
+        texcoord_1,
+        color,
+        draw,
     );
 }
 
-// The vertex normal, bent by the normal texture if there is one.
-fn mapped_normal(vertex: Vertex, sampled: vec3f) -> vec3f {
-    let normal = normalize(vertex.normal);
-    if material.has_normal_texture == 0u {
-        return normal;
-    }
-    let local = (2.0 * sampled - 1.0) * vec3f(material.normal_scale, material.normal_scale, 1.0);
-    // glTF 2.0, section 3.7.2.1; the interpolated tangent is made orthogonal to the normal again.
-    let tangent = normalize(vertex.tangent.xyz - normal * dot(normal, vertex.tangent.xyz));
-    let bitangent = vertex.tangent.w * cross(normal, tangent);
-    return normalize(local.x * tangent + local.y * bitangent + local.z * normal);
+// Vertices of one set of texture coordinates, which stands in for the second as well.
+@vertex
+fn plain_vertex(
+    @location(0) position: vec3f,
+    @location(1) texcoord: vec2f,
+    @location(2) normal: vec3f,
+    @location(3) tangent: vec4f,
+    @builtin(instance_index) draw: u32,
+) -> Vertex {
+    return transform(position, normal, tangent, texcoord, texcoord, vec4f(1.0), draw);
 }
 
-// Towards the camera side. A smooth or mapped normal may point away from the camera where the surface itself
-// does not; nothing is seen from below, so it is lifted to the horizon.
-fn facing(normal: vec3f, to_camera: vec3f) -> vec3f {
-    let below = min(dot(normal, to_camera), 0.0);
-    return normalize(normal - below * to_camera);
+// Vertices of two sets, with colours.
+@vertex
+fn colored_vertex(
+    @location(0) position: vec3f,
+    @location(1) texcoord: vec2f,
+    @location(2) normal: vec3f,
+    @location(3) tangent: vec4f,
+    @location(4) texcoord_1: vec2f,
+    @location(5) color: vec4f,
+    @builtin(instance_index) draw: u32,
+) -> Vertex {
+    return transform(position, normal, tangent, texcoord, texcoord_1, color, draw);
+}
+
+fn encode_normals(frame: PointFrame) -> vec4f {
+    return vec4f(octahedral_encode(frame.shading), octahedral_encode(frame.geometric));
+}
+
+fn plain_targets(point: Point) -> Targets {
+    let samples = sample_point(point);
+    if is_masked_out(samples.base) {
+        discard;
+    }
+    let lit = select(1.0, 0.0, material.unlit_radiance > 0.0);
+    let diffuse = samples.base.rgb * ((1.0 - samples.metallic) * lit);
+    let f0 = mix(material.dielectric_f0, samples.base.rgb, samples.metallic);
+    return Targets(
+        encode_normals(frame_at(point, samples)),
+        vec4f(diffuse, 1.0),
+        vec4f(f0, samples.roughness),
+        vec4f(samples.emission, 1.0),
+    );
 }
 
 @fragment
-fn fragment_main(vertex: Vertex) -> Targets {
-    // All samples come before the first branch: derivatives need uniform control flow.
-    let base = material.base_color
-        * textureSample(base_color_texture, base_color_sampler, vertex.texcoord);
-    let metallic_roughness = textureSample(
-        metallic_roughness_texture, metallic_roughness_sampler, vertex.texcoord);
-    let sampled_normal = textureSample(normal_texture, normal_sampler, vertex.texcoord).xyz;
-    let emission = material.emission
-        * textureSample(emission_texture, emission_sampler, vertex.texcoord).rgb;
-    // The screen's y points down, so this order faces the camera: a triangle's plane is exact in its
-    // derivatives, at its edges too, where the rest of a quad is extrapolated.
-    let plane = cross(dpdy(vertex.from_camera), dpdx(vertex.from_camera));
-    if material.is_masked != 0u && base.a < MASK_THRESHOLD {
+fn plain_fragment(fragment: PlainFragment) -> Targets {
+    return plain_targets(Point(
+        fragment.from_camera,
+        fragment.normal,
+        fragment.tangent,
+        fragment.texcoord.xyxy,
+        vec4f(1.0),
+    ));
+}
+
+@fragment
+fn colored_fragment(fragment: ColoredFragment) -> Targets {
+    return plain_targets(Point(
+        fragment.from_camera,
+        fragment.normal,
+        fragment.tangent,
+        vec4f(fragment.texcoord, fragment.texcoord_1),
+        fragment.color,
+    ));
+}
+
+struct LayeredPoint {
+    samples: PointSamples,
+    frame: PointFrame,
+    layered: Layered,
+}
+
+fn layered_point(fragment: LayeredFragment) -> LayeredPoint {
+    let point = Point(
+        fragment.from_camera,
+        fragment.normal,
+        fragment.tangent,
+        vec4f(fragment.texcoord, fragment.texcoord_1),
+        fragment.color,
+    );
+    let samples = sample_point(point);
+    let layers = sample_layers(point.texcoords);
+    let frame = frame_at(point, samples);
+    let cos_view = saturate(dot(frame.shading, frame.to_camera));
+    let layered = shade_layers(layers, samples.base, samples.metallic, samples.emission, cos_view);
+    return LayeredPoint(samples, frame, layered);
+}
+
+@fragment
+fn layered_fragment(fragment: LayeredFragment) -> Targets {
+    let point = layered_point(fragment);
+    let layered = point.layered;
+    let seed = surface_seed(fragment.draw, fragment.is_front, length(fragment.from_camera));
+    if is_masked_out(point.samples.base)
+        || !is_there(layered.coverage, vec2u(fragment.pixel.xy), seed, raster_view.frame) {
         discard;
     }
+    return Targets(
+        encode_normals(point.frame),
+        vec4f(layered.diffuse, 1.0 - layered.coat_strength),
+        vec4f(layered.f0, point.samples.roughness),
+        vec4f(layered.emission, layered.coat_roughness),
+    );
+}
 
-    let to_camera = -normalize(vertex.from_camera);
-    let smooth_normal = normalize(vertex.normal);
-    let plane_size = length(plane);
-    // Where a triangle is too small for its derivatives, the vertex normal has to do.
-    var geometric = select(plane / plane_size, smooth_normal, plane_size < 1e-30);
-    geometric = select(-geometric, geometric, dot(geometric, to_camera) >= 0.0);
-    // Seen from behind, the whole shading frame turns over.
-    let side = select(-1.0, 1.0, dot(smooth_normal, geometric) >= 0.0);
-    let shading = facing(side * mapped_normal(vertex, sampled_normal), to_camera);
-
-    let metallic = material.metallic * metallic_roughness.b;
-    let roughness = material.roughness * metallic_roughness.g;
-    var targets: Targets;
-    targets.normals = vec4f(octahedral_encode(shading), octahedral_encode(geometric));
-    targets.diffuse = vec4f(base.rgb * (1.0 - metallic), 1.0);
-    targets.specular = vec4f(mix(material.dielectric_f0, base.rgb, metallic), roughness);
-    targets.emission = vec4f(emission, 1.0);
-    return targets;
+// After the G-buffer: what is nearer than the surface that a pixel shows was not there in this frame, or it would
+// be the one. So the light passed it.
+@fragment
+fn tint_fragment(fragment: LayeredFragment) -> @location(0) vec4f {
+    let point = layered_point(fragment);
+    if is_masked_out(point.samples.base) {
+        discard;
+    }
+    return vec4f(point.layered.tint, 1.0);
 }

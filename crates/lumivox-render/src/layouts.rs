@@ -32,7 +32,7 @@ fn structs_lie_in_memory_alike() {
     use crate::gbuffer_pass::RasterView;
     use crate::shadow_maps::ShadowView;
     use crate::tone_map::ToneMapSettings;
-    use crate::upload::{DrawRecord, MaterialRecord};
+    use crate::upload::{DrawRecord, MaterialRecord, TexturePlace};
     use crate::voxel_view::VoxelViewSettings;
 
     let [library, _] = libraries();
@@ -47,7 +47,7 @@ fn structs_lie_in_memory_alike() {
         library,
         "render::gbuffer_pass",
         "RasterView",
-        RasterView { clip_from_world, position_in_world }
+        RasterView { clip_from_world, position_in_world, frame }
     );
     assert_layout!(library, "render::shadow_maps", "ShadowView", ShadowView { clip_from_world });
     assert_layout!(
@@ -72,10 +72,25 @@ fn structs_lie_in_memory_alike() {
             normal_scale,
             dielectric_f0,
             roughness,
+            sheen_color,
+            sheen_roughness,
             metallic,
             has_normal_texture,
-            is_masked,
+            mask_threshold,
+            unlit_radiance,
+            specular_factor,
+            coat_strength,
+            coat_roughness,
+            transmission,
+            is_blended,
+            places,
         }
+    );
+    assert_layout!(
+        library,
+        "render::material",
+        "TexturePlace",
+        TexturePlace { u_row, texcoord_set, v_row }
     );
     assert_layout!(
         library,
@@ -93,8 +108,8 @@ fn every_shader_is_valid() {
             let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             entry_points += module.entry_points.len();
         }
-        // Five compute kernels; two vertex shaders and a fragment shader for shadows; one each for
+        // Five compute kernels; three vertex and two fragment shaders for shadows; two and four for
         // the G-buffer.
-        assert_eq!(entry_points, 10);
+        assert_eq!(entry_points, 16);
     }
 }

@@ -26,6 +26,7 @@ pub mod accumulate;
 pub mod composite;
 pub mod direct;
 mod error;
+mod estimate;
 pub mod gbuffer_pass;
 mod gpu;
 mod image;
@@ -47,6 +48,7 @@ pub mod voxel_view;
 mod layouts;
 
 pub use error::RenderError;
+pub use estimate::MemoryEstimate;
 pub use gpu::{Gpu, GpuOptions, describe};
 pub use image::{ImageFormat, Picture};
 pub use memory::MemoryUse;

@@ -1,6 +1,6 @@
 //! What the passes that rasterize share: vertex layouts, reversed depth, draws.
 
-use crate::upload::{SceneDraw, Shading, VertexBuffers};
+use crate::upload::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers};
 
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -8,6 +8,8 @@ const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float
 const TEXCOORD: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x2];
 const SHADING: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x4];
+const ALL: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![1 => Float32x2, 4 => Float32x2, 5 => Unorm16x4];
 
 const fn stream<T>(
     attributes: &'static [wgpu::VertexAttribute],
@@ -19,16 +21,17 @@ const fn stream<T>(
     }
 }
 
-type Streams<const N: usize> = [Option<wgpu::VertexBufferLayout<'static>>; N];
+/// Vertex buffers by their slots: positions, attributes, normals and tangents.
+pub(crate) type Streams = [Option<wgpu::VertexBufferLayout<'static>>; 3];
 
-pub(crate) const POSITIONS_ONLY: Streams<1> = [Some(stream::<[f32; 3]>(&POSITION))];
-pub(crate) const POSITIONS_AND_TEXCOORDS: Streams<2> =
-    [Some(stream::<[f32; 3]>(&POSITION)), Some(stream::<[f32; 2]>(&TEXCOORD))];
-pub(crate) const ALL_STREAMS: Streams<3> = [
-    Some(stream::<[f32; 3]>(&POSITION)),
-    Some(stream::<[f32; 2]>(&TEXCOORD)),
-    Some(stream::<Shading>(&SHADING)),
-];
+/// All that a batch of those attributes has.
+pub(crate) const fn streams(attributes: Attributes) -> Streams {
+    let attributes = match attributes {
+        Attributes::Texcoords => stream::<[f32; 2]>(&TEXCOORD),
+        Attributes::All => stream::<AllAttributes>(&ALL),
+    };
+    [Some(stream::<[f32; 3]>(&POSITION)), Some(attributes), Some(stream::<Shading>(&SHADING))]
+}
 
 /// A pipeline that draws triangles against a reversed depth buffer: what is nearer is greater.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +44,8 @@ pub(crate) struct RasterPipeline<'a> {
     pub(crate) vertex_buffers: &'a [Option<wgpu::VertexBufferLayout<'static>>],
     pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
     pub(crate) cull_mode: Option<wgpu::Face>,
+    /// Whether what is drawn hides what lies behind.
+    pub(crate) writes_depth: bool,
 }
 
 impl RasterPipeline<'_> {
@@ -67,7 +72,7 @@ impl RasterPipeline<'_> {
             },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
+                depth_write_enabled: Some(self.writes_depth),
                 depth_compare: Some(wgpu::CompareFunction::Greater),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),

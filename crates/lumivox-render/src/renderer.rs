@@ -1,10 +1,9 @@
 //! A scene rendered to a picture, pass by pass.
 
-use lumivox::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
-use lumivox::{
-    EnvironmentLight, EnvironmentMap, Gi, GiConfig, Grid, Lights, Panorama, ShadowMaps,
-    VoxelizeStats,
-};
+mod prepare;
+
+use lumivox::gpu::{Recorder, StageTime, Timing};
+use lumivox::{EnvironmentMap, Gi, GiConfig, Grid, Lights, VoxelizeStats};
 use lumivox_scene::{Camera, Scene};
 
 use crate::composite::CompositePass;
@@ -16,10 +15,12 @@ use crate::shadow_maps::ShadowMapPass;
 use crate::targets::Targets;
 use crate::times::Times;
 use crate::tone_map::Encoding;
-use crate::upload::{GpuScene, Lighting, corners, radiance_unit};
+use crate::upload::{GpuScene, Lighting, corners, radiance_unit_within};
 use crate::{
-    COST_SCALE_SAMPLES, Gpu, Picture, RenderError, RenderSettings, ShadowMethod, ToneMap, View,
+    COST_SCALE_SAMPLES, Exposure, Gpu, Picture, RenderError, RenderSettings, ShadowMethod, ToneMap,
+    View,
 };
+use prepare::{bind_lights, environment_map, upload};
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,10 +44,12 @@ pub struct Renderer {
     lights: Lights,
     voxels: VoxelizeStats,
     gbuffer: GBufferPass,
+    shadow_pass: Option<ShadowMapPass>,
     direct: DirectPass,
     composite: CompositePass,
     targets: Targets,
-    light_bytes: [u64; 2],
+    environment: Option<EnvironmentMap>,
+    shadow_bytes: u64,
     times: Times,
 }
 
@@ -67,21 +70,23 @@ impl Renderer {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
-        let bounds = scene.bounds();
+        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.bounds());
         let camera = camera.or(scene.cameras.first()).cloned();
-        let camera = camera.unwrap_or_else(|| Camera::framing(bounds));
+        let camera = camera.unwrap_or_else(|| {
+            scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
+        });
+        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        validate_level(settings.voxel_level, &grid)?;
         let mut times = Times::default();
 
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
-        let unit = radiance_unit(scene, &lighting);
-        let scene = GpuScene::new(gpu, scene, unit)?;
-        gpu.check("uploading the scene")?;
+        let unit = radiance_unit_within(bounds, scene, &lighting);
+        let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
+        scene.bounds = bounds;
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
-        validate_level(settings.voxel_level, &grid)?;
         let config = GiConfig { grid, directionality: settings.directionality };
         let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
         let voxelized = gi.voxelize(&scene.geometry, settings.timing).await?;
@@ -91,9 +96,21 @@ impl Renderer {
 
         progress(Progress { stage: "light", done: 0, total: 1 });
         let shaders = crate::shaders::library(gi.shaders());
+        let shadow_pass = match settings.shadows {
+            ShadowMethod::Map => Some(ShadowMapPass::new(&gpu.device, &shaders, &scene)?),
+            ShadowMethod::Cone => None,
+        };
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
-        let (lights, light_bytes) =
-            bind_lights(gpu, &mut recorder, &shaders, &scene, &lighting, &gi, &settings)?;
+        let map = environment_map(gpu, &lighting)?;
+        let (lights, shadow_bytes) = bind_lights(
+            gpu,
+            &mut recorder,
+            shadow_pass.as_ref(),
+            &scene,
+            (&lighting, map.as_ref()),
+            &gi,
+            settings.shadow_resolution,
+        );
         if settings.timing != Timing::Off {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
@@ -111,7 +128,9 @@ impl Renderer {
         let composite = CompositePass::new(&gpu.device, &shaders, &gi)?;
         let passes = (&direct, &composite);
         let resolution = settings.trace.resolution;
-        let targets = Targets::new(gpu, &shaders, &gi, passes, settings.size, resolution).await?;
+        let is_tinted = scene.is_tinted();
+        let targets =
+            Targets::new(gpu, &shaders, &gi, passes, settings.size, resolution, is_tinted).await?;
         gpu.check("making the picture's textures")?;
         Ok(Self {
             gpu: gpu.clone(),
@@ -122,12 +141,67 @@ impl Renderer {
             lights,
             voxels: voxelized.stats,
             gbuffer,
+            shadow_pass,
             direct,
             composite,
             targets,
-            light_bytes,
+            environment: map,
+            shadow_bytes,
             times,
         })
+    }
+
+    /// Shows the same scene in another pose; the mean starts anew. The camera stays.
+    ///
+    /// Vertices and transforms are uploaded, voxelized and lit again. All else stays: pipelines,
+    /// textures, targets, the grid, the unit of radiance and the environment's map. So a scene that moves out of the grid
+    /// loses what is outside; give [`RenderSettings::grid_bounds`] when the renderer is made.
+    /// `progress` hears of the stages `upload`, `voxelize` and `light`.
+    ///
+    /// # Errors
+    /// When it is another scene, of other materials; when nothing of it lies in the grid, something
+    /// does not fit the device, or the device fails.
+    pub async fn set_scene(
+        &mut self,
+        scene: &Scene,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        let Self { gpu, settings, gi, .. } = self;
+        progress(Progress { stage: "upload", done: 0, total: 1 });
+        let lighting = Lighting::of(scene);
+        self.scene.repose(gpu, scene)?;
+        self.gbuffer.set_scene(&gpu.device, &self.scene);
+        if let Some(pass) = &mut self.shadow_pass {
+            pass.set_scene(&gpu.device, &self.scene);
+        }
+        gpu.check("uploading the scene")?;
+        progress(Progress { stage: "upload", done: 1, total: 1 });
+
+        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+        let voxelized = gi.voxelize(&self.scene.geometry, settings.timing).await?;
+        self.voxels = voxelized.stats;
+        self.times.add(voxelized.times);
+        gpu.check("voxelizing")?;
+        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+
+        progress(Progress { stage: "light", done: 0, total: 1 });
+        let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
+        (self.lights, self.shadow_bytes) = bind_lights(
+            gpu,
+            &mut recorder,
+            self.shadow_pass.as_ref(),
+            &self.scene,
+            (&lighting, self.environment.as_ref()),
+            gi,
+            settings.shadow_resolution,
+        );
+        recorder.stage("light");
+        gi.light(&mut recorder, &self.lights, settings.bounces, &settings.trace)?;
+        self.times.add(recorder.finish().await?);
+        gpu.wait("lighting the voxels")?;
+        progress(Progress { stage: "light", done: 1, total: 1 });
+        self.targets.accumulate.reset();
+        Ok(())
     }
 
     /// Renders all frames that the settings ask for and are not there yet, and finishes the picture.
@@ -178,7 +252,7 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            self.gbuffer.record(&mut recorder, scene, textures, clip_from_world, position);
+            self.gbuffer.record(&mut recorder, scene, textures, &view);
             if settings.view.needs_direct() {
                 recorder.stage("direct light");
                 self.direct.record(&mut recorder, gi, lights, &targets.gbuffer, &targets.direct);
@@ -256,6 +330,11 @@ impl Renderer {
         self.targets.accumulate.reset();
     }
 
+    /// Changes how pictures are exposed from now on; the frames so far stay.
+    pub fn set_exposure(&mut self, exposure: Exposure) {
+        self.settings.exposure = exposure;
+    }
+
     /// Changes what is shown; the mean starts anew. The level is that of [`View::Voxels`].
     ///
     /// # Errors
@@ -296,8 +375,8 @@ impl Renderer {
     /// GPU memory by what it holds.
     pub fn memory(&self) -> Vec<MemoryUse> {
         let mut memory = self.scene.memory.clone();
-        let [shadow_bytes, environment_bytes] = self.light_bytes;
-        memory.push(MemoryUse::new("shadow maps", shadow_bytes));
+        memory.push(MemoryUse::new("shadow maps", self.shadow_bytes));
+        let environment_bytes = self.environment.as_ref().map_or(0, EnvironmentMap::memory);
         memory.push(MemoryUse::new("environment", environment_bytes));
         let gi = self.gi.memory();
         memory.extend(gi.into_iter().map(|(name, bytes)| MemoryUse::new(name, bytes)));
@@ -328,41 +407,4 @@ fn validate_level(level: u32, grid: &Grid) -> Result<(), RenderError> {
         value: level.to_string(),
         expected: format!("from 0 to {}", grid.levels - 1),
     })
-}
-
-/// Uploads the environment's map, renders shadow maps if asked for, and binds the lights. Also the bytes
-/// of the shadow maps and of the environment's.
-fn bind_lights(
-    gpu: &Gpu,
-    recorder: &mut Recorder,
-    shaders: &ShaderLibrary,
-    scene: &GpuScene,
-    lighting: &Lighting,
-    gi: &Gi,
-    settings: &RenderSettings,
-) -> Result<(Lights, [u64; 2]), RenderError> {
-    let mut lights = lighting.to_gpu(scene.radiance_unit);
-    let radiance = lighting.environment.radiance / scene.radiance_unit;
-    let rotation_rad = lighting.environment.rotation_rad;
-    let map = match &lighting.environment.map {
-        Some(map) => {
-            let panorama = Panorama { width: map.width, height: map.height, rgb: &map.rgb };
-            Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?)
-        }
-        None => None,
-    };
-    // Its brightest parts shine like lamps, and have the first choice of shadow maps.
-    let peaks = map.iter().flat_map(|map| map.lights(radiance, rotation_rad));
-    lights.splice(0..0, peaks);
-    let mut maps: Option<ShadowMaps> = None;
-    if settings.shadows == ShadowMethod::Map {
-        recorder.stage("shadow maps");
-        let pass = ShadowMapPass::new(&gpu.device, shaders, &scene.material_layout)?;
-        maps = pass.record(gpu, recorder, scene, &mut lights, settings.shadow_resolution);
-    }
-    let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);
-    let bytes = maps.as_ref().map_or(0, |maps| maps.layers.len() as u64 * layer_bytes);
-    let environment = EnvironmentLight { radiance, map: map.as_ref(), rotation_rad };
-    let environment_bytes = map.as_ref().map_or(0, EnvironmentMap::memory);
-    Ok((gi.bind_lights(&lights, environment, maps.as_ref()), [bytes, environment_bytes]))
 }

@@ -3,6 +3,7 @@
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::{Directionality, TraceSettings};
+use lumivox_scene::Bounds;
 
 use crate::RenderError;
 
@@ -186,6 +187,10 @@ pub struct RenderSettings {
     /// Shift of the voxel grid in voxels, each at least 0 and below 1. Default: 0. Errors depend on
     /// where walls fall in the grid, so measurements try several.
     pub grid_offset: Vec3,
+    /// The box that the grid and the shadow maps are fitted to. Default: `None`, the scene's own bounds.
+    /// A scene that moves needs the union over all its poses: a grid that follows a pose would make the
+    /// light flicker. What lies outside has no voxels.
+    pub grid_bounds: Option<Bounds>,
     /// Whether voxels keep a radiance for each direction. Default: six lobes.
     pub directionality: Directionality,
     /// The cones.
@@ -222,6 +227,7 @@ impl Default for RenderSettings {
             size: UVec2::new(640, 360),
             resolution: 128,
             grid_offset: Vec3::ZERO,
+            grid_bounds: None,
             directionality: Directionality::default(),
             trace: TraceSettings::default(),
             bounces: 4,

@@ -5,6 +5,10 @@
 //! Depth is reversed (1 near, 0 far) and, in perspective, without a far plane: a float's precision
 //! then falls off as perspective's own (Reed 2015, "Depth precision visualized"). Both sides of every
 //! triangle cast shadows; the receiver is moved off its surface instead (`light/shadow_map.wgsl`).
+//! What lets a share of the light pass leaves that share of the texels free, in a pattern that the
+//! filter evens out.
+
+use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse};
@@ -16,10 +20,10 @@ use lumivox_scene::Bounds;
 
 use crate::Gpu;
 use crate::raster::{self, RasterPipeline};
-use crate::upload::{GpuScene, Presence, corners};
+use crate::upload::{Attributes, GpuScene, Presence, SceneDraw, corners};
 
 /// The most memory that all layers may take together.
-const MAX_BYTES: u64 = 256 << 20;
+pub(crate) const MAX_BYTES: u64 = 256 << 20;
 /// The most layers: ten point lights.
 const MAX_LAYERS: u32 = 64;
 /// Layers see this many texels more on each side: the filter reaches 1.5 texels over a receiver that
@@ -41,47 +45,96 @@ pub(crate) struct ShadowView {
 /// Renders shadow maps.
 #[derive(Debug)]
 pub struct ShadowMapPass {
+    module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
-    solid: wgpu::RenderPipeline,
-    masked: wgpu::RenderPipeline,
+    /// Those that the scene needs.
+    pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
+}
+
+/// What a pipeline is made for; draws come in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Variant {
+    /// Positions are enough.
+    Solid,
+    /// By the threshold of its alpha.
+    Masked(Attributes),
+    /// By the share that it covers.
+    Partial(Attributes),
+}
+
+impl Variant {
+    fn of(scene: &GpuScene, draw: &SceneDraw) -> Self {
+        let attributes = scene.batches[draw.batch].kind;
+        match scene.materials[draw.material].presence {
+            Presence::Masked => Self::Masked(attributes),
+            Presence::Partial => Self::Partial(attributes),
+            Presence::Whole | Presence::Absent => Self::Solid,
+        }
+    }
+
+    fn create(
+        self,
+        device: &wgpu::Device,
+        module: &wgpu::ShaderModule,
+        layout: &wgpu::BindGroupLayout,
+        material_layout: &wgpu::BindGroupLayout,
+    ) -> wgpu::RenderPipeline {
+        let groups = [layout, material_layout];
+        let (fragment, attributes, groups) = match self {
+            Self::Solid => (None, None, &groups[..1]),
+            Self::Masked(attributes) => (Some("masked_fragment"), Some(attributes), &groups[..]),
+            Self::Partial(attributes) => (Some("partial_fragment"), Some(attributes), &groups[..]),
+        };
+        let streams = raster::streams(attributes.unwrap_or_default());
+        let vertex = match attributes {
+            None => "solid_vertex",
+            Some(Attributes::Texcoords) => "plain_vertex",
+            Some(Attributes::All) => "colored_vertex",
+        };
+        RasterPipeline {
+            label: "shadow maps",
+            module,
+            vertex,
+            fragment,
+            targets: &[],
+            // Normals have no part in it.
+            vertex_buffers: &streams[..if attributes.is_some() { 2 } else { 1 }],
+            groups,
+            cull_mode: None,
+            writes_depth: true,
+        }
+        .create(device)
+    }
 }
 
 impl ShadowMapPass {
-    /// Makes the pipelines.
+    /// Makes the pipelines for a scene.
     ///
     /// # Errors
     /// When the shader does not link.
     pub fn new(
         device: &wgpu::Device,
         shaders: &ShaderLibrary,
-        material_layout: &wgpu::BindGroupLayout,
+        scene: &GpuScene,
     ) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::new(wgpu::ShaderStages::VERTEX)
             .uniform()
             .storage()
             .build(device, "shadow view");
         let (module, _) = shaders.create(device, "render::shadow_maps")?;
-        let base = RasterPipeline {
-            label: "shadow maps",
-            module: &module,
-            vertex: "solid_vertex",
-            fragment: None,
-            targets: &[],
-            vertex_buffers: &raster::POSITIONS_ONLY,
-            groups: &[&layout],
-            cull_mode: None,
-        };
-        let solid = base.create(device);
-        let masked = RasterPipeline {
-            label: "shadow maps, masked",
-            vertex: "masked_vertex",
-            fragment: Some("masked_fragment"),
-            vertex_buffers: &raster::POSITIONS_AND_TEXCOORDS,
-            groups: &[&layout, material_layout],
-            ..base
+        let mut pass = Self { module, layout, pipelines: BTreeMap::new() };
+        pass.set_scene(device, scene);
+        Ok(pass)
+    }
+
+    /// Takes up another pose of the scene that it was made for: what was hidden may be there now.
+    pub(crate) fn set_scene(&mut self, device: &wgpu::Device, scene: &GpuScene) {
+        for draw in &scene.draws {
+            let variant = Variant::of(scene, draw);
+            self.pipelines.entry(variant).or_insert_with(|| {
+                variant.create(device, &self.module, &self.layout, &scene.material_layout)
+            });
         }
-        .create(device);
-        Ok(Self { layout, solid, masked })
     }
 
     /// Renders the shadow maps of `lights` and tells each light its layers; lights that find no room
@@ -144,27 +197,27 @@ impl ShadowMapPass {
             ..Default::default()
         });
         let seen: Vec<_> = scene
-            .casters()
+            .draws
+            .iter()
+            .enumerate()
             .filter(|(_, draw)| may_be_seen(layer.clip_from_world, draw.bounds))
             .collect();
         let depth = raster::depth_attachment(&target);
         recorder.render("shadow_maps", &[], Some(depth), |pass| {
             pass.set_bind_group(0, &group, &[]);
-            for presence in [Presence::Whole, Presence::Masked] {
-                let is_masked = presence == Presence::Masked;
-                pass.set_pipeline(if is_masked { &self.masked } else { &self.solid });
+            for (variant, pipeline) in &self.pipelines {
+                pass.set_pipeline(pipeline);
                 for (number, draw) in &seen {
-                    let material = &scene.materials[draw.material];
-                    if material.presence != presence {
+                    if Variant::of(scene, draw) != *variant {
                         continue;
                     }
                     let batch = &scene.batches[draw.batch];
                     pass.set_vertex_buffer(0, batch.positions.slice(..));
-                    if is_masked {
-                        pass.set_bind_group(1, &material.group, &[]);
-                        pass.set_vertex_buffer(1, batch.texcoords.slice(..));
+                    if *variant != Variant::Solid {
+                        pass.set_bind_group(1, &scene.materials[draw.material].group, &[]);
+                        pass.set_vertex_buffer(1, batch.attributes.slice(..));
                     }
-                    raster::draw(pass, batch, draw, *number);
+                    raster::draw(pass, batch, draw, *number as u32);
                 }
             }
         });

@@ -8,6 +8,7 @@ use crate::accumulate::AccumulatePass;
 use crate::composite::{CompositePass, CompositeTargets};
 use crate::direct::{DirectPass, DirectTargets};
 use crate::gbuffer_pass::GBufferTargets;
+use crate::memory::available_memory;
 use crate::textures::ScreenTextures;
 use crate::tone_map::ToneMapPass;
 use crate::voxel_view::VoxelViewPass;
@@ -30,10 +31,12 @@ pub(crate) struct Targets {
 
 /// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
 /// resolution 16 + 20 / 4), picture and mean 48, screen 4.
-const BYTES_PER_PIXEL: u64 = 116;
+pub(crate) const BYTES_PER_PIXEL: u64 = 116;
+/// And of the tint, where there is coloured glass.
+pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
 
 impl Targets {
-    /// Makes everything.
+    /// Makes everything; `is_tinted` says whether the scene has coloured glass.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`] when the device has not the memory, and when a shader does not link.
@@ -44,19 +47,21 @@ impl Targets {
         passes: (&DirectPass, &CompositePass),
         size: UVec2,
         resolution: TraceResolution,
+        is_tinted: bool,
     ) -> Result<Self, RenderError> {
-        let needed = u64::from(size.x) * u64::from(size.y) * BYTES_PER_PIXEL;
+        let tint = if is_tinted { TINT_BYTES_PER_PIXEL } else { 0 };
+        let needed = u64::from(size.x) * u64::from(size.y) * (BYTES_PER_PIXEL + tint);
         let too_large = || RenderError::OutOfMemory {
             what: format!("a picture of {}x{}", size.x, size.y),
             needed_mib: needed >> 20,
-            remedy: "ask for a smaller picture",
+            remedy: "ask for a smaller picture".to_owned(),
         };
         // Software drivers hand out memory that they do not have, and the system then ends the process.
         if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {
             return Err(too_large());
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let targets = Self::create(gpu, shaders, gi, passes, size, resolution);
+        let targets = Self::create(gpu, shaders, gi, passes, size, resolution, is_tinted);
         if scope.pop().await.is_some() {
             return Err(too_large());
         }
@@ -70,10 +75,11 @@ impl Targets {
         (direct, composite): (&DirectPass, &CompositePass),
         size: UVec2,
         resolution: TraceResolution,
+        is_tinted: bool,
     ) -> Result<Self, RenderError> {
         let device = &gpu.device;
         let mut textures = ScreenTextures::new(device, size);
-        let gbuffer_textures = GBufferTargets::new(&mut textures);
+        let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
         let view = lumivox::View {
             clip_from_world: Mat4::IDENTITY,
             position: glam::Vec3::ZERO,
@@ -83,7 +89,8 @@ impl Targets {
         let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
         let direct = direct.targets(device, &mut textures);
         let traced = gi.targets(size, resolution);
-        let composite = composite.targets(device, &mut textures, &direct, &traced);
+        let composite =
+            composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
         let voxel_view = VoxelViewPass::new(device, shaders, gi, &composite)?;
         let accumulate =
             AccumulatePass::new(device, shaders, &mut textures, size, &composite.picture)?;
@@ -101,11 +108,4 @@ impl Targets {
             bytes,
         })
     }
-}
-
-/// Bytes of main memory that are free for use; `None` where the system does not tell.
-fn available_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
 }

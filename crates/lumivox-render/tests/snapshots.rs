@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use common::{builtin, gpu, picture, renderer};
+use common::{builtin, gpu, picture, renderer, zoo};
 use glam::UVec2;
 use image::RgbImage;
 use lumivox::{Directionality, TraceResolution, TraceSettings};
@@ -53,6 +53,16 @@ fn scenes() -> Vec<Snapshot> {
         .filter(|name| !name.ends_with("-rotated") || *name == "cornell-rotated")
         .map(|scene| Snapshot { name: scene.to_owned(), scene, settings: small() })
         .collect()
+}
+
+/// One of every material.
+fn materials() -> Vec<Snapshot> {
+    vec![Snapshot {
+        name: "materials".to_owned(),
+        scene: "materials",
+        // Transparency and glossy lobes are drawn: more frames than where nothing is.
+        settings: RenderSettings { frames: 16, ..small() },
+    }]
 }
 
 /// Views other than the final one. Normals along an axis have components of 0, which lie right between two
@@ -98,6 +108,11 @@ fn scenes_look_as_before() {
 }
 
 #[test]
+fn materials_look_as_before() {
+    check(materials());
+}
+
+#[test]
 fn views_look_as_before() {
     check(views());
 }
@@ -110,7 +125,7 @@ fn variants_look_as_before() {
 /// A reference that no test reads would stay for ever.
 #[test]
 fn every_reference_is_in_use() {
-    let snapshots = [scenes(), views(), variants()].into_iter().flatten();
+    let snapshots = [scenes(), materials(), views(), variants()].into_iter().flatten();
     let known: BTreeSet<String> = snapshots.map(|snapshot| snapshot.name).collect();
     if is_blessing() {
         // The folder may be another test's to make, a moment from now.
@@ -153,7 +168,8 @@ fn check(snapshots: Vec<Snapshot>) {
     let gpu = gpu();
     let mut failures = Vec::new();
     for Snapshot { name, scene, settings } in snapshots {
-        let picture = picture(&mut renderer(&gpu, &builtin(scene), settings));
+        let scene = if scene == "materials" { zoo::scene() } else { builtin(scene) };
+        let picture = picture(&mut renderer(&gpu, &scene, settings));
         let rgb = picture.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let actual = RgbImage::from_raw(picture.size.x, picture.size.y, rgb);
         let actual = actual.expect("three bytes a pixel");

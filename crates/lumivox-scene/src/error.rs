@@ -10,8 +10,8 @@ pub enum SceneError {
     /// The file's extension is none that is read here.
     #[error(
         "{}: cannot tell the format from the extension \"{extension}\"; \
-         give a .gltf, .glb, .obj, .ply or .stl file",
-        file.display()
+         give a {} file",
+        file.display(), crate::extensions_in_words()
     )]
     UnknownFormat {
         /// The file asked for.

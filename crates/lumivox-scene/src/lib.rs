@@ -27,6 +27,7 @@
 pub mod builtin;
 mod environment;
 mod error;
+mod framing;
 mod load;
 mod model;
 mod pose;
@@ -35,7 +36,10 @@ mod validate;
 
 pub use environment::sky;
 pub use error::SceneError;
-pub use load::{FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis};
+pub use framing::{DefaultLight, Framing};
+pub use load::{
+    EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words,
+};
 pub use model::{
     AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,

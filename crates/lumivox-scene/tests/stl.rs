@@ -176,7 +176,7 @@ fn the_budget_is_kept_with_numbers() {
         let mut options = LoadOptions { budget, ..LoadOptions::default() };
         let error = Scene::load_with(&path, &mut options).unwrap_err();
         assert!(matches!(&error, SceneError::TooLarge { .. }), "{error}");
-        assert!(error.to_string().contains("budget is 1 MiB"), "{error}");
+        assert!(error.to_string().contains("budget is 1.0 MiB"), "{error}");
     }
 }
 

@@ -29,7 +29,9 @@ mod voxelize;
 pub mod voxels;
 
 pub use error::GiError;
-pub use geometry::{Draw, Geometry, GeometryBatch, SurfaceMaterial};
+pub use geometry::{
+    Draw, Geometry, GeometryBatch, SurfaceMaterial, SurfaceTexture, VertexAttributes,
+};
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{EnvironmentLight, EnvironmentMap, Panorama, Peak};

@@ -73,7 +73,7 @@ impl SceneBuilder {
         let indices: Vec<u32> = (0..self.positions.len() as u32).collect();
         let batch = GeometryBatch {
             positions: buffer(bytemuck::cast_slice(&self.positions)),
-            texcoords: None,
+            attributes: None,
             indices: buffer(bytemuck::cast_slice(&indices)),
             draws: self.draws,
         };

@@ -1,5 +1,7 @@
 //! Which camera to look through.
 
+use std::fmt;
+
 use anyhow::bail;
 use glam::Vec3;
 use lumivox_scene::{Camera, Scene};
@@ -8,11 +10,13 @@ use super::Refused;
 use super::number::{in_range, some};
 use crate::exit::Failure;
 
-/// The name of the view from outside that every scene has, whatever its cameras.
+/// The name of the view that every scene has, whatever its cameras: see
+/// [`Scene::default_camera`].
 pub const FRAMING: &str = "framing";
 
 const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
-const DEFAULT_FOV_DEG: f32 = 45.0;
+/// Vertical field of view of cameras that do not tell theirs, degrees.
+pub const DEFAULT_FOV_DEG: f32 = 45.0;
 
 /// A camera, as the command line names it.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +34,19 @@ pub enum CameraChoice {
         /// The angle between the bottom and the top of the picture.
         vertical_fov_rad: f32,
     },
+}
+
+impl fmt::Display for CameraChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Name(name) => f.write_str(name),
+            Self::Index(index) => index.fmt(f),
+            Self::LookAt { position: p, target: t, vertical_fov_rad } => {
+                let fov_deg = vertical_fov_rad.to_degrees();
+                write!(f, "{},{},{},{},{},{},{fov_deg}", p.x, p.y, p.z, t.x, t.y, t.z)
+            }
+        }
+    }
 }
 
 /// A name, an index, or `PX,PY,PZ,TX,TY,TZ[,FOV_DEG]`.
@@ -67,20 +84,23 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
     Ok(CameraChoice::LookAt { position, target, vertical_fov_rad: fov_deg.to_radians() })
 }
 
-/// The camera chosen, or without a choice the scene's first, or a view from outside where it has
-/// none.
+/// The camera chosen, or without a choice the scene's first, or where it has none the one that
+/// shows it best in a picture of this aspect (width over height).
 ///
 /// # Errors
 /// When the scene has no such camera; the message lists those that it has.
-pub fn resolve(choice: Option<&CameraChoice>, scene: &Scene) -> anyhow::Result<Camera> {
-    let framing = || Camera::framing(scene.bounds());
+pub fn resolve(
+    choice: Option<&CameraChoice>,
+    scene: &Scene,
+    aspect: f32,
+) -> anyhow::Result<Camera> {
+    let framing = || scene.default_camera(aspect);
     let found = match choice {
         None => return Ok(scene.cameras.first().cloned().unwrap_or_else(framing)),
         Some(CameraChoice::LookAt { position, target, vertical_fov_rad }) => {
             let mut camera = Camera::look_at(*position, *target, *vertical_fov_rad);
             "command line".clone_into(&mut camera.name);
-            // Small things must not be cut off by a near plane made for rooms.
-            camera.near_m = camera.near_m.min(scene.bounds().radius_m() * 1e-3).max(1e-6);
+            fit_near(&mut camera, scene.bounds().radius_m());
             return Ok(camera);
         }
         Some(CameraChoice::Index(index)) => scene.cameras.get(*index).cloned(),
@@ -102,13 +122,18 @@ pub fn resolve(choice: Option<&CameraChoice>, scene: &Scene) -> anyhow::Result<C
         .iter()
         .enumerate()
         .map(|(index, camera)| format!("{index} \"{}\"", camera.name))
-        .chain([format!("\"{FRAMING}\" (from outside)")])
+        .chain([format!("\"{FRAMING}\" (the view that shows it best)")])
         .collect();
     bail!(Failure::input(format!(
         "the scene \"{}\" has no {wanted}; there are: {}; or give a position and a target",
         scene.name,
         known.join(", ")
     )))
+}
+
+/// Keeps small things from being cut off by a near plane made for rooms.
+pub fn fit_near(camera: &mut Camera, scene_radius_m: f32) {
+    camera.near_m = camera.near_m.min(scene_radius_m * 1e-3).max(1e-6);
 }
 
 #[cfg(test)]
@@ -145,18 +170,18 @@ mod tests {
     #[test]
     fn the_first_camera_is_the_default() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
-        assert_eq!(resolve(None, &scene).unwrap(), scene.cameras[0]);
+        assert_eq!(resolve(None, &scene, 1.5).unwrap(), scene.cameras[0]);
         let bare = Scene { cameras: Vec::new(), ..scene.clone() };
-        assert_eq!(resolve(None, &bare).unwrap().name, FRAMING);
+        assert_eq!(resolve(None, &bare, 1.5).unwrap().name, FRAMING);
         let framing = CameraChoice::Name(FRAMING.to_owned());
-        assert_eq!(resolve(Some(&framing), &scene).unwrap().name, FRAMING);
+        assert_eq!(resolve(Some(&framing), &scene, 1.5).unwrap().name, FRAMING);
     }
 
     #[test]
     fn unknown_cameras_list_the_known_ones() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         for choice in [CameraChoice::Index(99), CameraChoice::Name("nowhere".to_owned())] {
-            let error = resolve(Some(&choice), &scene).unwrap_err().to_string();
+            let error = resolve(Some(&choice), &scene, 1.5).unwrap_err().to_string();
             assert!(error.contains(&scene.cameras[0].name), "{error}");
             assert!(error.contains("cornell"), "{error}");
         }

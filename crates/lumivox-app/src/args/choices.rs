@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lumivox::Preset;
 use lumivox_render::{ShadowMethod, ToneMap, View};
+use lumivox_scene::UpAxis;
 
 /// A parser that takes the names of `values` and returns the value, with a line of help for each.
 fn among<T: Copy + Send + Sync + 'static>(
@@ -70,6 +71,14 @@ pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
             ToneMap::Linear => "none: what is brighter than 1 is clipped",
         };
         (tone_map.name(), help)
+    })
+}
+
+/// Which axis of a file points up.
+pub fn up() -> impl TypedValueParser<Value = UpAxis> {
+    among(&[UpAxis::Y, UpAxis::Z], |axis| match axis {
+        UpAxis::Y => ("y", "as in glTF"),
+        UpAxis::Z => ("z", "as in CAD and in scans; y then points away, to -z"),
     })
 }
 

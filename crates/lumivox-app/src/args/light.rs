@@ -1,5 +1,7 @@
 //! Light that the command line adds to a scene.
 
+use std::path::{Path, PathBuf};
+
 use glam::{DVec3, Vec3};
 use lumivox_scene::{Light, LightKind};
 
@@ -43,13 +45,59 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
     })
 }
 
-/// The radiance of the surroundings: `R,G,B` in cd/m².
-pub fn environment(text: &str) -> Result<Vec3, Refused> {
-    let radiance = list::<3>(text, "R,G,B in cd/m², such as 800,1000,1300")?;
+/// What surrounds the scene, as the command line names it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surroundings {
+    /// The same radiance from everywhere, cd/m².
+    Uniform(Vec3),
+    /// A panorama.
+    File(PathBuf),
+}
+
+/// `R,G,B` in cd/m², or a file.
+pub fn environment(text: &str) -> Result<Surroundings, Refused> {
+    const FORM: &str = "R,G,B in cd/m2, such as 800,1000,1300, or a panorama's file, .hdr or .exr";
+    const PICTURES: [&str; 6] = ["hdr", "pic", "exr", "png", "jpg", "jpeg"];
+    let extension = Path::new(text).extension().unwrap_or_default().to_ascii_lowercase();
+    if PICTURES.iter().any(|known| *known == extension) || Path::new(text).exists() {
+        return Ok(Surroundings::File(text.into()));
+    }
+    let radiance = list::<3>(text, FORM)?;
     for (value, name) in radiance.into_iter().zip(["red", "green", "blue"]) {
         in_range(value, &(0.0..=BRIGHTEST), name)?;
     }
-    Ok(radiance.into())
+    Ok(Surroundings::Uniform(radiance.into()))
+}
+
+/// Towards the sun of a sky: `X,Y,Z`, or `ELEVATION,AZIMUTH` in degrees.
+pub fn sky(text: &str) -> Result<Vec3, Refused> {
+    const FORM: &str = "X,Y,Z or ELEVATION,AZIMUTH in degrees, such as 30,120";
+    let numbers = some(text, FORM)?;
+    match numbers[..] {
+        [elevation, azimuth] => {
+            let elevation = in_range(elevation, &(-90.0..=90.0), "the elevation in degrees")?;
+            let azimuth = in_range(azimuth, &(-360.0..=360.0), "the azimuth in degrees")?;
+            let (elevation, azimuth) =
+                (f64::from(elevation).to_radians(), f64::from(azimuth).to_radians());
+            let towards = DVec3::new(
+                azimuth.sin() * elevation.cos(),
+                elevation.sin(),
+                -azimuth.cos() * elevation.cos(),
+            );
+            Ok(towards.as_vec3())
+        }
+        [x, y, z] => {
+            let towards = Vec3::new(x, y, z).as_dvec3();
+            if towards == DVec3::ZERO {
+                return Err(Refused::OutOfRange("the direction must not be 0,0,0".to_owned()));
+            }
+            Ok(towards.normalize().as_vec3())
+        }
+        _ => {
+            let count = numbers.len();
+            Err(Refused::Malformed(format!("expected {FORM}, but there are {count} numbers")))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -83,12 +131,38 @@ mod tests {
         for text in ["", "1,2", "1,2,3,4,5", "up"] {
             assert!(matches!(sun(text), Err(Refused::Malformed(_))), "{text}");
         }
-        assert_eq!(environment("1,2,3"), Ok(Vec3::new(1.0, 2.0, 3.0)));
+        let uniform = Surroundings::Uniform(Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(environment("1,2,3"), Ok(uniform));
         for text in ["-1,0,0", "0,0,nan", "0,1e11,0"] {
             assert!(matches!(environment(text), Err(Refused::OutOfRange(_))), "{text}");
         }
         for text in ["", "1", "1,2", "1,2,3,4"] {
             assert!(matches!(environment(text), Err(Refused::Malformed(_))), "{text}");
+        }
+    }
+
+    #[test]
+    fn surroundings_may_be_files() {
+        for name in ["a.hdr", "b/c.EXR", "d.jpg"] {
+            assert_eq!(environment(name), Ok(Surroundings::File(name.into())));
+        }
+        let error = environment("no-such-thing").unwrap_err().to_string();
+        assert!(error.contains(".hdr"), "{error}");
+    }
+
+    #[test]
+    fn the_sun_of_a_sky_stands_by_vector_or_by_angles() {
+        assert_eq!(sky("0,5,0"), Ok(Vec3::Y));
+        assert!(sky("90,77").unwrap().distance(Vec3::Y) < 1e-6);
+        assert!(sky("0,0").unwrap().distance(Vec3::NEG_Z) < 1e-6);
+        assert!(sky("0,90").unwrap().distance(Vec3::X) < 1e-6);
+        let low = sky("-10,180").unwrap();
+        assert!(low.y < 0.0 && low.z > 0.9);
+        for text in ["91,0", "0,361", "0,0,0", "nan,0"] {
+            assert!(matches!(sky(text), Err(Refused::OutOfRange(_))), "{text}");
+        }
+        for text in ["", "1", "1,2,3,4", "noon"] {
+            assert!(matches!(sky(text), Err(Refused::Malformed(_))), "{text}");
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod camera;
 pub mod choices;
 pub mod cones;
 pub mod light;
+pub mod load;
 pub mod number;
 pub mod output;
 pub mod scene;

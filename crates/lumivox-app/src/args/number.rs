@@ -1,6 +1,9 @@
 //! Numbers and lists of numbers.
 
+use std::fmt;
 use std::ops::RangeInclusive;
+
+use lumivox_render::Exposure;
 
 use super::Refused;
 
@@ -46,18 +49,51 @@ pub fn grid_offset(text: &str) -> Result<glam::Vec3, Refused> {
     Err(Refused::OutOfRange("each of the three must be at least 0 and below 1 voxel".to_owned()))
 }
 
-/// Stops of exposure, or `auto`.
-pub fn exposure(text: &str) -> Result<lumivox_render::Exposure, Refused> {
-    if text.eq_ignore_ascii_case("auto") {
-        return Ok(lumivox_render::Exposure::Auto);
+/// How pictures are exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureChoice {
+    /// By this many stops.
+    Stops(f32),
+    /// By what the picture asks for; in a sequence, all by the median of what some ask for.
+    Auto,
+    /// Each picture by what it asks for itself.
+    AutoEach,
+}
+
+impl ExposureChoice {
+    /// The exposure of the first picture.
+    pub fn first(self) -> Exposure {
+        match self {
+            Self::Stops(stops) => Exposure::Stops(stops),
+            Self::Auto | Self::AutoEach => Exposure::Auto,
+        }
+    }
+}
+
+impl fmt::Display for ExposureChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stops(stops) => stops.fmt(f),
+            Self::Auto => f.write_str("auto"),
+            Self::AutoEach => f.write_str("auto-each"),
+        }
+    }
+}
+
+/// Stops of exposure, `auto` or `auto-each`.
+pub fn exposure(text: &str) -> Result<ExposureChoice, Refused> {
+    match text.to_ascii_lowercase().as_str() {
+        "auto" => return Ok(ExposureChoice::Auto),
+        "auto-each" => return Ok(ExposureChoice::AutoEach),
+        _ => {}
     }
     let stops = one(text).map_err(|refused| match refused {
-        Refused::Malformed(_) => {
-            Refused::Malformed("expected a number of stops, such as -2.5, or auto".to_owned())
-        }
+        Refused::Malformed(_) => Refused::Malformed(
+            "expected a number of stops, such as -2.5, or auto, or auto-each".to_owned(),
+        ),
         Refused::OutOfRange(_) => refused,
     })?;
-    in_range(stops, &(-64.0..=64.0), "it").map(lumivox_render::Exposure::Stops)
+    in_range(stops, &(-64.0..=64.0), "it").map(ExposureChoice::Stops)
 }
 
 /// One finite number.
@@ -124,14 +160,14 @@ fn digits(text: &str) -> Result<i128, Refused> {
 mod tests {
     use super::*;
 
-    fn is_out_of_range<T: std::fmt::Debug>(result: Result<T, Refused>, needle: &str) {
+    fn is_out_of_range<T: fmt::Debug>(result: Result<T, Refused>, needle: &str) {
         match result {
             Err(Refused::OutOfRange(reason)) => assert!(reason.contains(needle), "{reason}"),
             other => panic!("expected an error of range, got {other:?}"),
         }
     }
 
-    fn is_malformed<T: std::fmt::Debug>(result: &Result<T, Refused>) {
+    fn is_malformed<T: fmt::Debug>(result: &Result<T, Refused>) {
         assert!(matches!(result, Err(Refused::Malformed(_))), "{result:?}");
     }
 
@@ -195,8 +231,9 @@ mod tests {
 
     #[test]
     fn exposure_is_stops_or_auto() {
-        assert_eq!(exposure("auto"), Ok(lumivox_render::Exposure::Auto));
-        assert_eq!(exposure("-3.5"), Ok(lumivox_render::Exposure::Stops(-3.5)));
+        assert_eq!(exposure("auto"), Ok(ExposureChoice::Auto));
+        assert_eq!(exposure("auto-each"), Ok(ExposureChoice::AutoEach));
+        assert_eq!(exposure("-3.5"), Ok(ExposureChoice::Stops(-3.5)));
         is_out_of_range(exposure("65"), "from -64 to 64");
         is_out_of_range(exposure("inf"), "finite");
         is_malformed(&exposure("bright"));

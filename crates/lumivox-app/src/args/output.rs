@@ -16,11 +16,18 @@ use crate::exit::Failure;
 /// stands in the way.
 pub fn check(file: &Path) -> anyhow::Result<()> {
     ImageFormat::from_path(file)?;
-    let folder = folder_of(file);
+    check_folder(file, &folder_of(file))
+}
+
+/// Checks that `what`, a file or a folder to be made, can be made in `folder`.
+///
+/// # Errors
+/// A [`Failure`] of output that names both and what stands in the way.
+pub fn check_folder(what: &Path, folder: &Path) -> anyhow::Result<()> {
     let refuse = |reason: &str, remedy: &str| -> anyhow::Result<()> {
-        bail!(Failure::output(format!("{}: {reason}; {remedy}", file.display())))
+        bail!(Failure::output(format!("{}: {reason}; {remedy}", what.display())))
     };
-    if file.is_dir() {
+    if what.is_dir() {
         return refuse("a folder of that name is in the way", "choose another name");
     }
     match folder.metadata() {
@@ -39,7 +46,7 @@ pub fn check(file: &Path) -> anyhow::Result<()> {
         }
     }
     // Permissions have many sources; trying is the one sure way. The file goes when it is dropped.
-    if let Err(error) = tempfile::Builder::new().prefix(".lumivox-").tempfile_in(&folder) {
+    if let Err(error) = tempfile::Builder::new().prefix(".lumivox-").tempfile_in(folder) {
         // The error itself names the temporary file, which nobody asked for.
         let reason = io::Error::from(error.kind());
         let reason = format!("no file can be made in {}: {reason}", folder.display());
@@ -48,7 +55,8 @@ pub fn check(file: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn folder_of(file: &Path) -> PathBuf {
+/// The folder that a file is in.
+pub fn folder_of(file: &Path) -> PathBuf {
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),

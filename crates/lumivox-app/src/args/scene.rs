@@ -2,11 +2,14 @@
 
 use std::ffi::OsString;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
-use lumivox_scene::{Scene, SceneError, builtin};
+use lumivox_scene::{LoadOptions, LoadProgress, Scene, SceneError, builtin};
 
+use crate::cli::LoadArgs;
 use crate::exit::Failure;
+use crate::progress::Progress;
 
 const PREFIX: &str = "builtin:";
 
@@ -51,8 +54,9 @@ impl SceneSource {
             }
             Self::File(file) => match std::fs::metadata(file) {
                 Ok(metadata) if metadata.is_dir() => Err(Failure::input(format!(
-                    "{}: is a folder; give a .gltf or .glb file",
-                    file.display()
+                    "{}: is a folder; give a {} file",
+                    file.display(),
+                    lumivox_scene::extensions_in_words()
                 ))
                 .into()),
                 Ok(_) => Ok(()),
@@ -71,17 +75,52 @@ impl SceneSource {
     /// Makes or reads the scene.
     ///
     /// # Errors
-    /// As [`Scene::load`] and [`builtin::scene`].
-    pub fn load(&self) -> Result<Scene, SceneError> {
-        match self {
-            Self::Builtin(name) => builtin::scene(name),
-            Self::File(file) => Scene::load(file),
-        }
+    /// As [`Scene::load_with`] and [`builtin::scene`], and when options for files are given with a
+    /// built-in scene.
+    pub fn load(&self, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
+        let file = match self {
+            Self::Builtin(name) => {
+                if let Some(option) = args.option_of_files() {
+                    return Err(Failure::input(format!(
+                        "{self}: {option} is for scenes from files; leave it out"
+                    ))
+                    .into());
+                }
+                return Ok(builtin::scene(name)?);
+            }
+            Self::File(file) => file,
+        };
+        let mut tell =
+            |step: LoadProgress| progress.set_share(words(step.stage), step.done, step.total);
+        let mut options = LoadOptions { progress: Some(&mut tell), ..args.options() };
+        Ok(Scene::load_with(file, &mut options)?)
+    }
+
+    /// What tells a file from an older one of the same name: its size in bytes, and when it was
+    /// changed, in milliseconds since 1970.
+    pub fn stamp(&self) -> Option<(u64, u64)> {
+        let Self::File(file) = self else { return None };
+        stamp(file)
     }
 
     fn is_builtin_without_prefix(&self) -> bool {
         matches!(self, Self::File(file)
             if file.to_str().is_some_and(|name| builtin::names().contains(&name)))
+    }
+}
+
+/// What tells a file from an older one of the same name.
+pub fn stamp(file: &Path) -> Option<(u64, u64)> {
+    let metadata = std::fs::metadata(file).ok()?;
+    let changed = metadata.modified().ok()?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    Some((metadata.len(), changed.as_millis() as u64))
+}
+
+/// A stage of the loader as the progress names it.
+fn words(stage: &'static str) -> &'static str {
+    match stage {
+        "textures" => "loading textures",
+        other => other,
     }
 }
 
@@ -105,7 +144,8 @@ mod tests {
         for name in builtin::names() {
             let source = source(&format!("{PREFIX}{name}"));
             source.check().unwrap();
-            assert_eq!(source.load().unwrap().name, *name);
+            let SceneSource::Builtin(known) = source else { panic!("a built-in scene") };
+            assert_eq!(builtin::scene(&known).unwrap().name, *name);
         }
     }
 

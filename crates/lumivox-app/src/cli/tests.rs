@@ -1,5 +1,5 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
-use lumivox_render::RenderSettings;
+use lumivox_render::{Exposure, RenderSettings, ShadowMethod};
 
 use super::*;
 use crate::commands::render::settings;
@@ -40,7 +40,11 @@ fn every_argument_has_help_and_a_default() {
 
 #[test]
 fn every_value_has_a_unit_or_choices() {
-    const UNITS: [&str; 17] = [
+    const UNITS: [&str; 21] = [
+        "seconds",
+        "degrees",
+        "mib",
+        "json",
         "pixels",
         "texels",
         "voxels",

@@ -25,14 +25,15 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     args.scene.scene.check()?;
     let progress = Progress::start(bars, "loading");
     let gpu = open_gpu(&args.gpu)?;
-    let scene = args.scene.scene.load()?;
+    let scene = args.scene.load(&progress)?;
     let bounds = scene.bounds();
     let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
     let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
 
     progress.set("uploading", 0, 1);
-    let unit = radiance_unit(&scene, &Lighting::of(&scene));
-    let uploaded = GpuScene::new(&gpu, &scene, unit)?;
+    let lighting = Lighting::of(&scene);
+    let unit = radiance_unit(&scene, &lighting);
+    let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
     let config = GiConfig { grid, directionality: args.voxels.directionality() };
     let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
     gpu.wait("uploading the scene")?;

@@ -48,6 +48,29 @@ impl Run {
     }
 }
 
+/// The exit codes of errors.
+pub const USAGE: i32 = 2;
+pub const INPUT: i32 = 3;
+pub const GPU: i32 = 4;
+pub const OUTPUT: i32 = 5;
+
+/// Runs `line`, and expects it to fail with `code`, to say all of `needles`, and to change nothing.
+#[track_caller]
+pub fn expect_error(folder: &Path, line: &str, code: i32, needles: &[&str]) {
+    let before = names(folder);
+    let run = lumivox(folder, line);
+    assert_eq!(run.code, code, "lumivox {line}: {}", run.stderr);
+    assert!(run.stderr.contains("error: "), "lumivox {line}: {}", run.stderr);
+    for needle in needles {
+        assert!(run.stderr.contains(needle), "lumivox {line}: no \"{needle}\" in {}", run.stderr);
+    }
+    for word in ["panicked", "defect", "RUST_BACKTRACE"] {
+        assert!(!run.stderr.contains(word), "lumivox {line}: {}", run.stderr);
+    }
+    assert_eq!(run.stdout, "", "lumivox {line}");
+    assert_eq!(names(folder), before, "lumivox {line}");
+}
+
 pub fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
@@ -127,3 +150,78 @@ pub const CORNER: [[f32; 3]; 12] = [
     [1.0, 2.0, -1.0],
     [-1.0, 2.0, -1.0],
 ];
+
+/// A `.glb` file of two scenes: "room", where a plate slides over [`CORNER`] within two seconds and a
+/// camera and a lamp look on; and "plate", the plate alone. Two animations: "slide" (2 s) along x by
+/// 1.5 m, and "rise" (1 s) along y by 1 m.
+pub fn moving_glb() -> Vec<u8> {
+    let mut bin: Vec<u8> = Vec::new();
+    let mut views = Vec::new();
+    let mut accessors = Vec::new();
+    let mut put = |values: &[f32], components: usize| {
+        let kind = ["SCALAR", "VEC2", "VEC3"][components - 1];
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        views.push(json!({ "buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len() }));
+        bin.extend(bytes);
+        let bound = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
+            let along = |axis: usize| values.iter().copied().skip(axis).step_by(components);
+            (0..components).map(|axis| along(axis).reduce(pick).unwrap()).collect()
+        };
+        accessors.push(json!({
+            "bufferView": views.len() - 1, "componentType": 5126, "type": kind,
+            "count": values.len() / components, "min": bound(f32::min), "max": bound(f32::max),
+        }));
+        accessors.len() - 1
+    };
+    let corner = put(CORNER.as_flattened(), 3);
+    let plate = put(&[-0.9, 0.3, 0.0, -0.3, 0.3, 0.0, -0.6, 0.9, 0.0], 3);
+    let two_seconds = put(&[0.0, 2.0], 1);
+    let slide = put(&[0.0, 0.0, 0.0, 1.5, 0.0, 0.0], 3);
+    let one_second = put(&[0.0, 1.0], 1);
+    let rise = put(&[0.0, 0.0, 0.0, 0.0, 1.0, 0.0], 3);
+    let animation = |name: &str, input: usize, output: usize| {
+        json!({
+            "name": name,
+            "samplers": [{ "input": input, "output": output }],
+            "channels": [{ "sampler": 0, "target": { "node": 1, "path": "translation" } }],
+        })
+    };
+    let document = json!({
+        "asset": { "version": "2.0", "generator": "the tests of Lumivox" },
+        "scene": 0,
+        "scenes": [
+            { "name": "room", "nodes": [0, 1, 2, 3] },
+            { "name": "plate", "nodes": [1, 2] },
+        ],
+        "nodes": [
+            { "mesh": 0 },
+            { "mesh": 1 },
+            {
+                "translation": [0.2, 1.8, 1.5],
+                "extensions": { "KHR_lights_punctual": { "light": 0 } },
+            },
+            { "name": "eye", "camera": 0, "translation": [0.0, 0.8, 3.5] },
+        ],
+        "cameras": [{ "name": "eye", "type": "perspective", "perspective": { "yfov": 0.8, "znear": 0.01 } }],
+        "materials": [{ "name": "paint", "doubleSided": true }],
+        "meshes": [
+            { "name": "corner", "primitives": [{ "attributes": { "POSITION": corner } }] },
+            {
+                "name": "plate",
+                "primitives": [{ "attributes": { "POSITION": plate }, "material": 0 }],
+            },
+        ],
+        "animations": [
+            animation("slide", two_seconds, slide),
+            animation("rise", one_second, rise),
+        ],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{ "byteLength": bin.len() }],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {
+            "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 50 }] },
+        },
+    });
+    container(&document.to_string(), &bin)
+}

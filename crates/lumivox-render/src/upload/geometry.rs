@@ -1,13 +1,15 @@
 //! Meshes packed into few vertex and index buffers, none larger than a storage binding may be.
 //!
-//! The rasterizer and the voxelizer read the same buffers: positions (12 bytes a vertex), texture
-//! coordinates (8) and indices (4) are bound as storage by the voxelizer; normals and tangents (28)
-//! feed the rasterizer alone. A mesh is stored once, however many instances show it.
+//! The rasterizer and the voxelizer read the same buffers: positions (12 bytes a vertex), attributes
+//! (texture coordinates, 8; with a second set and colours, 24) and indices (4) are bound as storage
+//! by the voxelizer; normals and tangents (28) feed the rasterizer alone. A mesh is stored once,
+//! however many instances show it. Meshes that need all attributes stand in batches of their own, so
+//! that the others do not pay for them.
 
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use lumivox_scene::Mesh;
 
 /// What only the rasterizer reads of a vertex.
@@ -18,11 +20,37 @@ pub(crate) struct Shading {
     pub(crate) tangent: [f32; 4],
 }
 
+/// Which attributes the vertices of a batch have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Attributes {
+    /// One set of texture coordinates.
+    #[default]
+    Texcoords,
+    /// Two sets, and a colour.
+    All,
+}
+
+/// The attributes of a vertex that has all of them. Its first member alone is what the others have.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct AllAttributes {
+    pub(crate) texcoord: [f32; 2],
+    pub(crate) texcoord_1: [f32; 2],
+    /// 65 535 is one: 16 bits resolve the darks of linear light, where 8 would not.
+    pub(crate) color: [u16; 4],
+}
+
+/// Bytes of a vertex in all buffers together, where it has no more than it must.
+pub(crate) const VERTEX_BYTES: u64 =
+    (size_of::<[f32; 3]>() + size_of::<[f32; 2]>() + size_of::<Shading>()) as u64;
+
 /// The content of one batch's buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Batch {
+    pub(crate) attributes: Attributes,
     pub(crate) positions: Vec<[f32; 3]>,
-    pub(crate) texcoords: Vec<[f32; 2]>,
+    /// Those of all vertices, as `attributes` says.
+    pub(crate) attribute_bytes: Vec<u8>,
     pub(crate) shading: Vec<Shading>,
     pub(crate) indices: Vec<u32>,
 }
@@ -43,56 +71,105 @@ pub(crate) struct Piece {
     pub(crate) base_vertex: u32,
 }
 
+impl Attributes {
+    /// Bytes of a vertex.
+    pub(crate) fn bytes(self) -> u64 {
+        match self {
+            Self::Texcoords => size_of::<[f32; 2]>() as u64,
+            Self::All => size_of::<AllAttributes>() as u64,
+        }
+    }
+
+    /// What a mesh needs: a second set of coordinates counts where a material uses it.
+    pub(crate) fn needed(mesh: &Mesh, uses_second_set: bool) -> Self {
+        let is_colored = mesh.colors.iter().any(|color| *color != Vec4::ONE);
+        if is_colored || (uses_second_set && !mesh.uvs1.is_empty()) {
+            Self::All
+        } else {
+            Self::Texcoords
+        }
+    }
+
+    /// Appends those of a vertex.
+    fn append(self, bytes: &mut Vec<u8>, mesh: &Mesh, vertex: usize) {
+        let texcoord = mesh.uvs.get(vertex).copied().unwrap_or(Vec2::ZERO).to_array();
+        match self {
+            Self::Texcoords => bytes.extend_from_slice(bytemuck::bytes_of(&texcoord)),
+            Self::All => {
+                let color = mesh.colors.get(vertex).copied().unwrap_or(Vec4::ONE).to_array();
+                bytes.extend_from_slice(bytemuck::bytes_of(&AllAttributes {
+                    texcoord,
+                    texcoord_1: mesh.uvs1.get(vertex).map_or(texcoord, Vec2::to_array),
+                    color: color.map(|x| (x * f32::from(u16::MAX)).round() as u16),
+                }));
+            }
+        }
+    }
+}
+
 impl BatchLimits {
     /// What fits into one storage binding and one buffer of a device.
     pub(crate) fn of_device(limits: &wgpu::Limits) -> Self {
         let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let by_shading = limits.max_buffer_size / size_of::<Shading>() as u64;
+        let by_attributes = binding / Attributes::All.bytes();
         // `base_vertex` of a draw is an `i32`.
-        let vertices = (binding / size_of::<[f32; 3]>() as u64).min(by_shading).min(1 << 31) - 1;
+        let vertices = by_attributes.min(by_shading).min(1 << 31) - 1;
         // Whole triangles, counted by a `u32`.
         let indices = (binding / size_of::<u32>() as u64).min(u64::from(u32::MAX)) / 3 * 3;
         Self { vertices: vertices as usize, indices: indices as usize }
     }
 }
 
-/// Packs `meshes`; the result has the batches, and for each mesh its pieces.
-pub(crate) fn pack(meshes: &[Mesh], limits: BatchLimits) -> (Vec<Batch>, Vec<Vec<Piece>>) {
+/// Packs `meshes`, each with the attributes that it needs; the result has the batches, and for each
+/// mesh its pieces.
+pub(crate) fn pack(
+    meshes: &[Mesh],
+    needed: &[Attributes],
+    limits: BatchLimits,
+) -> (Vec<Batch>, Vec<Vec<Piece>>) {
     let mut batches = vec![Batch::default()];
     let pieces = meshes
         .iter()
-        .map(|mesh| {
+        .zip(needed)
+        .map(|(mesh, &attributes)| {
+            let mut append = |vertices: &[usize], indices: &[u32]| {
+                append(&mut batches, attributes, mesh, vertices, indices, limits)
+            };
             let fits =
                 mesh.positions.len() <= limits.vertices && mesh.indices.len() <= limits.indices;
             if fits {
                 let vertices: Vec<usize> = (0..mesh.positions.len()).collect();
-                return vec![append(&mut batches, mesh, &vertices, &mesh.indices, limits)];
+                return vec![append(&vertices, &mesh.indices)];
             }
             split(mesh, limits)
                 .into_iter()
-                .map(|(vertices, indices)| append(&mut batches, mesh, &vertices, &indices, limits))
+                .map(|(vertices, indices)| append(&vertices, &indices))
                 .collect()
         })
         .collect();
     (batches, pieces)
 }
 
-/// Appends chosen vertices of a mesh, and triangles among them, to the last batch or a new one.
+/// Appends chosen vertices of a mesh, and triangles among them, to the last batch of their attributes
+/// or a new one.
 fn append(
     batches: &mut Vec<Batch>,
+    attributes: Attributes,
     mesh: &Mesh,
     vertices: &[usize],
     indices: &[u32],
     limits: BatchLimits,
 ) -> Piece {
-    let is_full = batches.last().is_none_or(|batch| {
-        batch.positions.len() + vertices.len() > limits.vertices
-            || batch.indices.len() + indices.len() > limits.indices
+    let last = batches.iter().rposition(|batch| {
+        batch.attributes == attributes
+            && batch.positions.len() + vertices.len() <= limits.vertices
+            && batch.indices.len() + indices.len() <= limits.indices
     });
-    if is_full {
-        batches.push(Batch::default());
-    }
-    let last = batches.len() - 1;
+    let last = last.unwrap_or_else(|| {
+        batches.push(Batch { attributes, ..Batch::default() });
+        batches.len() - 1
+    });
     let batch = &mut batches[last];
     let piece = Piece {
         batch: last,
@@ -102,8 +179,7 @@ fn append(
     };
     for &vertex in vertices {
         batch.positions.push(mesh.positions[vertex].to_array());
-        let texcoord = mesh.uvs.get(vertex).copied().unwrap_or(Vec2::ZERO);
-        batch.texcoords.push(texcoord.to_array());
+        attributes.append(&mut batch.attribute_bytes, mesh, vertex);
         let normal = mesh.normals.get(vertex).copied().unwrap_or(Vec3::Y);
         let tangent = mesh.tangents.get(vertex).copied();
         let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector().extend(1.0));
@@ -171,13 +247,14 @@ mod tests {
         let meshes = [strip(2), strip(40), strip(5)];
         let whole = BatchLimits { vertices: 1000, indices: 3000 };
         let limits = BatchLimits { vertices: 10, indices: 21 };
-        let (one, reference) = pack(&meshes, whole);
+        let needed = [Attributes::Texcoords; 3];
+        let (one, reference) = pack(&meshes, &needed, whole);
         assert_eq!(one.len(), 1);
-        let (batches, pieces) = pack(&meshes, limits);
+        let (batches, pieces) = pack(&meshes, &needed, limits);
         for batch in &batches {
             assert!(batch.positions.len() <= limits.vertices);
             assert!(batch.indices.len() <= limits.indices);
-            assert_eq!(batch.positions.len(), batch.texcoords.len());
+            assert_eq!(batch.positions.len() * 8, batch.attribute_bytes.len());
             assert_eq!(batch.positions.len(), batch.shading.len());
         }
         for (split, whole) in pieces.iter().zip(&reference) {
@@ -186,11 +263,35 @@ mod tests {
     }
 
     #[test]
+    fn only_meshes_that_need_all_attributes_pay_for_them() {
+        let plain = Mesh { uvs1: vec![Vec2::Y; 4], colors: vec![Vec4::ONE; 4], ..strip(2) };
+        let colored = Mesh { colors: vec![Vec4::new(0.5, 0.0, 1.0, 0.25); 4], ..strip(2) };
+        assert_eq!(Attributes::needed(&plain, false), Attributes::Texcoords);
+        let meshes = [plain.clone(), colored, plain];
+        let needed = [false, false, true].map(|second| (second, &meshes));
+        let needed: Vec<_> = needed
+            .iter()
+            .enumerate()
+            .map(|(i, (second, meshes))| Attributes::needed(&meshes[i], *second))
+            .collect();
+        assert_eq!(needed, [Attributes::Texcoords, Attributes::All, Attributes::All]);
+        let limits = BatchLimits { vertices: 1000, indices: 3000 };
+        let (batches, pieces) = pack(&meshes, &needed, limits);
+        assert_eq!(batches.len(), 2);
+        assert_eq!(batches[0].attribute_bytes.len(), 4 * 8);
+        let all: Vec<AllAttributes> = bytemuck::pod_collect_to_vec(&batches[1].attribute_bytes);
+        let [first, second] = [1, 2].map(|mesh| all[pieces[mesh][0].base_vertex as usize + 1]);
+        assert_eq!(first.color, [32768, 0, 65535, 16384]);
+        assert_eq!((first.texcoord, first.texcoord_1), ([1.0, 0.0], [1.0, 0.0]));
+        assert_eq!((second.color, second.texcoord_1), ([u16::MAX; 4], [0.0, 1.0]));
+    }
+
+    #[test]
     fn batches_fit_the_default_limits() {
         let limits = wgpu::Limits::default();
         let batch = BatchLimits::of_device(&limits);
         assert!(batch.vertices as u64 * 28 <= limits.max_buffer_size);
-        assert!(batch.vertices as u64 * 12 <= limits.max_storage_buffer_binding_size);
+        assert!(batch.vertices as u64 * 24 <= limits.max_storage_buffer_binding_size);
         assert!(batch.indices as u64 * 4 <= limits.max_storage_buffer_binding_size);
     }
 }

@@ -1,8 +1,5 @@
 //! A scene's lights in the library's terms and the renderer's unit.
 
-use std::f32::consts::PI;
-
-use glam::Vec3;
 use lumivox::{Light, LightSource, Shadow};
 use lumivox_scene::{Environment, LightKind, Scene};
 
@@ -18,36 +15,10 @@ pub struct Lighting {
 impl Lighting {
     /// The lighting of a scene.
     ///
-    /// Where nothing shines at all, a default lets the scene be seen: an environment of 1 cd/m² from
-    /// everywhere, and a sun of pi lux from above and one side, which adds 1 cd/m² to a white surface
-    /// that faces it. A warning in the log says so.
+    /// Where nothing shines the picture will be black:
+    /// [`Scene::add_default_light`](lumivox_scene::Scene::add_default_light) sees to that.
     pub fn of(scene: &Scene) -> Self {
-        let given = Self { lights: scene.lights.clone(), environment: scene.environment.clone() };
-        let emits = |material: &lumivox_scene::Material| material.emissive.max_element() > 0.0;
-        let shines = !given.lights.is_empty()
-            || given.environment.radiance.max_element() > 0.0
-            || scene.materials.iter().any(emits);
-        if shines {
-            return given;
-        }
-        tracing::warn!(
-            "nothing shines in the scene \"{}\": it is shown under a sky of 1 cd/m² and a sun of pi \
-             lux; add a light, an environment or an emissive material",
-            scene.name
-        );
-        Self::default_of_dark_scenes()
-    }
-
-    fn default_of_dark_scenes() -> Self {
-        let sun = lumivox_scene::Light {
-            name: "default sun".to_owned(),
-            // The sun's own size.
-            kind: LightKind::Directional { illuminance_lux: PI, angular_radius_rad: 0.004_65 },
-            direction: Vec3::new(-0.4, -0.8, -0.45).normalize(),
-            ..lumivox_scene::Light::default()
-        };
-        let environment = Environment { radiance: Vec3::ONE, ..Environment::default() };
-        Self { lights: vec![sun], environment }
+        Self { lights: scene.lights.clone(), environment: scene.environment.clone() }
     }
 
     /// The lights for the GPU, divided by the unit of radiance, with shadows by cones.
@@ -88,18 +59,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_dark_scenes_get_default_light() {
-        let mut scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
+    fn what_is_dark_stays_dark() {
+        let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
         assert_eq!(Lighting::of(&scene).lights, scene.lights);
-        scene.lights.clear();
-        assert!(Lighting::of(&scene).lights.is_empty(), "the lamp's face still shines");
-        for material in &mut scene.materials {
-            material.emissive = Vec3::ZERO;
-        }
-        let default = Lighting::of(&scene);
-        assert_eq!(default.environment.radiance, Vec3::ONE);
-        scene.lights = default.lights;
-        scene.validate().expect("the default sun is a valid light");
+        let dark = Scene { lights: Vec::new(), ..scene };
+        let environment = Environment::default();
+        assert_eq!(Lighting::of(&dark), Lighting { lights: Vec::new(), environment });
     }
 
     #[test]

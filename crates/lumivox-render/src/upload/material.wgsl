@@ -1,25 +1,58 @@
 // The material of a draw: group 1 of the passes that rasterize.
 
+// Where a vertex lies on a texture.
+struct TexturePlace {
+    // The rows of the affine transform from the vertex's coordinates to the image's.
+    u_row: vec3f,
+    // Which of the vertex's coordinates: 0 or 1.
+    texcoord_set: u32,
+    v_row: vec3f,
+    padding: u32,
+}
+
 struct Material {
     // Metallic-roughness: base colour. Phong: diffuse albedo, with metallic = 0. Alpha in w.
     base_color: vec4f,
     emission: vec3f,
     // Multiplies x and y of the normal texture.
     normal_scale: f32,
-    // Reflectance at normal incidence of the part that is no metal.
+    // Reflectance at normal incidence of the part that is no metal; before its texture and `specular_factor` where
+    // the material is layered.
     dielectric_f0: vec3f,
     // Perceptual: the width of the microfacet distribution is its square.
     roughness: f32,
+    sheen_color: vec3f,
+    sheen_roughness: f32,
     metallic: f32,
     has_normal_texture: u32,
-    // 1: the surface exists where alpha is at least MASK_THRESHOLD.
-    is_masked: u32,
-    padding: u32,
+    // The surface exists where alpha is at least this; 0: everywhere.
+    mask_threshold: f32,
+    // Above 0: the surface shows its base colour times this radiance, and takes no light.
+    unlit_radiance: f32,
+    // From here on for layered materials alone.
+    specular_factor: f32,
+    coat_strength: f32,
+    coat_roughness: f32,
+    // The share of the light that enters which passes.
+    transmission: f32,
+    // 1: alpha is the covered share.
+    is_blended: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+    // By TEXTURE_...
+    places: array<TexturePlace, TEXTURE_COUNT>,
 }
 
-// Alpha of masked textures was thresholded at upload, so that its mips hold the covered share: half of a texel
-// is where the edge runs.
-const MASK_THRESHOLD: f32 = 0.5;
+const TEXTURE_BASE_COLOR = 0;
+const TEXTURE_METALLIC_ROUGHNESS = 1;
+const TEXTURE_NORMAL = 2;
+const TEXTURE_EMISSION = 3;
+const TEXTURE_SPECULAR = 4;
+const TEXTURE_COAT = 5;
+const TEXTURE_SHEEN = 6;
+const TEXTURE_TRANSMISSION = 7;
+const TEXTURE_COUNT = 8;
 
 @group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
@@ -30,3 +63,23 @@ const MASK_THRESHOLD: f32 = 0.5;
 @group(1) @binding(6) var normal_sampler: sampler;
 @group(1) @binding(7) var emission_texture: texture_2d<f32>;
 @group(1) @binding(8) var emission_sampler: sampler;
+@group(1) @binding(9) var specular_texture: texture_2d<f32>;
+@group(1) @binding(10) var specular_sampler: sampler;
+// Strength in r, roughness in g.
+@group(1) @binding(11) var coat_texture: texture_2d<f32>;
+@group(1) @binding(12) var coat_sampler: sampler;
+// Colour in rgb, roughness in a.
+@group(1) @binding(13) var sheen_texture: texture_2d<f32>;
+@group(1) @binding(14) var sheen_sampler: sampler;
+@group(1) @binding(15) var transmission_texture: texture_2d<f32>;
+@group(1) @binding(16) var transmission_sampler: sampler;
+// The directional albedo of sheen (sheen.rs): cosine along u, roughness along v.
+@group(1) @binding(17) var sheen_albedo: texture_2d<f32>;
+@group(1) @binding(18) var sheen_albedo_sampler: sampler;
+
+// The coordinates of one of the textures; the vertex's two sets are in xy and zw.
+fn texcoord(which: u32, texcoords: vec4f) -> vec2f {
+    let place = material.places[which];
+    let own = vec3f(select(texcoords.xy, texcoords.zw, place.texcoord_set == 1u), 1.0);
+    return vec2f(dot(place.u_row, own), dot(place.v_row, own));
+}

@@ -1,357 +1,213 @@
 //! Materials and their textures on the GPU, for the rasterizer and for the voxels.
 
-use std::collections::HashMap;
-
-use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
-use lumivox::SurfaceMaterial;
+use glam::Vec3;
 use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, uniform_buffer};
-use lumivox_scene::{AlphaMode, Filter, Material, Sampler, Scene, Shading, TextureRef, Wrap};
+use lumivox::{SurfaceMaterial, SurfaceTexture};
+use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
 
-use super::mips::{Encoding, Level, mip_chain};
+use super::material_record::{
+    MaterialRecord, TEXTURE_COUNT, has_sheen, is_layered, record, textures,
+};
+use super::mips::{Alpha, Encoding};
+use super::textures::TextureUpload;
 use crate::Gpu;
-
-/// `Material` of `material.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct MaterialRecord {
-    pub(crate) base_color: [f32; 4],
-    pub(crate) emission: [f32; 3],
-    pub(crate) normal_scale: f32,
-    pub(crate) dielectric_f0: [f32; 3],
-    pub(crate) roughness: f32,
-    pub(crate) metallic: f32,
-    pub(crate) has_normal_texture: u32,
-    pub(crate) is_masked: u32,
-    pub(crate) padding: u32,
-}
 
 /// A material as the passes that rasterize need it.
 #[derive(Debug)]
 pub(crate) struct GpuMaterial {
     /// Group 1 of those passes.
     pub(crate) group: wgpu::BindGroup,
-    /// Where the surface is there at all.
+    /// Where the surface is there.
     pub(crate) presence: Presence,
     /// Whether it is seen from behind.
     pub(crate) is_double_sided: bool,
-    /// Whether it stops light: less than half opaque blends do not.
-    pub(crate) is_solid: bool,
+    /// Whether it needs the fragment shader that knows all layers.
+    pub(crate) is_layered: bool,
+    /// Whether light that passes it may change its colour.
+    pub(crate) is_tinted: bool,
 }
 
-/// Where a surface is there at all.
+/// Where a surface is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Presence {
     /// Everywhere.
     Whole,
-    /// Where the alpha of its texture says so.
+    /// Where its alpha says so.
     Masked,
-    /// Nowhere: its alpha has no texture and is below the cutoff.
+    /// A share of it everywhere: it is blended or transmits light.
+    Partial,
+    /// Nowhere: its alpha has no texture and is below the cutoff, or zero.
     Absent,
 }
 
-/// Group 1 of the passes that rasterize.
+/// What the colours of the vertices say on which a material is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct VertexColors {
+    /// There are any.
+    pub(crate) has_colors: bool,
+    /// Some have an alpha below 1.
+    pub(crate) has_alpha: bool,
+}
+
+/// Group 1 of the passes that rasterize: 9 of WebGPU's 16 textures and samplers.
 pub(crate) fn material_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT).uniform();
-    (0..4).fold(layout, |layout, _| layout.texture_2d().sampler()).build(device, "material")
+    (0..=TEXTURE_COUNT)
+        .fold(layout, |layout, _| layout.texture_2d().sampler())
+        .build(device, "material")
 }
 
-/// The numbers of a material, in multiples of `radiance_unit`.
-///
-/// Metallic-roughness (glTF 2.0, appendix B.3): the diffuse albedo is base colour times
-/// (1 - metallic), and F0 goes from the dielectric's ((ior - 1) / (ior + 1))² times `specular` to the
-/// base colour. Phong: the lobe's colour becomes F0, and its exponent n the width alpha of a
-/// microfacet distribution by alpha² = 2 / (n + 2) (Walter et al. 2007, "Microfacet models for
-/// refraction through rough surfaces", section 5.2).
-fn record(material: &Material, radiance_unit: f32) -> MaterialRecord {
-    let common = MaterialRecord {
-        emission: (material.emissive / radiance_unit).to_array(),
-        normal_scale: material.normal_scale,
-        has_normal_texture: u32::from(material.normal_texture.is_some()),
-        ..MaterialRecord::zeroed()
-    };
-    match &material.shading {
-        Shading::MetallicRoughness(m) => {
-            let f0 = ((m.ior - 1.0) / (m.ior + 1.0)).powi(2) * m.specular;
-            MaterialRecord {
-                base_color: m.base_color.truncate().extend(1.0).to_array(),
-                dielectric_f0: [f0; 3],
-                roughness: m.roughness,
-                metallic: m.metallic,
-                ..common
-            }
-        }
-        Shading::Phong(p) => MaterialRecord {
-            base_color: p.diffuse.extend(1.0).to_array(),
-            dielectric_f0: p.specular.to_array(),
-            roughness: (2.0 / (p.shininess + 2.0)).sqrt().sqrt(),
-            metallic: 0.0,
-            ..common
-        },
-        Shading::Unlit(u) => MaterialRecord {
-            base_color: u.color.truncate().extend(1.0).to_array(),
-            roughness: 1.0,
-            ..common
-        },
-    }
-}
-
-/// Base colour with alpha, its texture, and the metallic-roughness texture.
-fn base_of(material: &Material) -> (Vec4, Option<TextureRef>, Option<TextureRef>) {
-    match &material.shading {
-        Shading::MetallicRoughness(m) => {
-            (m.base_color, m.base_color_texture, m.metallic_roughness_texture)
-        }
-        Shading::Phong(p) => (p.diffuse.extend(p.opacity), p.diffuse_texture, None),
-        Shading::Unlit(u) => (u.color, u.color_texture, None),
-    }
-}
-
-/// Uploads a scene's materials, each texture once per use.
+/// Uploads a scene's materials.
 #[derive(Debug)]
 pub(crate) struct MaterialUpload<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
     radiance_unit: f32,
+    white: f32,
     layout: &'a wgpu::BindGroupLayout,
-    white: wgpu::TextureView,
-    /// By texture, encoding and the bits of the mask's cutoff.
-    textures: HashMap<(usize, Encoding, Option<u32>), wgpu::TextureView>,
-    samplers: HashMap<Sampler, wgpu::Sampler>,
-    /// Bytes of all textures so far.
-    pub(crate) texture_bytes: u64,
+    textures: TextureUpload<'a>,
 }
 
 impl<'a> MaterialUpload<'a> {
+    /// `white` is the radiance of white of what takes no light, in cd/m².
     pub(crate) fn new(
         gpu: &'a Gpu,
         scene: &'a Scene,
         radiance_unit: f32,
+        white: f32,
         layout: &'a wgpu::BindGroupLayout,
     ) -> Self {
-        let white = Level { width: 1, height: 1, rgba8: vec![255; 4] };
-        let white = create_texture(gpu, "white", Encoding::Data, &[white]);
-        Self {
-            gpu,
-            scene,
-            radiance_unit,
-            layout,
-            white,
-            textures: HashMap::new(),
-            samplers: HashMap::new(),
-            texture_bytes: 4,
-        }
+        let textures = TextureUpload::new(gpu, scene);
+        Self { gpu, scene, radiance_unit, white, layout, textures }
     }
 
-    /// Uploads one material, for the rasterizer and for the voxels.
-    pub(crate) fn upload(&mut self, material: &Material) -> (GpuMaterial, SurfaceMaterial) {
-        let (base_color, base_texture, metallic_roughness) = base_of(material);
-        let mut record = record(material, self.radiance_unit);
-        let mut cutoff = None;
-        let (mut presence, mut is_solid) = (Presence::Whole, true);
-        match material.alpha {
-            AlphaMode::Mask { cutoff: least } if base_texture.is_some() => {
-                // The texture's alpha is compared after the factor multiplied it. Where the factor is
-                // zero, nothing reaches a cutoff above zero.
-                presence = Presence::Masked;
-                cutoff = Some(if least <= 0.0 { 0.0 } else { least / base_color.w });
-            }
-            AlphaMode::Mask { cutoff: least } if base_color.w < least => {
-                presence = Presence::Absent;
-            }
-            AlphaMode::Opaque | AlphaMode::Mask { .. } => {}
-            AlphaMode::Blend => {
-                is_solid = base_color.w >= 0.5;
-                if !is_solid {
-                    tracing::warn!(
-                        "material \"{}\" is {:.0} % transparent: it is drawn opaque, and casts no \
-                         shadow and reflects no light onto others",
-                        material.name,
-                        100.0 * (1.0 - base_color.w)
-                    );
-                }
-            }
-        }
-        record.is_masked = u32::from(cutoff.is_some());
+    /// Bytes of all textures so far.
+    pub(crate) fn texture_bytes(&self) -> u64 {
+        self.textures.bytes
+    }
 
-        let base = self.texture(base_texture, Encoding::Color, cutoff);
-        let emission = self.texture(material.emissive_texture, Encoding::Color, None);
-        let textures = [
-            base.clone(),
-            self.texture(metallic_roughness, Encoding::Data, None),
-            self.texture(material.normal_texture, Encoding::Data, None),
-            emission.clone(),
+    /// Uploads one material, for the rasterizer and for the voxels. The
+    /// colours are those of the vertices on which it is used.
+    pub(crate) fn upload(
+        &mut self,
+        material: &Material,
+        VertexColors { has_colors, has_alpha }: VertexColors,
+    ) -> (GpuMaterial, SurfaceMaterial) {
+        let record = record(material, self.radiance_unit, self.white, has_alpha);
+        let references = textures(material);
+        let alpha = alpha_of_base(material, &record);
+        let encodings = [
+            (Encoding::Color, alpha),
+            (Encoding::Data, Alpha::Data),
+            (Encoding::Data, Alpha::Data),
+            (Encoding::Color, Alpha::Data),
+            (Encoding::Color, Alpha::Data),
+            (Encoding::Data, Alpha::Data),
+            (Encoding::Color, Alpha::Data),
+            (Encoding::Data, Alpha::Data),
         ];
-        let references =
-            [base_texture, metallic_roughness, material.normal_texture, material.emissive_texture];
-        let samplers = references.map(|reference| self.sampler(reference));
+        let views: [wgpu::TextureView; TEXTURE_COUNT] = std::array::from_fn(|i| {
+            let (encoding, alpha) = encodings[i];
+            self.textures.texture(references[i], encoding, alpha)
+        });
+        let samplers = references.map(|reference| self.textures.sampler(reference));
+        let (sheen_albedo, sheen_sampler) = self.textures.sheen_albedo(has_sheen(&record));
         let uniform = uniform_buffer(&self.gpu.device, &material.name, &record);
-        let group = textures
+        let group = views
             .iter()
             .zip(&samplers)
+            .chain([(&sheen_albedo, &sheen_sampler)])
             .fold(
                 BindGroupBuilder::new(self.layout).buffer(&uniform),
                 |builder, (texture, sampler)| builder.view(texture).sampler(sampler),
             )
             .build(&self.gpu.device, &material.name);
-        let for_raster =
-            GpuMaterial { group, presence, is_double_sided: material.double_sided, is_solid };
+        let for_raster = GpuMaterial {
+            group,
+            presence: presence(material, &record),
+            is_double_sided: material.double_sided,
+            is_layered: is_layered(material, &record),
+            is_tinted: record.transmission > 0.0 && (has_colors || has_color(&record, &references)),
+        };
 
-        // The voxels reflect diffusely alone: what a metal reflects as gloss counts as well, which
-        // makes it the base colour whatever the metalness. One sampler serves both textures.
-        let has_texture = base_texture.or(material.emissive_texture);
+        let surface_texture = |index: usize| {
+            references[index].map(|reference| SurfaceTexture {
+                view: views[index].clone(),
+                sampler: samplers[index].clone(),
+                texcoord_set: reference.uv_set,
+                transform: reference.transform,
+            })
+        };
+        // The voxels reflect diffusely alone: what a metal reflects as gloss counts as well, which makes
+        // it the base colour whatever the metalness. Varnish and velvet change little in that sum; they
+        // are left out.
         let for_voxels = SurfaceMaterial {
-            reflectance: Vec3::from_slice(&record.base_color).extend(1.0),
+            reflectance: record.base_color.into(),
             emission: Vec3::from_array(record.emission),
-            reflectance_texture: base_texture.map(|_| base),
-            emission_texture: material.emissive_texture.map(|_| emission),
-            sampler: has_texture.map(|reference| self.sampler(Some(reference))),
-            alpha_is_coverage: cutoff.is_some(),
+            transmission: self.mean_transmission(&record, references[1]),
+            reflectance_texture: surface_texture(0),
+            emission_texture: surface_texture(3),
+            transmission_texture: surface_texture(7).filter(|_| record.transmission > 0.0),
+            alpha_is_coverage: record.is_blended != 0 || record.mask_threshold > 0.0,
             double_sided: material.double_sided,
         };
         (for_raster, for_voxels)
     }
 
-    /// A texture with its mips; white where there is none.
-    fn texture(
-        &mut self,
-        reference: Option<TextureRef>,
-        encoding: Encoding,
-        cutoff: Option<f32>,
-    ) -> wgpu::TextureView {
-        let Some(reference) = reference else { return self.white.clone() };
-        let key = (reference.texture, encoding, cutoff.map(f32::to_bits));
-        if let Some(view) = self.textures.get(&key) {
-            return view.clone();
+    /// The share of light from all around that a material's transmission lets enter and pass: less what
+    /// is reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21), and
+    /// only where there is no metal. Of a texture of metalness its mean counts.
+    fn mean_transmission(
+        &self,
+        record: &MaterialRecord,
+        metallic_texture: Option<TextureRef>,
+    ) -> f32 {
+        if record.transmission <= 0.0 {
+            return 0.0;
         }
-        let texture = &self.scene.textures[reference.texture];
-        let mut levels = mip_chain(texture, encoding, cutoff);
-        let most = self.gpu.device.limits().max_texture_dimension_2d;
-        let skipped = levels.iter().position(|level| level.width.max(level.height) <= most);
-        let skipped = skipped.unwrap_or(levels.len() - 1);
-        if skipped > 0 {
-            tracing::warn!(
-                "texture \"{}\" of {}x{} is shown at {}x{}: this device has no textures above {most}",
-                texture.name,
-                texture.width,
-                texture.height,
-                levels[skipped].width,
-                levels[skipped].height
-            );
-            levels.drain(..skipped);
-        }
-        self.texture_bytes += levels.iter().map(|level| level.rgba8.len() as u64).sum::<u64>();
-        let view = create_texture(self.gpu, &texture.name, encoding, &levels);
-        self.textures.insert(key, view.clone());
-        view
-    }
-
-    /// The sampler of a texture; where there is none, any.
-    fn sampler(&mut self, reference: Option<TextureRef>) -> wgpu::Sampler {
-        let sampler =
-            reference.map_or(Sampler::default(), |r| self.scene.textures[r.texture].sampler);
-        let device = &self.gpu.device;
-        self.samplers.entry(sampler).or_insert_with(|| create_sampler(device, sampler)).clone()
+        let metalness = metallic_texture.map_or(1.0, |reference| {
+            let texels = self.scene.textures[reference.texture].rgba8.chunks_exact(4);
+            let count = texels.len() as f64;
+            (texels.map(|texel| f64::from(texel[2])).sum::<f64>() / (255.0 * count)) as f32
+        });
+        let f0 = Vec3::from(record.dielectric_f0).min(Vec3::ONE) * record.specular_factor;
+        let f0 = f0.element_sum() / 3.0;
+        let reflected = f0 + (1.0 - f0) / 21.0;
+        record.transmission * (1.0 - record.metallic * metalness) * (1.0 - reflected)
     }
 }
 
-fn create_texture(
-    gpu: &Gpu,
-    label: &str,
-    encoding: Encoding,
-    levels: &[Level],
-) -> wgpu::TextureView {
-    let extent = |level: &Level| wgpu::Extent3d {
-        width: level.width,
-        height: level.height,
-        depth_or_array_layers: 1,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: extent(&levels[0]),
-        mip_level_count: levels.len() as u32,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: match encoding {
-            Encoding::Color => wgpu::TextureFormat::Rgba8UnormSrgb,
-            Encoding::Data => wgpu::TextureFormat::Rgba8Unorm,
-        },
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    for (index, level) in levels.iter().enumerate() {
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &texture,
-                mip_level: index as u32,
-                origin: wgpu::Origin3d::ZERO,
-                aspect: wgpu::TextureAspect::All,
-            },
-            &level.rgba8,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * level.width),
-                rows_per_image: None,
-            },
-            extent(level),
-        );
-    }
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+/// Whether a material's base colour may be anything but grey.
+fn has_color(record: &MaterialRecord, references: &[Option<TextureRef>; TEXTURE_COUNT]) -> bool {
+    let [r, g, b, _] = record.base_color;
+    references[0].is_some() || r.to_bits() != g.to_bits() || g.to_bits() != b.to_bits()
 }
 
-fn create_sampler(device: &wgpu::Device, sampler: Sampler) -> wgpu::Sampler {
-    let wrap = |wrap| match wrap {
-        Wrap::Repeat => wgpu::AddressMode::Repeat,
-        Wrap::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
-        Wrap::ClampToEdge => wgpu::AddressMode::ClampToEdge,
+/// What the alpha of the base colour's texture is used for.
+fn alpha_of_base(material: &Material, record: &MaterialRecord) -> Alpha {
+    let factor = match &material.shading {
+        Shading::MetallicRoughness(m) => m.base_color.w,
+        Shading::Phong(p) => p.opacity,
+        Shading::Unlit(u) => u.color.w,
     };
-    let filter = |filter| match filter {
-        Filter::Nearest => wgpu::FilterMode::Nearest,
-        Filter::Linear => wgpu::FilterMode::Linear,
-    };
-    device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("texture"),
-        address_mode_u: wrap(sampler.wrap_u),
-        address_mode_v: wrap(sampler.wrap_v),
-        mag_filter: filter(sampler.magnify),
-        min_filter: filter(sampler.minify),
-        mipmap_filter: wgpu::MipmapFilterMode::Linear,
-        ..Default::default()
-    })
+    match material.alpha {
+        // The texture's alpha is compared after the factor multiplied it. Where the factor is zero,
+        // nothing reaches a cutoff above zero.
+        AlphaMode::Mask { cutoff } if cutoff <= 0.0 => Alpha::Mask(0.0),
+        AlphaMode::Mask { cutoff } => Alpha::Mask(cutoff / factor),
+        AlphaMode::Blend if record.is_blended != 0 => Alpha::Coverage,
+        AlphaMode::Blend | AlphaMode::Opaque => Alpha::Data,
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use lumivox_scene::{MetallicRoughness, Phong};
-
-    #[test]
-    fn glass_reflects_four_per_cent_and_lambert_nothing() {
-        let glass = record(&Material::default(), 1.0);
-        assert!((glass.dielectric_f0[0] - 0.04).abs() < 1e-6);
-        let lambert = record(&Material::diffuse("paint", Vec3::splat(0.5)), 1.0);
-        assert_eq!(lambert.dielectric_f0, [0.0; 3]);
-    }
-
-    #[test]
-    fn a_sharper_phong_lobe_is_smoother() {
-        let roughness = |shininess| {
-            let phong = Phong { shininess, ..Phong::default() };
-            let material = Material { shading: Shading::Phong(phong), ..Material::default() };
-            record(&material, 1.0).roughness
-        };
-        // alpha² = 2 / (n + 2): n = 30 gives alpha = 1/4, a roughness of 1/2.
-        assert!((roughness(30.0) - 0.5).abs() < 1e-6);
-        assert!(roughness(200.0) < roughness(30.0));
-    }
-
-    #[test]
-    fn emission_is_in_multiples_of_the_unit() {
-        let material = Material {
-            emissive: Vec3::splat(64.0),
-            shading: Shading::MetallicRoughness(MetallicRoughness::default()),
-            ..Material::default()
-        };
-        assert_eq!(record(&material, 32.0).emission, [2.0; 3]);
+fn presence(material: &Material, record: &MaterialRecord) -> Presence {
+    let has_texture = textures(material)[0].is_some();
+    let alpha = record.base_color[3];
+    match material.alpha {
+        AlphaMode::Mask { cutoff } if !has_texture && alpha < cutoff => Presence::Absent,
+        AlphaMode::Blend if alpha <= 0.0 => Presence::Absent,
+        _ if record.is_blended != 0 || record.transmission > 0.0 => Presence::Partial,
+        _ if record.mask_threshold > 0.0 => Presence::Masked,
+        _ => Presence::Whole,
     }
 }

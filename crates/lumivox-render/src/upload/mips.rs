@@ -18,6 +18,17 @@ pub(crate) enum Encoding {
     Data,
 }
 
+/// What the alpha of an image means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Alpha {
+    /// A number of its own.
+    Data,
+    /// The covered share: colour counts for as much of a texel as is there.
+    Coverage,
+    /// What is at least the cutoff is there, the rest is not.
+    Mask(f32),
+}
+
 /// One level of a mip chain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Level {
@@ -26,19 +37,16 @@ pub(crate) struct Level {
     pub(crate) rgba8: Vec<u8>,
 }
 
-/// What fully transparent texels weigh in a masked texture's colour against opaque ones: nothing
+/// What fully transparent texels weigh in a texture's colour against opaque ones: nothing
 /// where any is opaque (a sixteenth of an 8-bit step), everything where none is.
 const TRANSPARENT_WEIGHT: f32 = 1.0 / 4096.0;
 
 /// The levels of an image, from its full size down to one texel.
 ///
-/// With a `mask_cutoff`, alpha becomes 1 where it is at least the cutoff and 0 elsewhere, so that the
-/// coarser levels' alpha is the covered share; and their colour is the mean of what is there.
-pub(crate) fn mip_chain(
-    texture: &Texture,
-    encoding: Encoding,
-    mask_cutoff: Option<f32>,
-) -> Vec<Level> {
+/// With a mask, alpha becomes 1 where it is at least the cutoff and 0 elsewhere, so that the coarser
+/// levels' alpha is the covered share. Where alpha is coverage, their colour is the mean of what is
+/// there: the clear parts of a leaf's picture are black or white as it comes.
+pub(crate) fn mip_chain(texture: &Texture, encoding: Encoding, alpha_use: Alpha) -> Vec<Level> {
     let decode = decoding_table(encoding);
     let mut texels: Vec<Vec4> = texture
         .rgba8
@@ -46,20 +54,19 @@ pub(crate) fn mip_chain(
         .map(|t| {
             let [r, g, b] = [t[0], t[1], t[2]].map(|byte| decode[usize::from(byte)]);
             let alpha = f32::from(t[3]) / 255.0;
-            match mask_cutoff {
-                Some(cutoff) => {
-                    let alpha = if alpha >= cutoff { 1.0 } else { 0.0 };
-                    let weight = alpha + TRANSPARENT_WEIGHT;
-                    Vec4::new(r * weight, g * weight, b * weight, weight)
-                }
-                None => Vec4::new(r, g, b, alpha),
-            }
+            let covered = match alpha_use {
+                Alpha::Data => return Vec4::new(r, g, b, alpha),
+                Alpha::Coverage => alpha,
+                Alpha::Mask(cutoff) => f32::from(u8::from(alpha >= cutoff)),
+            };
+            let weight = covered + TRANSPARENT_WEIGHT;
+            Vec4::new(r * weight, g * weight, b * weight, weight)
         })
         .collect();
     let (mut width, mut height) = (texture.width as usize, texture.height as usize);
     let mut levels = Vec::new();
     loop {
-        let rgba8 = encode(&texels, encoding, mask_cutoff.is_some());
+        let rgba8 = encode(&texels, encoding, alpha_use != Alpha::Data);
         levels.push(Level { width: width as u32, height: height as u32, rgba8 });
         if width == 1 && height == 1 {
             return levels;
@@ -104,12 +111,12 @@ fn taps(length: usize) -> Vec<Vec<(usize, f32)>> {
         .collect()
 }
 
-fn encode(texels: &[Vec4], encoding: Encoding, is_masked: bool) -> Vec<u8> {
+fn encode(texels: &[Vec4], encoding: Encoding, is_weighted: bool) -> Vec<u8> {
     let byte = |x: f32| (x * 255.0).round().clamp(0.0, 255.0) as u8;
     texels
         .par_iter()
         .flat_map_iter(|&texel| {
-            let texel = if is_masked {
+            let texel = if is_weighted {
                 (texel.xyz() / texel.w).extend(texel.w - TRANSPARENT_WEIGHT)
             } else {
                 texel
@@ -167,7 +174,7 @@ mod tests {
     fn the_finest_level_is_the_image_itself() {
         let image = texture(17, 5, |x, y| [x as u8 * 15, y as u8 * 50, 7, 200]);
         for encoding in [Encoding::Color, Encoding::Data] {
-            let levels = mip_chain(&image, encoding, None);
+            let levels = mip_chain(&image, encoding, Alpha::Data);
             assert_eq!(levels[0].rgba8, image.rgba8);
             let sizes: Vec<_> = levels.iter().map(|l| (l.width, l.height)).collect();
             assert_eq!(sizes, [(17, 5), (8, 2), (4, 1), (2, 1), (1, 1)]);
@@ -179,8 +186,8 @@ mod tests {
         let checker =
             texture(4, 4, |x, y| if (x + y) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] });
         // Half the light is sRGB code 188, half the code 128.
-        assert_eq!(last(&mip_chain(&checker, Encoding::Color, None)), [188, 188, 188, 255]);
-        assert_eq!(last(&mip_chain(&checker, Encoding::Data, None)), [128, 128, 128, 255]);
+        assert_eq!(last(&mip_chain(&checker, Encoding::Color, Alpha::Data)), [188, 188, 188, 255]);
+        assert_eq!(last(&mip_chain(&checker, Encoding::Data, Alpha::Data)), [128, 128, 128, 255]);
     }
 
     #[test]
@@ -189,7 +196,7 @@ mod tests {
         for width in [5, 7] {
             for white in 0..width {
                 let image = texture(width, 3, |x, _| if x == white { [255; 4] } else { [0; 4] });
-                let [r, ..] = last(&mip_chain(&image, Encoding::Data, None));
+                let [r, ..] = last(&mip_chain(&image, Encoding::Data, Alpha::Data));
                 assert_eq!(r, (255.0 / width as f32).round() as u8, "column {white} of {width}");
             }
         }
@@ -200,11 +207,22 @@ mod tests {
         // A quarter is opaque red, the rest is nearly transparent green.
         let leaf =
             texture(4, 4, |x, y| if x < 2 && y < 2 { [255, 0, 0, 200] } else { [0, 255, 0, 100] });
-        let levels = mip_chain(&leaf, Encoding::Color, Some(0.5));
+        let levels = mip_chain(&leaf, Encoding::Color, Alpha::Mask(0.5));
         assert_eq!(levels[0].rgba8[..4], [255, 0, 0, 255]);
         assert_eq!(levels[0].rgba8[12..16], [0, 255, 0, 0]);
         let [r, g, _, a] = last(&levels);
         assert_eq!(a, 64);
         assert!(r >= 254 && g <= 10, "{r} {g}");
+    }
+
+    #[test]
+    fn clear_texels_do_not_tint_what_is_there() {
+        // Half is red glass of a fifth, half is nothing, stored as white.
+        let pane = texture(4, 4, |x, _| if x < 2 { [255, 0, 0, 51] } else { [255, 255, 255, 0] });
+        let levels = mip_chain(&pane, Encoding::Color, Alpha::Coverage);
+        assert_eq!(levels[0].rgba8, pane.rgba8);
+        let [r, g, _, a] = last(&levels);
+        assert!(a.abs_diff(26) <= 1, "{a}");
+        assert!(r >= 254 && g <= 20, "{r} {g}");
     }
 }

@@ -2,27 +2,34 @@
 
 mod geometry;
 mod lights;
+mod material_record;
 mod materials;
 mod mips;
+mod reference_white;
+mod sheen;
+mod textures;
 mod units;
+
+use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
-use lumivox::{Draw, Geometry, GeometryBatch};
+use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
 use lumivox_scene::{Bounds, Scene};
 use wgpu::util::DeviceExt as _;
 
-pub(crate) use geometry::Shading;
+pub(crate) use geometry::{AllAttributes, Attributes, Shading, VERTEX_BYTES};
 pub use lights::Lighting;
 #[cfg(test)]
-pub(crate) use materials::MaterialRecord;
+pub(crate) use material_record::{MaterialRecord, TexturePlace};
 pub(crate) use materials::{GpuMaterial, Presence, material_layout};
 pub use units::radiance_unit;
+pub(crate) use units::radiance_unit_within;
 
 use crate::memory::MemoryUse;
 use crate::{Gpu, RenderError};
 use geometry::{BatchLimits, pack};
-use materials::MaterialUpload;
+use materials::{MaterialUpload, VertexColors};
 
 /// `DrawRecord` of `draws.wgsl`.
 #[repr(C)]
@@ -35,8 +42,9 @@ pub(crate) struct DrawRecord {
 /// The vertex buffers of one batch.
 #[derive(Debug)]
 pub(crate) struct VertexBuffers {
+    pub(crate) kind: Attributes,
     pub(crate) positions: wgpu::Buffer,
-    pub(crate) texcoords: wgpu::Buffer,
+    pub(crate) attributes: wgpu::Buffer,
     pub(crate) shading: wgpu::Buffer,
     pub(crate) indices: wgpu::Buffer,
 }
@@ -69,29 +77,101 @@ pub struct GpuScene {
     pub(crate) memory: Vec<MemoryUse>,
 }
 
+/// What of a scene changes when it moves: vertices, and where they are.
+struct Placed {
+    geometry: Vec<GeometryBatch>,
+    batches: Vec<VertexBuffers>,
+    draws: Vec<SceneDraw>,
+    draw_records: wgpu::Buffer,
+    memory: [MemoryUse; 2],
+}
+
 impl GpuScene {
     /// Uploads a valid scene (see [`Scene::validate`]).
     ///
-    /// `radiance_unit` is what one stands for in emission, cd/m²; [`radiance_unit`] chooses it.
+    /// `lighting` says how bright what takes no light is shown. `radiance_unit` is what one stands for in
+    /// emission, cd/m²; [`radiance_unit`] chooses it.
     /// Textures get their mips here, on all cores of the CPU.
     ///
     /// # Errors
     /// [`RenderError::Limit`] when the scene has more instances than the device can bind.
-    pub fn new(gpu: &Gpu, scene: &Scene, radiance_unit: f32) -> Result<Self, RenderError> {
-        let limits = gpu.device.limits();
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        lighting: &Lighting,
+        radiance_unit: f32,
+    ) -> Result<Self, RenderError> {
         let material_layout = material_layout(&gpu.device);
-        let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, &material_layout);
-        let (materials, surfaces): (Vec<_>, Vec<_>) =
-            scene.materials.iter().map(|material| upload.upload(material)).unzip();
-        let texture_bytes = upload.texture_bytes;
+        let white = reference_white::reference_white(scene, lighting);
+        let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, white, &material_layout);
+        let colors = colors_of_materials(scene);
+        let (materials, surfaces): (Vec<_>, Vec<_>) = scene
+            .materials
+            .iter()
+            .zip(colors)
+            .map(|(material, colors)| upload.upload(material, colors))
+            .unzip();
+        let texture_bytes = upload.texture_bytes();
 
-        let (packed, pieces) = pack(&scene.meshes, BatchLimits::of_device(&limits));
+        let Placed { geometry, batches, draws, draw_records, memory } =
+            Placed::new(gpu, scene, &materials)?;
+        let [vertices, instances] = memory;
+        Ok(Self {
+            geometry: Geometry { batches: geometry, materials: surfaces },
+            bounds: scene.bounds(),
+            radiance_unit,
+            batches,
+            draws,
+            draw_records,
+            materials,
+            material_layout,
+            memory: vec![vertices, MemoryUse::new("textures", texture_bytes), instances],
+        })
+    }
+
+    /// Uploads the vertices and transforms of the same scene in another pose. Materials and textures
+    /// stay as they are, and so do the bounds.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`], and [`RenderError::Setting`] when it is another scene, of other
+    /// materials.
+    pub(crate) fn repose(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        if scene.materials.len() != self.materials.len() {
+            return Err(RenderError::Setting {
+                name: "the scene in another pose",
+                value: format!("one of {} materials", scene.materials.len()),
+                expected: format!("the same scene, of {} materials", self.materials.len()),
+            });
+        }
+        // Gone first: two poses at a time could be more than the device holds.
+        self.batches.clear();
+        self.geometry.batches.clear();
+        let placed = Placed::new(gpu, scene, &self.materials)?;
+        self.geometry.batches = placed.geometry;
+        self.batches = placed.batches;
+        self.draws = placed.draws;
+        self.draw_records = placed.draw_records;
+        let [vertices, instances] = placed.memory;
+        self.memory[0] = vertices;
+        self.memory[2] = instances;
+        Ok(())
+    }
+
+    /// Whether light that passes something may change its colour.
+    pub(crate) fn is_tinted(&self) -> bool {
+        self.materials.iter().any(|material| material.is_tinted)
+    }
+}
+
+impl Placed {
+    fn new(gpu: &Gpu, scene: &Scene, materials: &[GpuMaterial]) -> Result<Self, RenderError> {
+        let limits = gpu.device.limits();
+        let needed = needed_attributes(scene);
+        let (packed, pieces) = pack(&scene.meshes, &needed, BatchLimits::of_device(&limits));
         let batches: Vec<VertexBuffers> =
             packed.iter().map(|batch| VertexBuffers::new(&gpu.device, batch)).collect();
-        let mut geometry = Geometry {
-            batches: batches.iter().map(VertexBuffers::for_voxels).collect(),
-            materials: surfaces,
-        };
+        let mut geometry: Vec<GeometryBatch> =
+            batches.iter().map(VertexBuffers::for_voxels).collect();
         let mut draws = Vec::new();
         let mut records = Vec::new();
         for instance in &scene.instances {
@@ -112,15 +192,13 @@ impl GpuScene {
                     bounds,
                 });
                 records.push(DrawRecord::new(instance.world_from_local));
-                if material.is_solid {
-                    geometry.batches[piece.batch].draws.push(Draw {
-                        first_index: piece.first_index,
-                        index_count: piece.index_count,
-                        base_vertex: piece.base_vertex,
-                        material: instance.material as u32,
-                        world_from_local: instance.world_from_local,
-                    });
-                }
+                geometry[piece.batch].draws.push(Draw {
+                    first_index: piece.first_index,
+                    index_count: piece.index_count,
+                    base_vertex: piece.base_vertex,
+                    material: instance.material as u32,
+                    world_from_local: instance.world_from_local,
+                });
             }
         }
         let draw_bytes = records.len() as u64 * size_of::<DrawRecord>() as u64;
@@ -134,31 +212,48 @@ impl GpuScene {
                 remedy: "join meshes that share a material".to_owned(),
             });
         }
-        let memory = vec![
-            MemoryUse::new("vertices and indices", batches.iter().map(VertexBuffers::bytes).sum()),
-            MemoryUse::new("textures", texture_bytes),
-            MemoryUse::new("instances", draw_bytes),
-        ];
+        let vertex_bytes = batches.iter().map(VertexBuffers::bytes).sum();
         Ok(Self {
             geometry,
-            bounds: scene.bounds(),
-            radiance_unit,
             batches,
             draws,
             draw_records: lumivox::gpu::upload(&gpu.device, "draws", &records),
-            materials,
-            material_layout,
-            memory,
+            memory: [
+                MemoryUse::new("vertices and indices", vertex_bytes),
+                MemoryUse::new("instances", draw_bytes),
+            ],
         })
     }
+}
 
-    /// The draws that stop light, for shadows, with their numbers.
-    pub(crate) fn casters(&self) -> impl Iterator<Item = (u32, &SceneDraw)> {
-        let draws = self.draws.iter().enumerate();
-        draws
-            .filter(|(_, draw)| self.materials[draw.material].is_solid)
-            .map(|(number, draw)| (number as u32, draw))
+/// For each material, the colours of the vertices on which it is used.
+fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
+    let of_meshes: Vec<VertexColors> = scene
+        .meshes
+        .iter()
+        .map(|mesh| VertexColors {
+            has_colors: !mesh.colors.is_empty(),
+            has_alpha: mesh.colors.iter().any(|color| color.w < 1.0),
+        })
+        .collect();
+    let mut materials = vec![VertexColors::default(); scene.materials.len()];
+    for instance in &scene.instances {
+        let (material, mesh) = (&mut materials[instance.material], of_meshes[instance.mesh]);
+        material.has_colors |= mesh.has_colors;
+        material.has_alpha |= mesh.has_alpha;
     }
+    materials
+}
+
+/// For each mesh, the attributes that its vertices need on the GPU.
+fn needed_attributes(scene: &Scene) -> Vec<Attributes> {
+    let mut uses_second_set = vec![false; scene.meshes.len()];
+    for instance in &scene.instances {
+        let mut textures = scene.materials[instance.material].textures();
+        uses_second_set[instance.mesh] |= textures.any(|texture| texture.uv_set == 1);
+    }
+    let needed = |(mesh, uses)| Attributes::needed(mesh, uses);
+    scene.meshes.iter().zip(uses_second_set).map(needed).collect()
 }
 
 impl DrawRecord {
@@ -185,12 +280,9 @@ impl VertexBuffers {
         let storage = wgpu::BufferUsages::STORAGE;
         let cast = bytemuck::cast_slice::<[f32; 3], u8>;
         Self {
+            kind: batch.attributes,
             positions: buffer("positions", cast(&batch.positions), vertex | storage),
-            texcoords: buffer(
-                "texture coordinates",
-                bytemuck::cast_slice(&batch.texcoords),
-                vertex | storage,
-            ),
+            attributes: buffer("attributes", &batch.attribute_bytes, vertex | storage),
             shading: buffer("normals", bytemuck::cast_slice(&batch.shading), vertex),
             indices: buffer("indices", bytemuck::cast_slice(&batch.indices), index | storage),
         }
@@ -199,14 +291,30 @@ impl VertexBuffers {
     fn for_voxels(&self) -> GeometryBatch {
         GeometryBatch {
             positions: self.positions.clone(),
-            texcoords: Some(self.texcoords.clone()),
+            attributes: Some(self.attributes_for_voxels()),
             indices: self.indices.clone(),
             draws: Vec::new(),
         }
     }
 
+    fn attributes_for_voxels(&self) -> VertexAttributes {
+        let buffer = self.attributes.clone();
+        match self.kind {
+            Attributes::Texcoords => VertexAttributes::texcoords(buffer),
+            Attributes::All => VertexAttributes {
+                buffer,
+                stride: size_of::<AllAttributes>() as u32,
+                texcoords: [
+                    Some(offset_of!(AllAttributes, texcoord) as u32),
+                    Some(offset_of!(AllAttributes, texcoord_1) as u32),
+                ],
+                color: Some(offset_of!(AllAttributes, color) as u32),
+            },
+        }
+    }
+
     fn bytes(&self) -> u64 {
-        [&self.positions, &self.texcoords, &self.shading, &self.indices]
+        [&self.positions, &self.attributes, &self.shading, &self.indices]
             .map(wgpu::Buffer::size)
             .iter()
             .sum()

@@ -8,7 +8,7 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use lumivox_scene::{Environment, LightKind, Scene};
+use lumivox_scene::{Bounds, Environment, LightKind, Scene};
 
 use super::Lighting;
 
@@ -27,7 +27,12 @@ const NEAREST: f32 = 1.0 / 16.0;
 /// four times its mean: see below) and of irradiance / pi of the
 /// lights (on a white surface that faces them) to between 512 and 1024.
 pub fn radiance_unit(scene: &Scene, lighting: &Lighting) -> f32 {
-    let nearest_m = scene.bounds().radius_m() * NEAREST;
+    radiance_unit_within(scene.bounds(), scene, lighting)
+}
+
+/// The same for a scene that moves within `bounds`: all its poses share one unit.
+pub(crate) fn radiance_unit_within(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> f32 {
+    let nearest_m = bounds.radius_m() * NEAREST;
     let lights = lighting.lights.iter().map(|light| {
         let color = light.color.max_element();
         let irradiance = match light.kind {

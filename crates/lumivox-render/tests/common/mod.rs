@@ -3,6 +3,8 @@
 // Every test program compiles this module and uses its own part of it.
 #![allow(dead_code)]
 
+pub mod zoo;
+
 use lumivox_render::{Gpu, GpuOptions, Picture, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Scene};
 

@@ -18,7 +18,7 @@ mod build;
 mod cornell;
 mod furnace;
 mod panel;
-mod shapes;
+pub(crate) mod shapes;
 mod spheres;
 mod two_rooms;
 

@@ -9,26 +9,26 @@ use crate::Mesh;
 
 /// Which faces of a [`cuboid`] exist, by the direction that they face.
 #[derive(Clone, Copy)]
-pub(super) struct Faces {
+pub(crate) struct Faces {
     /// Left (-x) and right (+x), bottom and top, back (-z) and front (+z).
-    pub(super) x: [bool; 2],
-    pub(super) y: [bool; 2],
-    pub(super) z: [bool; 2],
+    pub(crate) x: [bool; 2],
+    pub(crate) y: [bool; 2],
+    pub(crate) z: [bool; 2],
 }
 
 impl Faces {
-    pub(super) const ALL: Self = Self { x: [true; 2], y: [true; 2], z: [true; 2] };
+    pub(crate) const ALL: Self = Self { x: [true; 2], y: [true; 2], z: [true; 2] };
     /// For what stands on a floor: a hidden face would only be voxelized into it.
-    pub(super) const NO_BOTTOM: Self = Self { y: [false, true], ..Self::ALL };
+    pub(crate) const NO_BOTTOM: Self = Self { y: [false, true], ..Self::ALL };
     /// For what hangs flush from a ceiling.
-    pub(super) const NO_TOP: Self = Self { y: [true, false], ..Self::ALL };
+    pub(crate) const NO_TOP: Self = Self { y: [true, false], ..Self::ALL };
     /// For what reaches from floor to ceiling.
-    pub(super) const SIDES: Self = Self { y: [false; 2], ..Self::ALL };
+    pub(crate) const SIDES: Self = Self { y: [false; 2], ..Self::ALL };
 }
 
 /// A rectangle: `u` and `v` are half its edges, it faces `u` cross `v`; the image's right lies along
 /// `u`, its top along `v`.
-pub(super) fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
+pub(crate) fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     let normal = u.cross(v).normalize();
     Mesh {
         name: String::new(),
@@ -42,7 +42,7 @@ pub(super) fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
 }
 
 /// An axis-aligned box seen from outside, from one corner to the opposite one.
-pub(super) fn cuboid(min: Vec3, max: Vec3, faces: Faces) -> Mesh {
+pub(crate) fn cuboid(min: Vec3, max: Vec3, faces: Faces) -> Mesh {
     let center = (min + max) * 0.5;
     let half = (max - min) * 0.5;
     let x = Vec3::X * half.x;
@@ -64,7 +64,7 @@ pub(super) fn cuboid(min: Vec3, max: Vec3, faces: Faces) -> Mesh {
 }
 
 /// The inside of an axis-aligned box: what a cuboid is to those who live in it.
-pub(super) fn interior(min: Vec3, max: Vec3) -> Mesh {
+pub(crate) fn interior(min: Vec3, max: Vec3) -> Mesh {
     let mut mesh = cuboid(min, max, Faces::ALL);
     mesh.flip_winding();
     for normal in &mut mesh.normals {
@@ -77,15 +77,15 @@ pub(super) fn interior(min: Vec3, max: Vec3) -> Mesh {
 
 /// Which surfaces of a [`frame`] exist.
 #[derive(Clone, Copy)]
-pub(super) struct FrameFaces {
-    pub(super) top: bool,
-    pub(super) bottom: bool,
-    pub(super) outer: bool,
+pub(crate) struct FrameFaces {
+    pub(crate) top: bool,
+    pub(crate) bottom: bool,
+    pub(crate) outer: bool,
 }
 
 /// A rectangular ring around the y axis, such as four walls or a roof with an opening: half the
 /// outer and the inner edges along x and z, from `y[0]` to `y[1]`. Its inner faces always exist.
-pub(super) fn frame(outer: Vec2, inner: Vec2, y: [f32; 2], faces: FrameFaces) -> Mesh {
+pub(crate) fn frame(outer: Vec2, inner: Vec2, y: [f32; 2], faces: FrameFaces) -> Mesh {
     let mut mesh = Mesh::default();
     let middle = (y[0] + y[1]) * 0.5;
     let up = Vec3::Y * ((y[1] - y[0]) * 0.5);
@@ -125,7 +125,7 @@ pub(super) fn frame(outer: Vec2, inner: Vec2, y: [f32; 2], faces: FrameFaces) ->
 }
 
 /// A sphere around the origin with smooth normals: `segments` around the y axis, half as many rings.
-pub(super) fn sphere(radius_m: f32, segments: u32) -> Mesh {
+pub(crate) fn sphere(radius_m: f32, segments: u32) -> Mesh {
     let rings = segments / 2;
     let mut mesh = Mesh::default();
     for ring in 0..=rings {
@@ -162,7 +162,7 @@ pub(super) fn sphere(radius_m: f32, segments: u32) -> Mesh {
 
 /// The curved side of an upright cylinder with smooth normals, standing on `base`; without caps,
 /// for it reaches from one floor to the next.
-pub(super) fn cylinder(base: Vec3, radius_m: f32, height_m: f32, segments: u32) -> Mesh {
+pub(crate) fn cylinder(base: Vec3, radius_m: f32, height_m: f32, segments: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for segment in 0..=segments {
         // The seam closes exactly: the last column repeats the first one's angle.
@@ -184,7 +184,7 @@ pub(super) fn cylinder(base: Vec3, radius_m: f32, height_m: f32, segments: u32) 
 }
 
 /// Adds the triangles of `other`.
-pub(super) fn append(mesh: &mut Mesh, other: Mesh) {
+pub(crate) fn append(mesh: &mut Mesh, other: Mesh) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(other.positions);
     mesh.normals.extend(other.normals);
@@ -194,7 +194,7 @@ pub(super) fn append(mesh: &mut Mesh, other: Mesh) {
 }
 
 /// Several meshes as one.
-pub(super) fn merge(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
+pub(crate) fn merge(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
     let mut mesh = Mesh::default();
     for part in parts {
         append(&mut mesh, part);

@@ -5,6 +5,11 @@ pub(super) fn linear_from_srgb(encoded: f32) -> f32 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
+/// The inverse of [`linear_from_srgb`].
+pub(super) fn srgb_from_linear(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
 /// Makes linear channels of the numbers of a file.
 pub(super) enum Decoder {
     /// Floats are linear.

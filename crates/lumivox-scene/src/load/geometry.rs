@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::textures::size_text;
 use crate::{Mesh, SceneError};
 
 /// Vertices that indices of 32 bits can name; the last number is left to "none".
@@ -32,8 +33,22 @@ impl<'f> GeometryBudget<'f> {
         // Beyond that, indices of 32 bits cannot tell vertices apart.
         let more =
             if vertices <= MOST_VERTICES { bytes(vertices, indices, colors) } else { u64::MAX };
-        self.spent = self.spent.saturating_add(more);
+        self.take(part, more)
+    }
+
+    /// Takes so many bytes.
+    pub(super) fn take(
+        &mut self,
+        part: impl FnOnce() -> String,
+        bytes: u64,
+    ) -> Result<(), SceneError> {
+        self.spent = self.spent.saturating_add(bytes);
         self.check(part, 0)
+    }
+
+    /// Bytes that are left.
+    pub(super) fn left(&self) -> u64 {
+        self.all.saturating_sub(self.spent)
     }
 
     /// Whether so many more bytes, as a reader needs them while it reads, would fit.
@@ -45,8 +60,8 @@ impl<'f> GeometryBudget<'f> {
         Err(SceneError::TooLarge {
             file: self.file.to_owned(),
             part: part(),
-            needed: format!("{} MiB or more", needed.div_ceil(1 << 20)),
-            budget: format!("{} MiB", self.all >> 20),
+            needed: format!("{} or more", size_text(needed)),
+            budget: size_text(self.all),
         })
     }
 }
@@ -85,7 +100,10 @@ mod tests {
         budget.check(part, 1 << 20).unwrap();
         let error = budget.spend(part, 30_000, 60_000, true).unwrap_err().to_string();
         assert!(error.contains("scan.ply: with the scan"), "{error}");
-        assert!(error.contains("4 MiB") && error.contains("budget is 3 MiB"), "{error}");
+        assert!(
+            error.contains("3.2 MiB or more") && error.contains("budget is 3.0 MiB"),
+            "{error}"
+        );
         let mut budget = GeometryBudget::new(Path::new("scan.ply"), u64::MAX - 1);
         assert!(budget.spend(part, MOST_VERTICES + 1, 0, false).is_err());
     }

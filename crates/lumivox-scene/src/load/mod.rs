@@ -4,6 +4,7 @@
 //! that exist before memory is taken, indices before they are used, paths before they are followed.
 
 mod color;
+mod extensions;
 mod files;
 mod geometry;
 mod gltf;
@@ -24,6 +25,7 @@ mod units;
 use std::path::Path;
 
 use crate::{Scene, SceneError};
+pub use extensions::{EXTENSIONS, extensions_in_words};
 use files::Reach;
 pub(crate) use files::shorten;
 pub use source::FileSource;

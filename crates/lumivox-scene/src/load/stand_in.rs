@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::Notes;
+use super::image::Pixels;
 use crate::{Filter, Material, Sampler, Texture};
 
 /// Between stone and plaster.
@@ -35,20 +36,23 @@ pub(super) fn grey(name: &str) -> Material {
     Material { double_sided: true, ..Material::diffuse(name, Vec3::splat(NO_MATERIAL_ALBEDO)) }
 }
 
-/// A texture in place of one that is missing: squares of magenta and black, which nobody overlooks.
+/// The edge of the stand-in for an image, in texels.
+pub(super) const BOARD_EDGE: u32 = 8;
+
+/// Texels in place of an image that is missing: squares of magenta and black, which nobody overlooks.
+pub(super) fn board() -> Pixels {
+    let texel = |i: u32| {
+        let is_even = (i % BOARD_EDGE + i / BOARD_EDGE).is_multiple_of(2);
+        if is_even { [255, 0, 255, 255] } else { [0, 0, 0, 255] }
+    };
+    let rgba8 = (0..BOARD_EDGE * BOARD_EDGE).flat_map(texel).collect();
+    Pixels { width: BOARD_EDGE, height: BOARD_EDGE, rgba8 }
+}
+
+/// A texture of them.
 pub(super) fn checker(name: &str) -> Texture {
-    const EDGE: usize = 8;
-    let square = |i: usize| (i % EDGE + i / EDGE).is_multiple_of(2);
-    let texel = |i| if square(i) { [255, 0, 255, 255] } else { [0, 0, 0, 255] };
-    Texture {
-        name: format!("stand-in for {name}"),
-        width: EDGE as u32,
-        height: EDGE as u32,
-        rgba8: (0..EDGE * EDGE).flat_map(texel).collect(),
-        sampler: Sampler {
-            magnify: Filter::Nearest,
-            minify: Filter::Nearest,
-            ..Sampler::default()
-        },
-    }
+    let Pixels { width, height, rgba8 } = board();
+    let sampler =
+        Sampler { magnify: Filter::Nearest, minify: Filter::Nearest, ..Sampler::default() };
+    Texture { name: format!("stand-in for {name}"), width, height, rgba8, sampler }
 }

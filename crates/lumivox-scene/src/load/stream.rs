@@ -50,6 +50,17 @@ pub(super) fn open<'s, 'o>(
     Ok((BufReader::with_capacity(PIECE, Progress { inner, done: 0, total, options }), total))
 }
 
+/// Reads a whole file, for formats whose parts refer to each other.
+pub(super) fn read_all(file: &Path, options: &mut LoadOptions<'_>) -> Result<Vec<u8>, SceneError> {
+    let (mut reader, length) = open(file, options)?;
+    let mut bytes = Vec::new();
+    let failed = |source| SceneError::Read { file: file.to_owned(), source };
+    let length = usize::try_from(length).unwrap_or(usize::MAX);
+    bytes.try_reserve_exact(length).map_err(|error| failed(io::Error::other(error)))?;
+    reader.read_to_end(&mut bytes).map_err(failed)?;
+    Ok(bytes)
+}
+
 impl<R: Read> Read for Progress<'_, '_, R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.inner.read(buffer)?;

@@ -13,7 +13,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::image::{self, Encoding, Fault, Header, Pixels, Source};
-use super::{LoadOptions, Notes};
+use super::{LoadOptions, Notes, stand_in};
 use crate::{Sampler, SceneError, Texture};
 
 pub(super) use mix::Mix;
@@ -42,9 +42,6 @@ pub(super) enum Recipe {
     /// The stand-in for an image that is not there: a board of magenta and black.
     Missing,
 }
-
-/// The edge of the stand-in in texels.
-const BOARD_EDGE: u32 = 8;
 
 impl Recipe {
     fn images(&self) -> &[ImageId] {
@@ -141,8 +138,8 @@ impl<'a> Textures<'a> {
         let headers = || recipe.images().iter().map(|image| self.images[image.0].header);
         let product = Product {
             encoding,
-            width: headers().map(|header| header.width).max().unwrap_or(BOARD_EDGE),
-            height: headers().map(|header| header.height).max().unwrap_or(BOARD_EDGE),
+            width: headers().map(|header| header.width).max().unwrap_or(stand_in::BOARD_EDGE),
+            height: headers().map(|header| header.height).max().unwrap_or(stand_in::BOARD_EDGE),
             halvings: 0,
             textures: Vec::new(),
             recipe: recipe.clone(),
@@ -265,7 +262,7 @@ impl<'a> Textures<'a> {
                 let images = images.iter().map(decode).collect::<Result<Vec<_>, _>>()?;
                 mix.mix(&images, product.width, product.height)
             }
-            Recipe::Missing => board(),
+            Recipe::Missing => stand_in::board(),
         };
         Ok(image::shrink(pixels, product.halvings, product.encoding))
     }
@@ -291,15 +288,6 @@ impl<'a> Textures<'a> {
         }
         made[last] = Some(texture(pixels.rgba8, last));
     }
-}
-
-fn board() -> Pixels {
-    let texel = |i: u32| {
-        let (x, y) = (i % BOARD_EDGE, i / BOARD_EDGE);
-        if (x + y) % 2 == 0 { [255, 0, 255, 255] } else { [0, 0, 0, 255] }
-    };
-    let rgba8 = (0..BOARD_EDGE * BOARD_EDGE).flat_map(texel).collect();
-    Pixels { width: BOARD_EDGE, height: BOARD_EDGE, rgba8 }
 }
 
 /// An amount of memory in the unit that suits it.

@@ -54,6 +54,10 @@ pub(super) fn apply(
         return Ok(());
     }
     scene.transform(rotation);
+    // What moves keeps its unit at all times.
+    if let Some(rig) = &mut scene.rig {
+        rig.transform(scale);
+    }
     for instance in &mut scene.instances {
         instance.world_from_local = scale * instance.world_from_local;
     }

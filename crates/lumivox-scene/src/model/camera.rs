@@ -2,8 +2,6 @@
 
 use glam::{Mat4, Vec3};
 
-use super::Bounds;
-
 /// A perspective camera in world space, without a far plane (renderers use reversed, infinite
 /// depth or derive one from the scene's bounds).
 #[derive(Clone, Debug, PartialEq)]
@@ -50,23 +48,6 @@ impl Camera {
         Self { position, forward, up, vertical_fov_rad, ..Self::default() }
     }
 
-    /// A three-quarter view from outside of all of `bounds`, with a vertical field of view of 45
-    /// degrees, for scenes that bring no camera. The sphere around the box fits the picture's
-    /// height, and its width too wherever the picture is at least as wide as high.
-    #[must_use]
-    pub fn framing(bounds: Bounds) -> Self {
-        let fov = std::f32::consts::FRAC_PI_4;
-        let radius_m = bounds.radius_m().max(1e-3);
-        // A sphere fills a cone of half-angle fov / 2 when its centre is r / sin(fov / 2) away.
-        let distance_m = radius_m / (fov * 0.5).sin();
-        let towards_eye = Vec3::new(0.55, 0.40, 0.73).normalize();
-        let center = bounds.center();
-        let mut camera = Self::look_at(center + towards_eye * distance_m, center, fov);
-        "framing".clone_into(&mut camera.name);
-        camera.near_m = radius_m * 0.01;
-        camera
-    }
-
     /// The camera's own axes in the world: right in x, top in y, backwards in z (glTF 2.0, section
     /// 3.10.2), the eye in the translation. Orthonormal.
     pub fn world_from_camera(&self) -> Mat4 {
@@ -109,25 +90,6 @@ mod tests {
             let camera = Camera::look_at(Vec3::ZERO, target, 0.8);
             let m = camera.world_from_camera();
             assert!((m.determinant() - 1.0).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn framing_sees_every_corner() {
-        let bounds = Bounds { min: Vec3::new(-3.0, 0.0, 1.0), max: Vec3::new(9.0, 2.0, 5.0) };
-        let camera = Camera::framing(bounds);
-        assert!(!bounds.contains(camera.position));
-        let half = (camera.vertical_fov_rad * 0.5).tan();
-        for corner in 0..8 {
-            let pick = Vec3::new(
-                (corner & 1) as f32,
-                f32::from(u8::from(corner & 2 != 0)),
-                f32::from(u8::from(corner & 4 != 0)),
-            );
-            let point = bounds.min + bounds.size() * pick;
-            let seen = camera.camera_from_world().transform_point3(point);
-            assert!(-seen.z > camera.near_m);
-            assert!((seen.y / -seen.z).abs() <= half && (seen.x / -seen.z).abs() <= half);
         }
     }
 }

@@ -20,7 +20,7 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// Cameras; a file may bring none, see [`Camera::framing`].
+    /// Cameras; a file may bring none, see [`Scene::default_camera`].
     pub cameras: Vec<Camera>,
     /// The surroundings.
     pub environment: Environment,
@@ -38,6 +38,15 @@ pub struct LoadNotes {
     pub degenerate_triangles: usize,
     /// Sentences for the user, each naming what was ignored or replaced.
     pub warnings: Vec<String>,
+    /// The program that wrote the file, if it says so.
+    pub generator: Option<String>,
+    /// The extensions of the format that the file uses (glTF), understood or not.
+    pub extensions_used: Vec<String>,
+    /// Those of them without which it could not be shown.
+    pub extensions_required: Vec<String>,
+    /// The file's scenes in order, by their names or numbers (glTF); see
+    /// [`LoadOptions::scene`](crate::LoadOptions::scene).
+    pub scenes: Vec<String>,
 }
 
 impl Scene {

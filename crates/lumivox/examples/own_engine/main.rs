@@ -48,7 +48,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
     });
     let batch = GeometryBatch {
         positions: raster.positions.clone(),
-        texcoords: None,
+        attributes: None,
         indices: raster.indices.clone(),
         draws: draws.collect(),
     };

@@ -37,11 +37,12 @@ pub struct GBufferViews<'a> {
     pub depth: &'a wgpu::TextureView,
     /// Octahedral shading normal in xy and geometric normal in zw, both towards the camera (`Rgba16Float`).
     pub normals: &'a wgpu::TextureView,
-    /// Diffuse albedo (`Rgba8UnormSrgb` or any other float format).
+    /// Diffuse albedo, and in a one minus the strength of a clear coat on top: 1 where there is none
+    /// (`Rgba8UnormSrgb` or any other float format).
     pub diffuse: &'a wgpu::TextureView,
     /// Specular reflectance at normal incidence, and perceptual roughness in a.
     pub specular: &'a wgpu::TextureView,
-    /// Emitted radiance (`Rgba16Float`).
+    /// Emitted radiance, and in a the coat's perceptual roughness (`Rgba16Float`).
     pub emission: &'a wgpu::TextureView,
 }
 

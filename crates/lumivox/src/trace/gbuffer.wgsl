@@ -18,11 +18,11 @@ struct View {
 @group(3) @binding(1) var gbuffer_depth: texture_depth_2d;
 // Octahedral unit vectors in [-1, 1]: shading normal in xy, geometric normal in zw; both face the camera.
 @group(3) @binding(2) var gbuffer_normals: texture_2d<f32>;
-// Diffuse albedo in rgb.
+// Diffuse albedo in rgb; in a 1 - the strength of a clear coat.
 @group(3) @binding(3) var gbuffer_diffuse: texture_2d<f32>;
 // Specular reflectance at normal incidence in rgb, perceptual roughness in a.
 @group(3) @binding(4) var gbuffer_specular: texture_2d<f32>;
-// Emitted radiance in rgb.
+// Emitted radiance in rgb; the coat's perceptual roughness in a.
 @group(3) @binding(5) var gbuffer_emission: texture_2d<f32>;
 
 struct Surface {

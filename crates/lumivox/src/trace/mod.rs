@@ -26,6 +26,7 @@ pub use settings::{Preset, TraceResolution, TraceSettings};
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("trace::brdf", include_str!("brdf.wgsl")),
+    ("trace::coat", include_str!("coat.wgsl")),
     ("trace::cone", include_str!("cone.wgsl")),
     ("trace::diffuse", include_str!("diffuse.wgsl")),
     ("trace::gather", include_str!("gather.wgsl")),

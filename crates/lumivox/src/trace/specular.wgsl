@@ -4,6 +4,9 @@
 // mirrored direction, as wide as a share of what that draw stands for: its solid angle is share / pdf, the
 // footprint of filtered importance sampling (Krivanek and Colbert 2008, section 4). The weight of the draw is
 // F G2 / G1 (Heitz 2018, equation 19), so the mean over frames is the BRDF's integral, blurred by the cone alone.
+//
+// Under a clear coat there are two lobes. A frame draws one of them, as often as it reflects more, and divides by
+// that probability.
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::grid::grid_from_world;
@@ -12,6 +15,7 @@ import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_masking, ggx_visibility,
     sample_visible_normal,
 };
+import package::trace::coat::{below_coat, coat_fresnel, load_coat};
 import package::trace::cone::{cone_growth, trace_cone, Cone};
 import package::trace::gbuffer::{gbuffer_specular, load_surface, view};
 import package::trace::hemisphere::basis;
@@ -34,12 +38,12 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let surface = load_surface(pixel);
     let material = textureLoad(gbuffer_specular, pixel, 0);
     let is_off = settings.gathers == 0u || settings.specular_share <= 0.0;
-    if surface.depth <= 0.0 || is_off || all(material.rgb <= vec3f(0.0)) {
+    let coat = load_coat(pixel);
+    if surface.depth <= 0.0 || is_off || (all(material.rgb <= vec3f(0.0)) && coat.strength <= 0.0) {
         textureStore(specular_out, invocation.xy, nothing);
         return;
     }
 
-    let alpha = alpha_from_roughness(material.a);
     let world_from_normal = basis(surface.shading_normal);
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
     var local_view = to_camera * world_from_normal;
@@ -47,6 +51,14 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     local_view = normalize(local_view);
 
     let start = random_pair(pixel.y + 0x9e3779b9u, hash(pixel.x));
+    let below = below_coat(coat, local_view.z);
+    let base_weight = below * dot(fresnel_schlick(material.rgb, local_view.z), vec3f(1.0 / 3.0));
+    let coat_weight = coat_fresnel(coat, local_view.z);
+    // The golden ratio's sequence is independent of the half vector's.
+    let choice = fract(start.x - start.y + 1.0 + 0.618034 * f32(view.frame & 0xffffu));
+    let coat_share = select(0.0, coat_weight / (coat_weight + base_weight), coat_weight > 0.0);
+    let is_coat = choice < coat_share;
+    let alpha = select(alpha_from_roughness(material.a), coat.alpha, is_coat);
     let half_vector = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
     let local_light = reflect(-local_view, half_vector);
     let direction = world_from_normal * local_light;
@@ -72,7 +84,12 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let outside = environment_reflection(direction, outside_width, alpha);
     let radiance = traced.radiance + traced.transmittance * outside;
 
-    let fresnel = fresnel_schlick(material.rgb, dot(local_view, half_vector));
+    let cos_half_vector = dot(local_view, half_vector);
+    let fresnel = select(
+        fresnel_schlick(material.rgb, cos_half_vector) * (below / (1.0 - coat_share)),
+        vec3f(coat_fresnel(coat, cos_half_vector) / coat_share),
+        is_coat,
+    );
     let both = ggx_visibility(local_view.z, local_light.z, alpha) * 4.0 * local_view.z
         * local_light.z;
     let weight = fresnel * (both / masking);

@@ -3,14 +3,14 @@
 // The sums stand in the list of faces itself, each where its mean will be (resolve.wgsl).
 
 import package::constants::{
-    ALPHA_IS_COVERAGE, DOUBLE_SIDED, FACE_EMISSION, FACE_POSITION, FACE_REFLECTANCE, FACE_VECTOR_AREA,
+    DOUBLE_SIDED, FACE_EMISSION, FACE_POSITION, FACE_REFLECTANCE, FACE_VECTOR_AREA,
     FACE_WORDS, LINEAR_WORKGROUP_SIZE,
 };
 import package::gpu::random::hash;
 import package::voxelize::faces::VoxelFaces;
 import package::voxelize::items::{Item, find_item};
 import package::voxelize::piece::piece_in_voxel;
-import package::voxelize::surface::{surface_at, texcoord_map};
+import package::voxelize::surface::{surface_at, surface_map, PIERCED, UNIFORM, VARIED};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
 import package::voxelize::footprint::turn_back;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
@@ -94,9 +94,9 @@ fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
     }
 }
 
-fn accumulate(item: Item, is_textured: bool) {
+fn accumulate(item: Item, detail: u32) {
     var walk = walk_begin(item);
-    let map = texcoord_map(&walk);
+    let map = surface_map(&walk);
     let flags = draws[walk.draw].flags;
     let sides = select(1u, 2u, (flags & DOUBLE_SIDED) != 0u);
     let lobe = 2u * walk.axis + select(0u, 1u, walk.normal.z < 0.0);
@@ -106,14 +106,13 @@ fn accumulate(item: Item, is_textured: bool) {
     var is_there = walk_on(&walk);
     loop {
         let piece = piece_in_voxel(&walk);
-        let surface = surface_at(&walk, map, piece.centroid, is_textured);
-        let coverage = select(1.0, surface.coverage, (flags & ALPHA_IS_COVERAGE) != 0u);
+        let surface = surface_at(&walk, map, piece.centroid, detail);
         let code = morton_encode(walk_cell(&walk));
         let cell = cells[code / 32u];
         let is_occupied = (cell.x & (1u << (code % 32u))) != 0u;
-        if is_there && is_occupied && piece.area > 0.0 && coverage >= SMALLEST_COVERAGE {
+        if is_there && is_occupied && piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE {
             let faces = voxels[cell.y + bits_below(cell.x, code % 32u)];
-            let area = piece.area * coverage;
+            let area = piece.area * surface.coverage;
             let position = turn_back(piece.centroid - vec3f(walk.voxel), walk.axis);
             let part = Part(
                 faces.first_face * FACE_WORDS,
@@ -133,21 +132,32 @@ fn accumulate(item: Item, is_textured: bool) {
     }
 }
 
-// Materials without textures.
+// Materials without textures, on vertices without colours.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn plain(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    accumulate(find_item(invocation, workgroups, local), false);
+    accumulate(find_item(invocation, workgroups, local), UNIFORM);
 }
 
+// Materials with textures, or vertices with colours.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn textured(
+fn varied(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    accumulate(find_item(invocation, workgroups, local), true);
+    accumulate(find_item(invocation, workgroups, local), VARIED);
+}
+
+// Materials that let light through.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn pierced(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    accumulate(find_item(invocation, workgroups, local), PIERCED);
 }

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::input::{DrawGroup, PreparedBatch};
-use super::kernels::{Kernels, Layouts};
+use super::kernels::{Detail, Kernels, Layouts};
 use super::memory::{Memory, Remedy};
 use crate::gpu::{
     BindGroupBuilder, Indirect, Kernel, Recorder, Run, storage_buffer, uniform_buffer, upload,
@@ -43,7 +43,7 @@ pub(super) struct ItemRun {
 pub(super) struct Fallbacks {
     white: wgpu::TextureView,
     sampler: wgpu::Sampler,
-    texcoords: wgpu::Buffer,
+    attributes: wgpu::Buffer,
 }
 
 impl Fallbacks {
@@ -68,7 +68,7 @@ impl Fallbacks {
         Self {
             white: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             sampler: device.create_sampler(&wgpu::SamplerDescriptor::default()),
-            texcoords: storage_buffer(device, "no texture coordinates", 16),
+            attributes: storage_buffer(device, "no attributes", 16),
         }
     }
 }
@@ -77,10 +77,8 @@ impl Fallbacks {
 #[derive(Debug)]
 pub(super) struct GroupDispatch {
     run: wgpu::BindGroup,
-    /// Whether there are textures.
-    pub is_textured: bool,
-    /// Whether alpha may cut holes.
-    pub is_covered: bool,
+    /// What there is to sample.
+    pub detail: Detail,
 }
 
 /// A batch, split into items.
@@ -112,7 +110,7 @@ impl SplitBatch {
         let draws = upload(device, "draws", &prepared.draws);
         let triangles = BindGroupBuilder::new(&layouts.triangles)
             .buffer(&batch.positions)
-            .buffer(batch.texcoords.as_ref().unwrap_or(&fallbacks.texcoords))
+            .buffer(batch.attributes.as_ref().map_or(&fallbacks.attributes, |a| &a.buffer))
             .buffer(&batch.indices)
             .buffer(&draws)
             .build(device, "voxelize::triangles");
@@ -141,8 +139,7 @@ impl SplitBatch {
         let arguments = kernels.indirect.arguments(recorder, &item_starts, &runs, &counts);
         let dispatch = |group: &DrawGroup| GroupDispatch {
             run: run_group(device, layouts, fallbacks, group, &materials[group.material as usize]),
-            is_textured: group.is_textured,
-            is_covered: group.is_covered,
+            detail: group.detail,
         };
         let groups = prepared.groups.iter().map(dispatch).collect();
         Ok(Self { triangles, item_starts, counts, groups, arguments })
@@ -182,11 +179,13 @@ fn run_group(
         end_draw: group.draws.end,
     };
     let run = uniform_buffer(device, "run of items", &run);
-    let white = &fallbacks.white;
-    BindGroupBuilder::new(&layouts.run)
-        .buffer(&run)
-        .view(material.reflectance_texture.as_ref().unwrap_or(white))
-        .view(material.emission_texture.as_ref().unwrap_or(white))
-        .sampler(material.sampler.as_ref().unwrap_or(&fallbacks.sampler))
+    let textures =
+        [&material.reflectance_texture, &material.emission_texture, &material.transmission_texture];
+    textures
+        .into_iter()
+        .fold(BindGroupBuilder::new(&layouts.run).buffer(&run), |builder, texture| match texture {
+            Some(texture) => builder.view(&texture.view).sampler(&texture.sampler),
+            None => builder.view(&fallbacks.white).sampler(&fallbacks.sampler),
+        })
         .build(device, "voxelize::run")
 }

@@ -4,10 +4,21 @@
 //! triangles and one dispatch; materials without textures are one group.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3};
+use glam::{Affine2, Mat4, Vec3};
 
+use super::kernels::Detail;
 use crate::geometry::{Draw, GeometryBatch};
-use crate::{Geometry, GiError, Grid, SurfaceMaterial};
+use crate::{Geometry, GiError, Grid, SurfaceMaterial, SurfaceTexture, VertexAttributes};
+
+/// `TexturePlace` of `triangles.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct TexturePlace {
+    pub u_row: [f32; 3],
+    pub word: u32,
+    pub v_row: [f32; 3],
+    padding: u32,
+}
 
 /// `Draw` of `triangles.wgsl`.
 #[repr(C)]
@@ -22,23 +33,29 @@ pub(crate) struct DrawRecord {
     pub first_index: u32,
     pub base_vertex: u32,
     pub flags: u32,
-    padding: u32,
+    pub transmission: f32,
+    pub reflectance_place: TexturePlace,
+    pub emission_place: TexturePlace,
+    pub transmission_place: TexturePlace,
+    pub vertex_words: u32,
+    pub color_word: u32,
+    padding: [u32; 2],
 }
 
 /// Bits of [`DrawRecord::flags`].
 pub(crate) const DOUBLE_SIDED: u32 = 1;
 /// Alpha cuts holes.
 pub(crate) const ALPHA_IS_COVERAGE: u32 = 2;
+/// The vertices have colours.
+pub(crate) const HAS_COLORS: u32 = 4;
 
 /// Neighbouring draws that share their textures.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawGroup {
     /// The material of one of them: what its textures are.
     pub material: u32,
-    /// Whether there are textures.
-    pub is_textured: bool,
-    /// Whether alpha may cut holes.
-    pub is_covered: bool,
+    /// What there is to sample.
+    pub detail: Detail,
     /// Its triangles, in the batch's numbering.
     pub triangles: std::ops::Range<u32>,
     /// Its draws, in the batch's order.
@@ -76,8 +93,16 @@ pub(crate) fn check_materials(geometry: &Geometry) -> Result<(), GiError> {
         if !material.emission.is_finite() || material.emission.min_element() < 0.0 {
             return fail("its emission must be finite and not negative");
         }
-        if is_textured(material) && material.sampler.is_none() {
-            return fail("it has a texture, but no sampler");
+        if !(0.0..=1.0).contains(&material.transmission) {
+            return fail("its transmission must be from 0 to 1");
+        }
+        for texture in textures(material).into_iter().flatten() {
+            if !texture.transform.is_finite() {
+                return fail("the transform of a texture's coordinates must be finite");
+            }
+            if texture.texcoord_set > 1 {
+                return fail("vertices have texture coordinates of the sets 0 and 1 alone");
+            }
         }
     }
     Ok(())
@@ -92,7 +117,7 @@ pub(crate) fn prepare_batch(
     limits: &wgpu::Limits,
 ) -> Result<Option<PreparedBatch>, GiError> {
     let batch = &geometry.batches[index];
-    let groups = texture_groups(&geometry.materials);
+    let groups = texture_groups(&geometry.materials, batch);
     check_buffers(batch, index, limits)?;
     for (number, draw) in batch.draws.iter().enumerate() {
         check_draw(geometry, batch, draw).map_err(|problem| GiError::Geometry {
@@ -117,6 +142,17 @@ pub(crate) fn prepare_batch(
     if triangles == 0 {
         return Ok(None);
     }
+    let draw_bytes = batch.draws.len() as u64 * size_of::<DrawRecord>() as u64;
+    if draw_bytes > limits.max_storage_buffer_binding_size {
+        return Err(GiError::Limit {
+            what: format!("the {} draws of batch {index}", batch.draws.len()),
+            needed: draw_bytes,
+            unit: "bytes",
+            limit: "max_storage_buffer_binding_size",
+            available: limits.max_storage_buffer_binding_size,
+            remedy: "share them out to several batches".to_owned(),
+        });
+    }
 
     let mut order: Vec<&Draw> = batch.draws.iter().filter(|draw| draw.index_count > 0).collect();
     order.sort_by_key(|draw| groups[draw.material as usize]);
@@ -134,8 +170,7 @@ pub(crate) fn prepare_batch(
             group = Some(groups[draw.material as usize]);
             prepared.groups.push(DrawGroup {
                 material: draw.material,
-                is_textured: is_textured(material),
-                is_covered: has_holes(material),
+                detail: detail(material, batch),
                 triangles: first..end,
                 draws: place as u32..place as u32,
             });
@@ -144,28 +179,48 @@ pub(crate) fn prepare_batch(
             group.triangles.end = end;
             group.draws.end = place as u32 + 1;
         }
-        prepared.draws.push(draw_record(draw, material, grid, emission_scale, first));
+        prepared.draws.push(draw_record(draw, material, batch, grid, emission_scale, first));
         prepared.triangle_count = end;
     }
     Ok(Some(prepared))
 }
 
+fn textures(material: &SurfaceMaterial) -> [Option<&SurfaceTexture>; 3] {
+    [&material.reflectance_texture, &material.emission_texture, &material.transmission_texture]
+        .map(Option::as_ref)
+}
+
 fn is_textured(material: &SurfaceMaterial) -> bool {
-    material.reflectance_texture.is_some() || material.emission_texture.is_some()
+    textures(material).iter().any(Option::is_some)
 }
 
-fn has_holes(material: &SurfaceMaterial) -> bool {
-    material.alpha_is_coverage
-        && (material.reflectance_texture.is_some() || material.reflectance.w < 1.0)
+fn has_colors(batch: &GeometryBatch) -> bool {
+    batch.attributes.as_ref().is_some_and(|attributes| attributes.color.is_some())
 }
 
-/// For each material, the number of the group that shares its textures and use of alpha.
-fn texture_groups(materials: &[SurfaceMaterial]) -> Vec<usize> {
+/// What a kernel has to sample of a material on a batch's vertices.
+fn detail(material: &SurfaceMaterial, batch: &GeometryBatch) -> Detail {
+    let varies = material.reflectance_texture.is_some() || has_colors(batch);
+    let has_holes = material.alpha_is_coverage && (varies || material.reflectance.w < 1.0);
+    if has_holes || material.transmission > 0.0 {
+        Detail::Pierced
+    } else if is_textured(material) || has_colors(batch) {
+        Detail::Varied
+    } else {
+        Detail::Uniform
+    }
+}
+
+/// For each material, the number of the group that shares its textures and its detail.
+fn texture_groups(materials: &[SurfaceMaterial], batch: &GeometryBatch) -> Vec<usize> {
     let is_same = |a: &SurfaceMaterial, b: &SurfaceMaterial| {
-        let same_textures = a.reflectance_texture == b.reflectance_texture
-            && a.emission_texture == b.emission_texture
-            && (a.sampler == b.sampler || !is_textured(a));
-        same_textures && has_holes(a) == has_holes(b)
+        let same_textures = textures(a).into_iter().zip(textures(b)).all(|(a, b)| match (a, b) {
+            // Where on the texture a vertex lies is each draw's own.
+            (Some(a), Some(b)) => a.view == b.view && a.sampler == b.sampler,
+            (None, None) => true,
+            _ => false,
+        });
+        same_textures && detail(a, batch) == detail(b, batch)
     };
     let mut firsts: Vec<&SurfaceMaterial> = Vec::new();
     let group = |material| {
@@ -184,7 +239,7 @@ fn check_buffers(
 ) -> Result<(), GiError> {
     let buffers = [
         ("positions", Some(&batch.positions)),
-        ("texture coordinates", batch.texcoords.as_ref()),
+        ("attributes", batch.attributes.as_ref().map(|attributes| &attributes.buffer)),
         ("indices", Some(&batch.indices)),
     ];
     for (name, buffer) in buffers {
@@ -206,6 +261,26 @@ fn check_buffers(
             });
         }
     }
+    let attributes = batch.attributes.as_ref().map_or(Ok(()), check_attributes);
+    attributes.map_err(|problem| GiError::Geometry { place: format!("batch {index}"), problem })
+}
+
+/// The layout of a batch's attributes: whole words, within a vertex.
+fn check_attributes(attributes: &VertexAttributes) -> Result<(), String> {
+    let VertexAttributes { stride, texcoords, color, .. } = attributes;
+    if !stride.is_multiple_of(4) {
+        return Err(format!("the stride of its attributes, {stride} bytes, is no multiple of 4"));
+    }
+    for offset in texcoords.iter().chain([color]).flatten() {
+        let fits =
+            offset.is_multiple_of(4) && offset.checked_add(8).is_some_and(|end| end <= *stride);
+        if !fits {
+            return Err(format!(
+                "an attribute at byte {offset} does not lie in whole words within the stride of \
+                 {stride} bytes"
+            ));
+        }
+    }
     Ok(())
 }
 
@@ -225,7 +300,8 @@ fn check_draw(geometry: &Geometry, batch: &GeometryBatch, draw: &Draw) -> Result
             geometry.materials.len()
         ));
     };
-    if is_textured(material) && batch.texcoords.is_none() {
+    let has_texcoords = batch.attributes.as_ref().is_some_and(|a| a.texcoords[0].is_some());
+    if is_textured(material) && !has_texcoords {
         return Err(format!(
             "its material {} has a texture, but the batch has no texture coordinates",
             draw.material
@@ -234,9 +310,23 @@ fn check_draw(geometry: &Geometry, batch: &GeometryBatch, draw: &Draw) -> Result
     Ok(())
 }
 
+/// Where the vertices of a batch lie on a texture; anything where there is none.
+fn place(texture: Option<&SurfaceTexture>, batch: &GeometryBatch) -> TexturePlace {
+    let transform = texture.map_or(Affine2::IDENTITY, |texture| texture.transform);
+    let [first, second] = batch.attributes.as_ref().map_or([None; 2], |a| a.texcoords);
+    let second = second.filter(|_| texture.is_some_and(|texture| texture.texcoord_set == 1));
+    TexturePlace {
+        u_row: transform.matrix2.row(0).extend(transform.translation.x).to_array(),
+        word: second.or(first).unwrap_or(0) / 4,
+        v_row: transform.matrix2.row(1).extend(transform.translation.y).to_array(),
+        padding: 0,
+    }
+}
+
 fn draw_record(
     draw: &Draw,
     material: &SurfaceMaterial,
+    batch: &GeometryBatch,
     grid: &Grid,
     emission_scale: f32,
     first_triangle: u32,
@@ -253,6 +343,9 @@ fn draw_record(
     let relative_emission =
         if emission_scale > 0.0 { material.emission / emission_scale } else { Vec3::ZERO };
     let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+    let [reflectance_place, emission_place, transmission_place] =
+        textures(material).map(|texture| place(texture, batch));
+    let attributes = batch.attributes.as_ref();
     DrawRecord {
         grid_from_local_x: row(0),
         grid_from_local_y: row(1),
@@ -263,7 +356,14 @@ fn draw_record(
         first_index: draw.first_index,
         base_vertex: draw.base_vertex,
         flags: flag(material.double_sided, DOUBLE_SIDED)
-            | flag(has_holes(material), ALPHA_IS_COVERAGE),
-        padding: 0,
+            | flag(material.alpha_is_coverage, ALPHA_IS_COVERAGE)
+            | flag(has_colors(batch), HAS_COLORS),
+        transmission: material.transmission,
+        reflectance_place,
+        emission_place,
+        transmission_place,
+        vertex_words: attributes.map_or(0, |attributes| attributes.stride / 4),
+        color_word: attributes.and_then(|attributes| attributes.color).unwrap_or(0) / 4,
+        padding: [0; 2],
     }
 }

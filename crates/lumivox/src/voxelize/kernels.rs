@@ -25,7 +25,7 @@ impl Layouts {
         let split = compute().uniform().storage_mut().storage_mut();
         let lobes = compute().storage().storage().storage_mut().storage_mut();
         let accumulate = compute().storage().storage().storage().storage_mut();
-        let run = compute().uniform().texture_2d().texture_2d().sampler();
+        let run = (0..3).fold(compute().uniform(), |run, _| run.texture_2d().sampler());
         let resolve = compute().uniform().storage().storage_mut().storage_mut();
         Self {
             grid: compute().uniform().build(device, "grid"),
@@ -41,17 +41,24 @@ impl Layouts {
     }
 }
 
-/// Two variants of a walk over items: for groups of draws that lack something (holes, textures), and for those
-/// that have it.
-#[derive(Debug)]
-pub(super) struct Variants {
-    without: Kernel,
-    with: Kernel,
+/// What there is to sample of a group of draws: `UNIFORM`, `VARIED` and `PIERCED` of `surface.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Detail {
+    /// One look all over.
+    Uniform,
+    /// Textures or colours.
+    Varied,
+    /// Light passes, by holes or by transmission; textures and colours as well.
+    Pierced,
 }
 
+/// The kernels of a walk over items, one for each [`Detail`].
+#[derive(Debug)]
+pub(super) struct Variants([Kernel; 3]);
+
 impl Variants {
-    pub fn choose(&self, has_it: bool) -> &Kernel {
-        if has_it { &self.with } else { &self.without }
+    pub fn choose(&self, detail: Detail) -> &Kernel {
+        &self.0[detail as usize]
     }
 }
 
@@ -79,20 +86,26 @@ impl Kernels {
             groups.extend(own);
             Kernel::new(device, shaders, module, entry, &groups)
         };
-        let variants = |module: &str, entries: [&str; 2], pass: &wgpu::BindGroupLayout| {
-            let walk = |entry| kernel(module, entry, &[&layouts.triangles, pass, &layouts.run]);
-            Ok::<_, ShaderError>(Variants { without: walk(entries[0])?, with: walk(entries[1])? })
+        let walk = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
+            kernel(module, entry, &[&layouts.triangles, pass, &layouts.run])
         };
-        let holes = ["opaque", "covered"];
-        let textures = ["plain", "textured"];
+        // Where the surface itself does not matter, what is not pierced is all alike.
+        let by_holes = |module: &str, pass: &wgpu::BindGroupLayout| {
+            let opaque = walk(module, "opaque", pass)?;
+            let covered = walk(module, "covered", pass)?;
+            Ok::<_, ShaderError>(Variants([opaque.clone(), opaque, covered]))
+        };
+        let accumulate = |entry: &str| walk("voxelize::accumulate", entry, &layouts.accumulate);
+        let by_detail =
+            Variants([accumulate("plain")?, accumulate("varied")?, accumulate("pierced")?]);
         Ok(Self {
             scan: Scan::new(device, shaders)?,
             indirect: Indirect::new(device, shaders)?,
             list: ListBuilder::new(device, shaders, &layouts.grid)?,
             split: kernel("voxelize::split", "main", &[&layouts.triangles, &layouts.split])?,
-            mark: variants("voxelize::mark", holes, &layouts.mark)?,
-            lobes: variants("voxelize::lobes", holes, &layouts.lobes)?,
-            accumulate: variants("voxelize::accumulate", textures, &layouts.accumulate)?,
+            mark: by_holes("voxelize::mark", &layouts.mark)?,
+            lobes: by_holes("voxelize::lobes", &layouts.lobes)?,
+            accumulate: by_detail,
             count_faces: kernel("voxelize::faces", "count", &[&layouts.faces])?,
             prepare_faces: kernel("voxelize::faces", "prepare", &[&layouts.faces])?,
             resolve: kernel("voxelize::resolve", "main", &[&layouts.resolve])?,

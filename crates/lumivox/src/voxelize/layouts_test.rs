@@ -1,7 +1,7 @@
 //! The structs of this stage lie in memory alike in Rust and WGSL.
 
 use super::batch::{ItemRun, SplitCounts, SplitParams};
-use super::input::DrawRecord;
+use super::input::{DrawRecord, TexturePlace};
 use super::{ResolveParams, VoxelFaces};
 use crate::gpu::assert_layout;
 use crate::voxels::FaceRecord;
@@ -23,7 +23,19 @@ fn structs_lie_in_memory_alike() {
             first_index,
             base_vertex,
             flags,
+            transmission,
+            reflectance_place,
+            emission_place,
+            transmission_place,
+            vertex_words,
+            color_word,
         }
+    );
+    assert_layout!(
+        library,
+        "voxelize::triangles",
+        "TexturePlace",
+        TexturePlace { u_row, word, v_row }
     );
     assert_layout!(
         library,

@@ -4,7 +4,7 @@ import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
 import package::voxelize::faces::AREAS_PER_UNIT;
 import package::voxelize::items::{Item, find_item};
 import package::voxelize::piece::piece_in_voxel;
-import package::voxelize::surface::{surface_at, texcoord_map};
+import package::voxelize::surface::{surface_at, surface_map, PIERCED};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
 import package::voxels::lookup::bits_below;
@@ -66,7 +66,7 @@ fn count_pieces(count: u32, local: u32) {
     }
 }
 
-// Surfaces without holes.
+// Surfaces that let no light through.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn opaque(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -91,7 +91,7 @@ fn opaque(
     count_pieces(count, local);
 }
 
-// Surfaces whose alpha cuts holes.
+// Surfaces that let light through.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn covered(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -100,13 +100,13 @@ fn covered(
 ) {
     var walk = walk_begin(find_item(invocation, workgroups, local));
     let lobes = lobe_bits(&walk);
-    let map = texcoord_map(&walk);
+    let map = surface_map(&walk);
     var count = 0u;
     var is_there = walk_on(&walk);
     loop {
         let piece = piece_in_voxel(&walk);
         if is_there && piece.area > 0.0 {
-            let surface = surface_at(&walk, map, piece.centroid, true);
+            let surface = surface_at(&walk, map, piece.centroid, PIERCED);
             if surface.coverage >= SMALLEST_COVERAGE {
                 add_piece(&walk, lobes, piece.area);
                 count++;

@@ -4,7 +4,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::voxelize::items::find_item;
 import package::voxelize::overlap::{side_tests, touches};
 import package::voxelize::piece::piece_in_voxel;
-import package::voxelize::surface::{surface_at, texcoord_map};
+import package::voxelize::surface::{surface_at, surface_map, PIERCED};
 import package::voxelize::triangles::SMALLEST_COVERAGE;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
 import package::voxels::morton::morton_encode;
@@ -20,7 +20,7 @@ fn mark(walk: ptr<function, Walk>) {
     }
 }
 
-// Surfaces without holes.
+// Surfaces that let no light through.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn opaque(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -41,7 +41,7 @@ fn opaque(
     }
 }
 
-// Surfaces whose alpha cuts holes: voxels in which nothing is left of them stay free.
+// Surfaces that let light through: voxels in which nothing is left of them stay free.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn covered(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -50,13 +50,13 @@ fn covered(
 ) {
     var walk = walk_begin(find_item(invocation, workgroups, local));
     let tests = side_tests(&walk);
-    let map = texcoord_map(&walk);
+    let map = surface_map(&walk);
     var is_there = walk_on(&walk);
     loop {
         if is_there && touches(&walk, tests) {
             let piece = piece_in_voxel(&walk);
             if piece.area > 0.0 {
-                let surface = surface_at(&walk, map, piece.centroid, true);
+                let surface = surface_at(&walk, map, piece.centroid, PIERCED);
                 if surface.coverage >= SMALLEST_COVERAGE {
                     mark(&walk);
                 }

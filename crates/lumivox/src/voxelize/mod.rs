@@ -72,7 +72,8 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("FACE_REFLECTANCE", offset_of!(FaceRecord, reflectance) as u32 / 4)
         .constant_u32("FACE_EMISSION", offset_of!(FaceRecord, emission) as u32 / 4)
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
-        .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE);
+        .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE)
+        .constant_u32("HAS_COLORS", input::HAS_COLORS);
 }
 
 /// `VoxelFaces` of `faces.wgsl`.
@@ -170,7 +171,7 @@ impl Voxelizer {
             .collect();
         recorder.compute("voxelize::mark", |pass| {
             for (batch, group) in batches.iter().zip(&mark) {
-                batch.walk(pass, &globals, group, |run| kernels.mark.choose(run.is_covered));
+                batch.walk(pass, &globals, group, |run| kernels.mark.choose(run.detail));
             }
         });
         kernels.list.rank(&mut recorder, &kernels.scan, &globals, grid, &occupied);
@@ -207,7 +208,7 @@ impl Voxelizer {
             .collect();
         recorder.compute("voxelize::lobes", |pass| {
             for (batch, group) in batches.iter().zip(&lobes) {
-                batch.walk(pass, &globals, group, |run| kernels.lobes.choose(run.is_covered));
+                batch.walk(pass, &globals, group, |run| kernels.lobes.choose(run.detail));
             }
         });
         let faces_group = BindGroupBuilder::new(&layouts.faces)
@@ -243,7 +244,7 @@ impl Voxelizer {
             .collect();
         recorder.compute("voxelize::accumulate", |pass| {
             for (batch, group) in batches.iter().zip(&accumulate) {
-                batch.walk(pass, &globals, group, |run| kernels.accumulate.choose(run.is_textured));
+                batch.walk(pass, &globals, group, |run| kernels.accumulate.choose(run.detail));
             }
         });
         let params = ResolveParams { voxel_count, emission_scale };

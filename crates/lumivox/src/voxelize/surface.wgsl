@@ -1,15 +1,21 @@
-// What a triangle's surface looks like at a point: its material's factors times its textures.
+// What a triangle's surface looks like at a point: its material's factors times its textures and colours.
 
-import package::voxelize::triangles::{draws, texcoords};
+import package::constants::{ALPHA_IS_COVERAGE, HAS_COLORS};
+import package::voxelize::triangles::{attributes, draws, TexturePlace};
 import package::voxelize::walk::Walk;
 
 // Textures are white where the material has none.
 @group(3) @binding(1) var reflectance_texture: texture_2d<f32>;
-@group(3) @binding(2) var emission_texture: texture_2d<f32>;
-@group(3) @binding(3) var surface_sampler: sampler;
+@group(3) @binding(2) var reflectance_sampler: sampler;
+@group(3) @binding(3) var emission_texture: texture_2d<f32>;
+@group(3) @binding(4) var emission_sampler: sampler;
+@group(3) @binding(5) var transmission_texture: texture_2d<f32>;
+@group(3) @binding(6) var transmission_sampler: sampler;
 
 struct Surface {
+    // Of what is there.
     reflectance: vec3f,
+    // The share that is there, and blocks light.
     coverage: f32,
     // Relative to the largest of all materials.
     emission: vec3f,
@@ -25,42 +31,101 @@ struct TexcoordMap {
     level: f32,
 }
 
-fn texcoord_map(walk: ptr<function, Walk>) -> TexcoordMap {
-    let a = texcoords[(*walk).vertices.x];
-    let ab = texcoords[(*walk).vertices.y] - a;
-    let ac = texcoords[(*walk).vertices.z] - a;
+// All that varies over the triangle.
+struct SurfaceMap {
+    reflectance: TexcoordMap,
+    emission: TexcoordMap,
+    transmission: TexcoordMap,
+    color_at_a: vec4f,
+    color_along_ab: vec4f,
+    color_along_ac: vec4f,
+}
+
+// Which kernel samples what: constants, since a software GPU samples even where a branch says not to.
+//
+// UNIFORM: one look all over, and no holes. VARIED: textures or colours. PIERCED: textures, colours, and light
+// that passes.
+const UNIFORM: u32 = 0;
+const VARIED: u32 = 1;
+const PIERCED: u32 = 2;
+
+fn texcoord_at(vertex: u32, draw: u32, place: TexturePlace) -> vec2f {
+    let word = vertex * draws[draw].vertex_words + place.word;
+    let own = vec3f(bitcast<f32>(attributes[word]), bitcast<f32>(attributes[word + 1u]), 1.0);
+    return vec2f(dot(place.u_row, own), dot(place.v_row, own));
+}
+
+fn texcoord_map(walk: ptr<function, Walk>, place: TexturePlace) -> TexcoordMap {
+    let draw = (*walk).draw;
+    let a = texcoord_at((*walk).vertices.x, draw, place);
+    let ab = texcoord_at((*walk).vertices.y, draw, place) - a;
+    let ac = texcoord_at((*walk).vertices.z, draw, place) - a;
     let density = abs(ab.x * ac.y - ab.y * ac.x) / length((*walk).normal);
     return TexcoordMap(a, ab, ac, 0.5 * log2(clamp(density, 1e-30, 1e30)));
 }
 
-fn sample_at(image: texture_2d<f32>, texcoord: vec2f, level: f32) -> vec4f {
-    let size = vec2f(textureDimensions(image));
-    // A texel as large as the voxel: finer ones would alias, and shift colours.
-    let mip = max(level + 0.5 * log2(size.x * size.y), 0.0);
-    return textureSampleLevel(image, surface_sampler, texcoord, mip);
+fn color_at(vertex: u32, draw: u32) -> vec4f {
+    if (draws[draw].flags & HAS_COLORS) == 0u {
+        return vec4f(1.0);
+    }
+    let word = vertex * draws[draw].vertex_words + draws[draw].color_word;
+    return vec4f(unpack2x16unorm(attributes[word]), unpack2x16unorm(attributes[word + 1u]));
 }
 
-// The surface at a point of the triangle, in the walk's coordinates. `is_textured` is a constant of the kernel:
-// a software GPU samples even where a branch says not to.
-fn surface_at(walk: ptr<function, Walk>, map: TexcoordMap, point: vec3f, is_textured: bool) -> Surface {
+fn surface_map(walk: ptr<function, Walk>) -> SurfaceMap {
+    let draw = (*walk).draw;
+    let color = color_at((*walk).vertices.x, draw);
+    return SurfaceMap(
+        texcoord_map(walk, draws[draw].reflectance_place),
+        texcoord_map(walk, draws[draw].emission_place),
+        texcoord_map(walk, draws[draw].transmission_place),
+        color,
+        color_at((*walk).vertices.y, draw) - color,
+        color_at((*walk).vertices.z, draw) - color,
+    );
+}
+
+fn sample_at(image: texture_2d<f32>, image_sampler: sampler, map: TexcoordMap, at: vec2f) -> vec4f {
+    let size = vec2f(textureDimensions(image));
+    // A texel as large as the voxel: finer ones would alias, and shift colours.
+    let mip = max(map.level + 0.5 * log2(size.x * size.y), 0.0);
+    let texcoord = map.at_a + at.x * map.along_ab + at.y * map.along_ac;
+    return textureSampleLevel(image, image_sampler, texcoord, mip);
+}
+
+// The surface at a point of the triangle, in the walk's coordinates. `detail` is UNIFORM, VARIED or PIERCED.
+fn surface_at(walk: ptr<function, Walk>, map: SurfaceMap, point: vec3f, detail: u32) -> Surface {
     let draw = (*walk).draw;
     var reflectance = draws[draw].reflectance;
     var emission = draws[draw].emission;
-    if is_textured {
-        // Barycentric coordinates, seen along the dominant axis.
-        let p = point.xy - (*walk).a.xy;
-        let ab = (*walk).b.xy - (*walk).a.xy;
-        let ac = (*walk).c.xy - (*walk).a.xy;
-        let of_b = clamp((p.x * ac.y - p.y * ac.x) / (*walk).normal.z, 0.0, 1.0);
-        let of_c = clamp((ab.x * p.y - ab.y * p.x) / (*walk).normal.z, 0.0, 1.0);
-        let texcoord = map.at_a + of_b * map.along_ab + of_c * map.along_ac;
-        reflectance *= sample_at(reflectance_texture, texcoord, map.level);
-        emission *= sample_at(emission_texture, texcoord, map.level).rgb;
+    var coverage = 1.0;
+    // Barycentric coordinates, seen along the dominant axis.
+    let p = point.xy - (*walk).a.xy;
+    let ab = (*walk).b.xy - (*walk).a.xy;
+    let ac = (*walk).c.xy - (*walk).a.xy;
+    let of_b = clamp((p.x * ac.y - p.y * ac.x) / (*walk).normal.z, 0.0, 1.0);
+    let of_c = clamp((ab.x * p.y - ab.y * p.x) / (*walk).normal.z, 0.0, 1.0);
+    let at = vec2f(of_b, of_c);
+    if detail != UNIFORM {
+        let color = map.color_at_a + of_b * map.color_along_ab + of_c * map.color_along_ac;
+        reflectance *= color
+            * sample_at(reflectance_texture, reflectance_sampler, map.reflectance, at);
+        emission *= sample_at(emission_texture, emission_sampler, map.emission, at).rgb;
     }
-    let range = vec3f(1.0);
-    return Surface(
-        clamp(reflectance.rgb, vec3f(0.0), range),
-        clamp(reflectance.a, 0.0, 1.0),
-        clamp(emission, vec3f(0.0), range),
-    );
+    reflectance = clamp(reflectance, vec4f(0.0), vec4f(1.0));
+    if detail == PIERCED {
+        // Of the light that enters, the share t passes, coloured by the reflectance r; the rest is reflected.
+        // Voxels block all colours alike, so the luminance Y passes, and what stays behind and blocks reflects
+        // r (1 - t) / (1 - t Y): no more than comes in.
+        let share = draws[draw].transmission
+            * sample_at(transmission_texture, transmission_sampler, map.transmission, at).r;
+        // ITU-R BT.709-6, section 3.2.
+        let luminance = dot(reflectance.rgb, vec3f(0.2126, 0.7152, 0.0722));
+        let blocked = 1.0 - clamp(share * luminance, 0.0, 1.0);
+        let alpha = select(1.0, reflectance.a, (draws[draw].flags & ALPHA_IS_COVERAGE) != 0u);
+        coverage = alpha * blocked;
+        let kept = (1.0 - share) / max(blocked, 1e-6);
+        reflectance = clamp(reflectance * kept, vec4f(0.0), vec4f(1.0));
+    }
+    return Surface(reflectance.rgb, coverage, clamp(emission, vec3f(0.0), vec3f(1.0)));
 }

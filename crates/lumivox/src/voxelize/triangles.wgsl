@@ -5,6 +5,16 @@ import package::voxelize::reproducible::dot_fused;
 // Of a piece with holes, when less than this share is left, it is not there: about what 8 bits can hold.
 const SMALLEST_COVERAGE = 1.0 / 512.0;
 
+// Where a vertex lies on a texture.
+struct TexturePlace {
+    // The rows of the affine transform from the vertices' coordinates to the image's, and the word of a vertex
+    // at which those coordinates stand.
+    u_row: vec3f,
+    word: u32,
+    v_row: vec3f,
+    padding: u32,
+}
+
 // A run of triangles with one transform and one material.
 struct Draw {
     // The rows of the affine transform from the positions to grid space.
@@ -19,13 +29,22 @@ struct Draw {
     // The first index in the index buffer, and what is added to each index.
     first_index: u32,
     base_vertex: u32,
-    // Bits named in package::constants: DOUBLE_SIDED, ALPHA_IS_COVERAGE.
+    // Bits named in package::constants: DOUBLE_SIDED, ALPHA_IS_COVERAGE, HAS_COLORS.
     flags: u32,
-    padding: u32,
+    transmission: f32,
+    reflectance_place: TexturePlace,
+    emission_place: TexturePlace,
+    transmission_place: TexturePlace,
+    // Words of a vertex's attributes, and the word of its colour among them.
+    vertex_words: u32,
+    color_word: u32,
+    padding_0: u32,
+    padding_1: u32,
 }
 
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
-@group(1) @binding(1) var<storage, read> texcoords: array<vec2f>;
+// Texture coordinates and colours, laid out as the draws say.
+@group(1) @binding(1) var<storage, read> attributes: array<u32>;
 @group(1) @binding(2) var<storage, read> indices: array<u32>;
 @group(1) @binding(3) var<storage, read> draws: array<Draw>;
 

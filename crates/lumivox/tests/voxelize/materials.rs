@@ -1,7 +1,7 @@
 //! Textures, alpha, emission.
 
 use glam::{Vec2, Vec3, Vec4};
-use lumivox::{Geometry, SurfaceMaterial};
+use lumivox::{Geometry, SurfaceMaterial, SurfaceTexture};
 
 use crate::overlap::unit_grid;
 use crate::read::{Lab, along};
@@ -59,6 +59,10 @@ fn sampler(lab: &Lab) -> wgpu::Sampler {
     })
 }
 
+fn textured(lab: &Lab, view: wgpu::TextureView) -> SurfaceTexture {
+    SurfaceTexture::new(view, sampler(lab))
+}
+
 /// A wall of 8 by 8 voxels in the middle of a layer, with texture coordinates from 0 to 1.
 fn wall() -> Mesh {
     let mut mesh = Mesh::default();
@@ -93,8 +97,7 @@ fn a_texture_much_finer_than_the_voxels_gives_its_mean() {
         );
     let material = SurfaceMaterial {
         reflectance: Vec4::new(0.8, 0.5, 1.0, 1.0),
-        reflectance_texture: Some(view),
-        sampler: Some(sampler(&lab)),
+        reflectance_texture: Some(textured(&lab, view)),
         ..Default::default()
     };
     let faces = columns(&lab, &wall().geometry(&lab.device, material));
@@ -113,10 +116,9 @@ fn a_texture_of_the_voxels_size_is_read_where_it_is() {
     let view = texture(&lab, 8, |x, y| [(x * 30) as u8, (y * 30) as u8, 7, 255]);
     let material = SurfaceMaterial {
         reflectance: Vec4::ONE,
-        emission_texture: Some(view.clone()),
+        emission_texture: Some(textured(&lab, view.clone())),
         emission: Vec3::new(20.0, 10.0, 0.0),
-        reflectance_texture: Some(view),
-        sampler: Some(sampler(&lab)),
+        reflectance_texture: Some(textured(&lab, view)),
         ..Default::default()
     };
     let faces = columns(&lab, &wall().geometry(&lab.device, material));
@@ -141,8 +143,7 @@ fn alpha_halves_the_area() {
     let view = texture(&lab, 256, |x, y| [255, 255, 255, if (x + y) % 2 == 0 { 255 } else { 0 }]);
     let material = SurfaceMaterial {
         reflectance: Vec4::ONE,
-        reflectance_texture: Some(view),
-        sampler: Some(sampler(&lab)),
+        reflectance_texture: Some(textured(&lab, view)),
         alpha_is_coverage: true,
         ..Default::default()
     };
@@ -165,8 +166,7 @@ fn holes_are_not_occupied() {
     // The left half is cut out; a texel is as large as an eighth of a voxel.
     let view = texture(&lab, 64, |x, _| [255, 255, 255, if x < 32 { 0 } else { 255 }]);
     let material = SurfaceMaterial {
-        reflectance_texture: Some(view),
-        sampler: Some(sampler(&lab)),
+        reflectance_texture: Some(textured(&lab, view)),
         alpha_is_coverage: true,
         ..Default::default()
     };
@@ -188,8 +188,7 @@ fn materials_with_and_without_textures_mix() {
     let view = texture(&lab, 4, |_, _| [51, 102, 204, 255]);
     let textured = SurfaceMaterial {
         reflectance: Vec4::ONE,
-        reflectance_texture: Some(view),
-        sampler: Some(sampler(&lab)),
+        reflectance_texture: Some(textured(&lab, view)),
         ..Default::default()
     };
     let red = SurfaceMaterial {
@@ -232,4 +231,138 @@ fn materials_with_and_without_textures_mix() {
         seen += 1;
     }
     assert_eq!(seen, 6 * 64);
+}
+
+/// Positions of the square's corners, two sets of coordinates and a colour, laid out as an engine might: the
+/// colour first, then something of the engine's own, then the second set and the first.
+fn interleaved(lab: &Lab, second: [Vec2; 4], colors: [[u16; 4]; 4]) -> lumivox::VertexAttributes {
+    let first = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+    let words: Vec<u32> = (0..4)
+        .flat_map(|i| {
+            let [r, g, b, a] = colors[i].map(u32::from);
+            let floats = [second[i].x, second[i].y, first[i].x, first[i].y].map(f32::to_bits);
+            [&[r | g << 16, b | a << 16, 0xdead_beef][..], &floats].concat()
+        })
+        .collect();
+    lumivox::VertexAttributes {
+        buffer: lumivox::gpu::upload(&lab.device, "attributes", &words),
+        stride: 28,
+        texcoords: [Some(20), Some(12)],
+        color: Some(0),
+    }
+}
+
+const WHITE: [u16; 4] = [u16::MAX; 4];
+
+#[test]
+fn every_texture_has_coordinates_and_a_transform_of_its_own() {
+    let lab = Lab::new();
+    let view = texture(&lab, 8, |x, y| [(x * 30) as u8, (y * 30) as u8, 7, 255]);
+    // The first set turned by a quarter: (u, v) becomes (v, 1 - u). The second set is mirrored along u, and
+    // the transform mirrors it back.
+    let turned = glam::Affine2::from_cols(Vec2::new(0.0, -1.0), Vec2::X, Vec2::Y);
+    let mirrored = glam::Affine2::from_cols(Vec2::NEG_X, Vec2::Y, Vec2::X);
+    let material = SurfaceMaterial {
+        reflectance: Vec4::ONE,
+        reflectance_texture: Some(SurfaceTexture {
+            transform: turned,
+            ..textured(&lab, view.clone())
+        }),
+        emission: Vec3::splat(20.0),
+        emission_texture: Some(SurfaceTexture {
+            texcoord_set: 1,
+            transform: mirrored,
+            ..textured(&lab, view)
+        }),
+        ..Default::default()
+    };
+    let mut geometry = wall().geometry(&lab.device, material);
+    let second = [Vec2::X, Vec2::ZERO, Vec2::Y, Vec2::ONE];
+    geometry.batches[0].attributes = Some(interleaved(&lab, second, [WHITE; 4]));
+    let faces = columns(&lab, &geometry);
+    assert_eq!(faces.len(), 64);
+    let texel = |x: u32, y: u32| Vec3::new(x as f32 * 30.0, y as f32 * 30.0, 7.0) / 255.0;
+    for ([x, y], face) in faces {
+        // Where the coordinates wrap around, two ends of the image mix.
+        if [x, y].iter().any(|i| [4, 11].contains(i)) {
+            continue;
+        }
+        let (column, row) = (x - 4, y - 4);
+        let error = Vec3::from(face.reflectance) - texel(row, 7 - column);
+        assert!(error.abs().max_element() < 2e-3, "{x} {y}: {:?}", face.reflectance);
+        let error = Vec3::from(face.emission) - 20.0 * texel(column, row);
+        assert!(error.abs().max_element() < 0.04, "{x} {y}: {:?}", face.emission);
+    }
+}
+
+#[test]
+fn colours_of_vertices_multiply_reflectance_and_alpha() {
+    let lab = Lab::new();
+    let material = SurfaceMaterial {
+        reflectance: Vec4::new(0.8, 0.5, 1.0, 1.0),
+        emission: Vec3::splat(3.0),
+        alpha_is_coverage: true,
+        ..Default::default()
+    };
+    let mut geometry = wall().geometry(&lab.device, material);
+    // Red grows along x; alpha falls along y from 1 to 0.
+    let (none, full) = (0, u16::MAX);
+    let colors =
+        [[none, full, full, full], WHITE, [full, full, full, none], [none, full, full, none]];
+    geometry.batches[0].attributes = Some(interleaved(&lab, [Vec2::ZERO; 4], colors));
+    for ([x, y], face) in columns(&lab, &geometry) {
+        let (u, v) = ((x as f32 - 3.5) / 8.0, (y as f32 - 3.5) / 8.0);
+        // Two pieces share the diagonal's voxels, and the more solid one weighs more.
+        let error = (Vec3::from(face.reflectance) - Vec3::new(0.8 * u, 0.5, 0.99)).abs();
+        assert!(error.max_element() < 0.01, "{x} {y}: {:?}", face.reflectance);
+        assert!((along(&face) - (1.0 - v)).abs() < 2e-3, "{x} {y}: {face:?}");
+        assert!((face.emission[0] - 3.0).abs() < 1e-4, "{x} {y}: {:?}", face.emission);
+    }
+}
+
+#[test]
+fn what_passes_does_not_block_and_what_blocks_reflects_the_rest() {
+    let lab = Lab::new();
+    // The left half lets 0.8 pass of what it does not absorb, the right half nothing.
+    let view = texture(&lab, 64, |x, _| [if x < 32 { 255 } else { 0 }, 0, 0, 255]);
+    let color = Vec3::new(0.2, 0.9, 0.4);
+    let material = SurfaceMaterial {
+        reflectance: color.extend(0.5),
+        transmission: 0.8,
+        transmission_texture: Some(textured(&lab, view)),
+        ..Default::default()
+    };
+    let passed = 0.8 * color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    for ([x, y], face) in columns(&lab, &wall().geometry(&lab.device, material)) {
+        // Alpha that is not coverage leaves the area alone; the middle and the edges mix both halves.
+        let (blocked, reflectance) = match x {
+            5 | 6 => (1.0 - passed, 0.2 * color / (1.0 - passed)),
+            9 | 10 => (1.0, color),
+            _ => continue,
+        };
+        assert!((along(&face) - blocked).abs() < 1e-3, "{x} {y}: {face:?}, not {blocked}");
+        let error = (Vec3::from(face.reflectance) - reflectance).abs().max_element();
+        assert!(error < 2e-3, "{x} {y}: {:?}, not {reflectance}", face.reflectance);
+    }
+}
+
+#[test]
+fn attributes_that_do_not_fit_are_refused() {
+    let lab = Lab::new();
+    let good = || wall().geometry(&lab.device, SurfaceMaterial::default());
+    let error_of = |change: &dyn Fn(&mut lumivox::VertexAttributes)| {
+        let mut geometry = good();
+        change(geometry.batches[0].attributes.as_mut().expect("coordinates"));
+        let voxelized = pollster::block_on(lab.voxelizer.voxelize(
+            &lab.device,
+            &lab.queue,
+            &unit_grid(16),
+            &geometry,
+            lumivox::gpu::Timing::Off,
+        ));
+        voxelized.expect_err("refused").to_string()
+    };
+    assert!(error_of(&|a| a.stride = 10).contains("multiple of 4"));
+    assert!(error_of(&|a| a.texcoords[1] = Some(4)).contains("byte 4"));
+    assert!(error_of(&|a| a.color = Some(u32::MAX - 3)).contains("stride of 8"));
 }

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec2, Vec3};
 use lumivox::gpu::upload;
-use lumivox::{Draw, Geometry, GeometryBatch, SurfaceMaterial};
+use lumivox::{Draw, Geometry, GeometryBatch, SurfaceMaterial, VertexAttributes};
 
 /// A small random generator, so that tests need no crate for it (PCG, as in gpu/random.wgsl).
 pub struct Random(pub u32);
@@ -115,7 +115,8 @@ impl Mesh {
         let texcoords: Vec<[f32; 2]> = self.texcoords.iter().map(Vec2::to_array).collect();
         GeometryBatch {
             positions: upload(device, "positions", &positions),
-            texcoords: (!texcoords.is_empty()).then(|| upload(device, "texcoords", &texcoords)),
+            attributes: (!texcoords.is_empty())
+                .then(|| VertexAttributes::texcoords(upload(device, "texcoords", &texcoords))),
             indices: upload(device, "indices", &self.indices),
             draws: vec![Draw {
                 first_index: 0,

@@ -132,7 +132,7 @@ impl<'a> Loader<'a> {
         let json = &self.root().accessors[accessor];
         let Some(view) = json.buffer_view else {
             // Zeros cost the file nothing: it may claim no more of them than it has bytes.
-            let available: usize = self.buffers.iter().map(Vec::len).sum();
+            let available: usize = self.buffers.iter().map(|buffer| buffer.len()).sum();
             if layout.count > available {
                 let reason = format!("it claims {} elements without data", layout.count);
                 return Err(self.bad_accessor(accessor, what, &reason));

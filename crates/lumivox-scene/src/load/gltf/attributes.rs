@@ -5,9 +5,8 @@ use gltf::Semantic;
 use gltf::json::validation::Checked;
 use gltf::mesh::Mode;
 
-use super::Loader;
+use super::{Loader, shared};
 use crate::SceneError;
-use crate::load::textures::size_text;
 
 /// Bytes of a vertex that every mesh has: position, normal, texture coordinates, tangent.
 const PLAIN_VERTEX_BYTES: u64 = 12 + 12 + 8 + 16;
@@ -31,7 +30,7 @@ impl Loader<'_> {
         };
         // Without normals, every corner becomes a vertex.
         let vertices = match of(Semantic::Normals) {
-            Some(_) => given,
+            Some(_) => shared::kept(given, corners),
             None => given.max(corners),
         };
         let second = of(Semantic::TexCoords(1)).map_or(0, |_| 8);
@@ -44,17 +43,7 @@ impl Loader<'_> {
 
     /// Takes memory for geometry from the budget, before it is allocated.
     pub(super) fn spend_bytes(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
-        let all = self.budget.geometry_bytes_taken.saturating_add(bytes);
-        if all > self.budget.geometry_bytes {
-            return Err(SceneError::TooLarge {
-                file: self.file.to_owned(),
-                part: part.to_owned(),
-                needed: size_text(all),
-                budget: size_text(self.budget.geometry_bytes),
-            });
-        }
-        self.budget.geometry_bytes_taken = all;
-        Ok(())
+        self.budget.geometry.take(|| part.to_owned(), bytes)
     }
 
     pub(super) fn read_uvs(&self, accessor: usize) -> Result<Vec<Vec2>, SceneError> {

@@ -1,33 +1,36 @@
 //! The two outer forms of glTF 2.0, JSON and GLB (section 4.4), down to a document whose indices
 //! all point at something, and its buffers.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use gltf::Document;
 use gltf::json::validation::{Error as Fault, Validate};
 use gltf::json::{Path as JsonPath, Root};
 
+use super::compression::Buffers;
 use super::repair::read_root;
 use super::{Notes, compression, extensions};
-use crate::SceneError;
 use crate::load::LoadOptions;
 use crate::load::files::{self, Reach};
+use crate::{LoadNotes, SceneError};
 
 const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 
 /// A document whose indices are valid, and the bytes of its buffers.
-pub(super) struct Parsed {
+pub(super) struct Parsed<'a> {
     pub(super) document: Document,
-    pub(super) buffers: Vec<Vec<u8>>,
+    pub(super) buffers: Buffers<'a>,
+    pub(super) about: LoadNotes,
 }
 
-pub(super) fn parse(
+pub(super) fn parse<'a>(
     file: &Path,
-    bytes: &[u8],
+    bytes: &'a [u8],
     options: &LoadOptions<'_>,
     notes: &mut Notes,
-) -> Result<Parsed, SceneError> {
+) -> Result<Parsed<'a>, SceneError> {
     let malformed = |part: &str, reason: String| SceneError::Malformed {
         file: file.to_owned(),
         part: part.to_owned(),
@@ -45,6 +48,7 @@ pub(super) fn parse(
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut root =
         read_root(json, notes).map_err(|error| malformed("the JSON", error.to_string()))?;
+    let about = super::about::about(&root);
 
     extensions::check(file, &mut root, notes)?;
     drop_primitives_without_positions(&mut root, notes);
@@ -52,7 +56,7 @@ pub(super) fn parse(
     check_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
     let mut buffers = read_buffers(file, &root, binary, options.reach())?;
     compression::decompress(file, &mut root, &mut buffers, options.budget.geometry_bytes)?;
-    Ok(Parsed { document: Document::from_json_without_validation(root), buffers })
+    Ok(Parsed { document: Document::from_json_without_validation(root), buffers, about })
 }
 
 /// The JSON and the binary chunk. Lengths are checked against what is there.
@@ -171,13 +175,13 @@ fn check_indices(root: &Root) -> Result<(), (String, String)> {
     first.map_or(Ok(()), Err)
 }
 
-fn read_buffers(
+fn read_buffers<'a>(
     file: &Path,
     root: &Root,
-    binary: Option<&[u8]>,
+    binary: Option<&'a [u8]>,
     reach: Reach<'_>,
-) -> Result<Vec<Vec<u8>>, SceneError> {
-    let mut buffers = Vec::new();
+) -> Result<Buffers<'a>, SceneError> {
+    let mut buffers = Buffers::new();
     for (i, buffer) in root.buffers.iter().enumerate() {
         let part = format!("buffer {i}");
         let malformed = |reason: String| SceneError::Malformed {
@@ -186,12 +190,12 @@ fn read_buffers(
             reason,
         };
         let data = match (&buffer.uri, binary) {
-            (Some(uri), _) => files::read_uri(file, &part, uri, reach)?,
+            (Some(uri), _) => Cow::Owned(files::read_uri(file, &part, uri, reach)?),
             // Only the first buffer may be the GLB's own.
-            (None, Some(binary)) if i == 0 => binary.to_vec(),
+            (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
             // What lies in it is compressed elsewhere.
             (None, _) if compression::is_stand_in(buffer) => {
-                buffers.push(Vec::new());
+                buffers.push(Cow::Borrowed(&[]));
                 continue;
             }
             (None, _) => return Err(malformed("it has neither a URI nor a GLB chunk".to_owned())),

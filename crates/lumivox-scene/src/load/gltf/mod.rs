@@ -12,6 +12,7 @@
 //! asked to. `extras` restores what Lumivox's own files say beyond glTF. Textures are only listed
 //! meanwhile and made in the end, within the memory budget (`load::textures`).
 
+mod about;
 mod accessor;
 mod animation;
 mod attributes;
@@ -28,27 +29,28 @@ mod primitive;
 mod put;
 mod repair;
 mod scenes;
+mod shared;
 mod sharing;
 mod skin;
 mod texture;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
 use gltf::json::Root;
 
 use super::files::{self, Reach};
+use super::geometry::GeometryBudget;
 use super::textures::Textures;
-use super::{LoadOptions, Notes, tangents};
+use super::{LoadOptions, Notes, stream, tangents};
 use crate::pose::Parts;
 use crate::{Rig, Scene, SceneError};
 
 /// How much a scene may take, whatever its file claims: a small file can refer to the same data
 /// many times over.
-struct Budget {
-    /// Of vertices and indices: all that may be taken, and what was.
-    geometry_bytes: u64,
-    geometry_bytes_taken: u64,
+struct Budget<'a> {
+    geometry: GeometryBudget<'a>,
     /// Left. Generous for real scenes.
     instances: usize,
     weights: usize,
@@ -59,18 +61,18 @@ struct Loader<'a> {
     file: &'a Path,
     reach: Reach<'a>,
     document: &'a gltf::Document,
-    buffers: &'a [Vec<u8>],
+    buffers: &'a [Cow<'a, [u8]>],
     scene: Scene,
     /// What places the scene's instances, lights and cameras.
     rig: Parts,
     notes: Notes,
-    budget: Budget,
+    budget: Budget<'a>,
     /// From glTF skin to the rig's.
     skins: HashMap<usize, usize>,
     /// From primitives to a scene's meshes; `None` where one was skipped.
     meshes: HashMap<sharing::MeshKey, Option<usize>>,
-    /// From glTF material to a scene's; the default material has none.
-    materials: HashMap<Option<usize>, usize>,
+    /// From what a primitive says of its looks to a scene's material.
+    materials: HashMap<material::Key, usize>,
     /// The scene's textures, to be made in the end.
     textures: Textures<'a>,
     /// From glTF image to a listed one, or why it is not there.
@@ -78,10 +80,7 @@ struct Loader<'a> {
 }
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
-    let bytes = options
-        .reach()
-        .read(file)
-        .map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
+    let bytes = stream::read_all(file, options)?;
     load_bytes(file, &bytes, options)
 }
 
@@ -100,12 +99,11 @@ fn load_bytes(
         reach,
         document: &parsed.document,
         buffers: &parsed.buffers,
-        scene: Scene { name: name.unwrap_or_default(), ..Scene::default() },
+        scene: Scene { name: name.unwrap_or_default(), notes: parsed.about, ..Scene::default() },
         rig: Parts { file: file.to_owned(), ..Parts::default() },
         notes,
         budget: Budget {
-            geometry_bytes: options.budget.geometry_bytes,
-            geometry_bytes_taken: 0,
+            geometry: GeometryBudget::new(file, options.budget.geometry_bytes),
             instances: 1_000_000,
             weights: 10_000_000,
         },

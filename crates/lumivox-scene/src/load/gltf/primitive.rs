@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 use gltf::Semantic;
 use gltf::mesh::Mode;
 
-use super::{Loader, name_or_index, tangents};
+use super::{Loader, name_or_index, shared, tangents};
 use crate::model::{any_tangent, to_unit};
 use crate::{Mesh, SceneError};
 
@@ -84,7 +84,7 @@ impl Loader<'_> {
             None => None,
         };
         // Tangents without normals are to be ignored (glTF 2.0, section 3.7.2.1).
-        let tangents = match accessor(Semantic::Tangents) {
+        let mut tangents = match accessor(Semantic::Tangents) {
             Some(tangents) if normals.is_some() => {
                 Some(self.read_floats::<4>(tangents, "tangents")?)
             }
@@ -114,6 +114,7 @@ impl Loader<'_> {
         match normals {
             Some(normals) => {
                 mesh.normals = normals.into_iter().map(Vec3::from_array).collect();
+                shared::keep_own(&mut mesh, tangents.as_mut());
                 self.repair_normals(&mut mesh)?;
             }
             None => make_flat(&mut mesh),

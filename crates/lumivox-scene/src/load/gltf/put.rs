@@ -66,7 +66,7 @@ impl Loader<'_> {
         site: &Site,
         skin: usize,
     ) -> Result<(), SceneError> {
-        let material = self.material(&primitive.material())?;
+        let material = self.material(primitive)?;
         if let Some(mesh) = self.deformed(mesh, primitive, site, false, material, Some(skin))? {
             self.rig.instances.push(Placed {
                 name: site.name.clone(),
@@ -86,7 +86,7 @@ impl Loader<'_> {
         site: &Site,
         copies: Option<&[Mat4]>,
     ) -> Result<(), SceneError> {
-        let material = self.material(&primitive.material())?;
+        let material = self.material(primitive)?;
         let rest = &self.rig.nodes[site.node].weights;
         let is_morphed = primitive.morph_targets().len() > 0
             && (site.weighs || rest.iter().any(|&weight| weight != 0.0));

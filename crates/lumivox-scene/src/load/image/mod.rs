@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use image::{ImageFormat, ImageReader, Limits};
 
-pub(super) use shrink::{Encoding, halved, linear_to_srgb, shrink, srgb_to_linear};
+pub(super) use shrink::{Encoding, halved, shrink};
 
 /// The longest edge in texels: what common GPUs take.
 const LONGEST_EDGE: u32 = 16_384;
@@ -128,6 +128,12 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
         return Err(Fault::Bad("its size changed while it was read".to_owned()));
     }
     Ok(pixels)
+}
+
+/// Decodes the bytes of a file that is called so.
+pub(super) fn decode_file(bytes: &[u8], path: &Path) -> Result<Pixels, Fault> {
+    let header = header_of(Cursor::new(bytes), bytes.len() as u64, Some(path))?;
+    decode(&Source::Memory(Cow::Borrowed(bytes)), header)
 }
 
 fn header_of(

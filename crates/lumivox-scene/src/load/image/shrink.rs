@@ -5,6 +5,7 @@
 //! their alpha, so that what is invisible does not bleed into what is seen; data as they are.
 
 use super::Pixels;
+use crate::load::color::{linear_from_srgb, srgb_from_linear};
 
 /// What the numbers of a texture stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -27,7 +28,7 @@ pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) ->
     }
     let (width, height) = (halved(pixels.width, times), halved(pixels.height, times));
     let (columns, rows) = (covers(pixels.width, width), covers(pixels.height, height));
-    let light: [f32; 256] = std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0));
+    let light: [f32; 256] = std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0));
     let mut rgba8 = Vec::with_capacity(width as usize * height as usize * 4);
     for row in &rows {
         for column in &columns {
@@ -53,8 +54,8 @@ pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) ->
             let to_byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
             for c in 0..3 {
                 rgba8.push(match encoding {
-                    Encoding::Color if alpha > 0.0 => to_byte(linear_to_srgb(seen[c] / alpha)),
-                    Encoding::Color => to_byte(linear_to_srgb(all[c] / weight)),
+                    Encoding::Color if alpha > 0.0 => to_byte(srgb_from_linear(seen[c] / alpha)),
+                    Encoding::Color => to_byte(srgb_from_linear(all[c] / weight)),
                     Encoding::Data => to_byte(all[c] / weight),
                 });
             }
@@ -89,16 +90,6 @@ fn covers(from: u32, to: u32) -> Vec<Cover> {
         }
     };
     (0..to).map(cover).collect()
-}
-
-/// IEC 61966-2-1, the curve of sRGB.
-pub(in crate::load) fn srgb_to_linear(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-}
-
-/// The inverse of [`srgb_to_linear`].
-pub(in crate::load) fn linear_to_srgb(value: f32) -> f32 {
-    if value <= 0.003_130_8 { value * 12.92 } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

@@ -22,7 +22,6 @@
 //! physically-based materials.
 
 mod corners;
-mod decode;
 mod find;
 mod map;
 mod material;

@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use image::{Rgba, RgbaImage, imageops};
 
-use super::decode::decode_rgba8;
 use super::map::{Channel, Map};
 use crate::load::files::{Reach, shorten};
-use crate::load::{Notes, color, stand_in};
+use crate::load::{self, Notes, color, stand_in};
 use crate::{Scene, Texture};
 
 /// What white stands above black in a bump map whose `-bm` is 1, as a share of the image's width. MTL
@@ -221,12 +220,10 @@ fn decode(file: &Path, reach: Reach<'_>) -> Result<RgbaImage, String> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let name = shorten(&name);
     let bytes = reach.read(file).map_err(|error| format!("{name} cannot be read: {error}"))?;
-    let image = decode_rgba8(&bytes, file)
-        .map_err(|error| format!("{name} cannot be decoded: {error}; convert it to PNG"))?;
-    if image.width() == 0 || image.height() == 0 {
-        return Err(format!("{name} has no texels"));
-    }
-    Ok(image)
+    let pixels = load::image::decode_file(&bytes, file)
+        .map_err(|fault| format!("{name} cannot be decoded: {fault}; convert it to PNG"))?;
+    let image = RgbaImage::from_raw(pixels.width, pixels.height, pixels.rgba8);
+    image.ok_or_else(|| format!("{name} has too few texels for its size"))
 }
 
 /// Brings both images to the larger size of the two.

@@ -1,7 +1,8 @@
 //! One image out of two, where a format spreads over several images what a
 //! [`Material`](crate::Material) reads from one.
 
-use crate::load::image::{Pixels, linear_to_srgb, srgb_to_linear};
+use crate::load::color::{linear_from_srgb, srgb_from_linear};
+use crate::load::image::Pixels;
 
 /// How the texels of one or two images become one. Factors are kept by their bits, so that equal
 /// recipes can be found.
@@ -64,13 +65,13 @@ impl Mix {
             Self::SpecularDiffuse { specular } => {
                 let [.., gloss] = texels else { return [255; 4] };
                 let diffuse = if texels.len() > 1 { texels[0] } else { [255; 4] };
-                let light = |byte: u8| srgb_to_linear(f32::from(byte) / 255.0);
+                let light = |byte: u8| linear_from_srgb(f32::from(byte) / 255.0);
                 let most = (0..3)
                     .map(|c| f32::from(specular[c]) * light(gloss[c]))
                     .fold(0.0_f32, f32::max);
                 let rest = (1.0 - most).clamp(0.0, 1.0);
                 let [r, g, b, a] = diffuse;
-                let albedo = |byte| to_byte(linear_to_srgb(light(byte) * rest));
+                let albedo = |byte| to_byte(srgb_from_linear(light(byte) * rest));
                 [albedo(r), albedo(g), albedo(b), a]
             }
             Self::GlossToRoughness { glossiness } => {

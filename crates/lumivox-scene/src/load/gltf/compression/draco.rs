@@ -4,6 +4,7 @@
 //! The accessors of the compressed attributes say what they are, but have no data; the decoded data
 //! become theirs. Draco may split vertices, so it tells how many there are.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use draco_core::{
@@ -16,7 +17,7 @@ use gltf::json::validation::{Checked, USize64};
 use gltf::json::{Index, Root};
 use serde_json::Value;
 
-use super::{Sink, push_buffer};
+use super::{Buffers, Sink, push_buffer};
 use crate::SceneError;
 
 const EXTENSION: &str = "KHR_draco_mesh_compression";
@@ -24,7 +25,7 @@ const EXTENSION: &str = "KHR_draco_mesh_compression";
 /// Decompresses all primitives that are compressed.
 pub(super) fn decompress(
     root: &mut Root,
-    buffers: &mut Vec<Vec<u8>>,
+    buffers: &mut Buffers<'_>,
     sink: &mut Sink<'_>,
 ) -> Result<(), SceneError> {
     // What accessors got: primitives may share them.
@@ -86,7 +87,7 @@ fn wanted(root: &Root, mesh: usize, index: usize, stream: &Value) -> Vec<(usize,
 
 fn decode(
     root: &Root,
-    buffers: &[Vec<u8>],
+    buffers: &[Cow<'_, [u8]>],
     view: usize,
     part: &str,
     sink: &mut Sink<'_>,
@@ -101,14 +102,14 @@ fn decode(
     };
     // A face is three indices of four bytes, and a point no less than a position.
     let limits = DecodeLimits::default()
-        .with_max_decoded_bytes(sink.left)
-        .with_max_faces(sink.left / 12)
-        .with_max_points((sink.left / 12).min(u64::from(u32::MAX)));
+        .with_max_decoded_bytes(sink.budget.left())
+        .with_max_faces(sink.budget.left() / 12)
+        .with_max_points((sink.budget.left() / 12).min(u64::from(u32::MAX)));
     let mut mesh = Mesh::new();
     MeshDecoder::new()
         .decode(&mut DecoderBuffer::new(encoded).with_limits(limits), &mut mesh)
         .map_err(|error| match error.kind() {
-            ErrorKind::LimitExceeded => sink.too_large(part, "more".to_owned()),
+            ErrorKind::LimitExceeded => sink.too_large(part),
             _ => sink.malformed(part, format!("it cannot be decoded: {error}")),
         })?;
     Ok(mesh)
@@ -117,7 +118,7 @@ fn decode(
 /// Gives an accessor its part of what was decoded.
 fn fill(
     root: &mut Root,
-    buffers: &mut Vec<Vec<u8>>,
+    buffers: &mut Buffers<'_>,
     decoded: &Mesh,
     accessor: usize,
     id: Option<u64>,

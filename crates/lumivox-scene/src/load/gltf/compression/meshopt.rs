@@ -2,11 +2,13 @@
 //! streams of the meshoptimizer library, whose own decoder reads them. It is made for streams that
 //! nobody trusts.
 
+use std::borrow::Cow;
+
 use gltf::json::buffer::View;
 use gltf::json::{Index, Root};
 use serde_json::Value;
 
-use super::{MESHOPT, Sink, push_buffer};
+use super::{Buffers, MESHOPT, Sink, push_buffer};
 use crate::SceneError;
 
 /// Bytes that a byte of a stream can become: 256 vertices' byte of the same number need two bits
@@ -18,7 +20,7 @@ const FREE_BYTES: u64 = 1 << 20;
 /// Decompresses all views that are compressed.
 pub(super) fn decompress(
     root: &mut Root,
-    buffers: &mut Vec<Vec<u8>>,
+    buffers: &mut Buffers<'_>,
     sink: &mut Sink<'_>,
 ) -> Result<(), SceneError> {
     for index in 0..root.buffer_views.len() {
@@ -45,7 +47,7 @@ fn extension(view: &View) -> Option<Value> {
 
 fn decode(
     stream: &Value,
-    buffers: &[Vec<u8>],
+    buffers: &[Cow<'_, [u8]>],
     part: &str,
     sink: &mut Sink<'_>,
 ) -> Result<Vec<u8>, SceneError> {

@@ -8,26 +8,31 @@ mod draco;
 #[cfg(feature = "meshopt")]
 mod meshopt;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use gltf::json::buffer::Buffer;
 use gltf::json::{Index, Root};
 
 use crate::SceneError;
+use crate::load::geometry::GeometryBudget;
 use crate::load::textures::size_text;
 
 /// The extensions under which a compressed buffer view goes: the same under two names, of which the
 /// second may use more (Khronos, `KHR_meshopt_compression`).
 const MESHOPT: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
+/// The bytes of a document's buffers; a GLB's own are part of the file's.
+pub(super) type Buffers<'a> = Vec<Cow<'a, [u8]>>;
+
 /// Decompresses what is compressed; `budget` is what it may take in bytes.
 pub(super) fn decompress(
     file: &Path,
     root: &mut Root,
-    buffers: &mut Vec<Vec<u8>>,
+    buffers: &mut Buffers<'_>,
     budget: u64,
 ) -> Result<(), SceneError> {
-    let mut sink = Sink { file, left: budget, budget };
+    let mut sink = Sink { file, budget: GeometryBudget::new(file, budget) };
     #[cfg(feature = "meshopt")]
     meshopt::decompress(root, buffers, &mut sink)?;
     draco::decompress(root, buffers, &mut sink)
@@ -44,8 +49,7 @@ pub(super) fn is_stand_in(buffer: &Buffer) -> bool {
 /// What decompressing may take, and how faults are told.
 struct Sink<'a> {
     file: &'a Path,
-    left: u64,
-    budget: u64,
+    budget: GeometryBudget<'a>,
 }
 
 impl Sink<'_> {
@@ -59,26 +63,22 @@ impl Sink<'_> {
 
     /// Takes bytes from the budget.
     fn spend(&mut self, part: &str, bytes: u64) -> Result<(), SceneError> {
-        let Some(left) = self.left.checked_sub(bytes) else {
-            let needed = self.budget.saturating_sub(self.left).saturating_add(bytes);
-            return Err(self.too_large(part, size_text(needed)));
-        };
-        self.left = left;
-        Ok(())
+        self.budget.take(|| part.trim_end_matches(',').to_owned(), bytes)
     }
 
-    fn too_large(&self, part: &str, needed: String) -> SceneError {
+    /// What a decoder says that stopped at the limit it was given.
+    fn too_large(&self, part: &str) -> SceneError {
         SceneError::TooLarge {
             file: self.file.to_owned(),
             part: part.trim_end_matches(',').to_owned(),
-            needed,
-            budget: size_text(self.budget),
+            needed: "more".to_owned(),
+            budget: size_text(self.budget.left()),
         }
     }
 }
 
 /// Appends bytes to the document as a buffer of their own.
-fn push_buffer(root: &mut Root, buffers: &mut Vec<Vec<u8>>, bytes: Vec<u8>) -> Index<Buffer> {
+fn push_buffer(root: &mut Root, buffers: &mut Buffers<'_>, bytes: Vec<u8>) -> Index<Buffer> {
     root.buffers.push(Buffer {
         byte_length: (bytes.len() as u64).into(),
         name: None,
@@ -86,6 +86,6 @@ fn push_buffer(root: &mut Root, buffers: &mut Vec<Vec<u8>>, bytes: Vec<u8>) -> I
         extensions: None,
         extras: gltf::json::Extras::default(),
     });
-    buffers.push(bytes);
+    buffers.push(bytes.into());
     Index::new(root.buffers.len() as u32 - 1)
 }

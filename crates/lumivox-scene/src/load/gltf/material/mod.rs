@@ -5,43 +5,49 @@ mod layers;
 mod spec_gloss;
 
 use glam::{Vec3, Vec4};
+use gltf::Semantic;
 
 use super::texture::TextureUse;
 use super::{Loader, extras, name_or_index};
 use crate::load::image::Encoding;
+use crate::load::stand_in;
 use crate::{AlphaMode, Material, MetallicRoughness, SceneError, Shading, Unlit};
 
-/// Between stone and plaster.
-const NO_MATERIAL_ALBEDO: f32 = 0.5;
+/// What a primitive says of its looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Key {
+    /// One of the file's materials.
+    Material(usize),
+    /// The colours of its vertices alone.
+    OnlyColors,
+    /// Nothing at all.
+    Nothing,
+}
 
 impl Loader<'_> {
-    /// Loads a material once.
-    pub(super) fn material(&mut self, material: &gltf::Material<'_>) -> Result<usize, SceneError> {
-        if let Some(&known) = self.materials.get(&material.index()) {
+    /// Loads the material of a primitive once.
+    pub(super) fn material(
+        &mut self,
+        primitive: &gltf::Primitive<'_>,
+    ) -> Result<usize, SceneError> {
+        let material = primitive.material();
+        let key = match material.index() {
+            Some(index) => Key::Material(index),
+            None if primitive.get(&Semantic::Colors(0)).is_some() => Key::OnlyColors,
+            None => Key::Nothing,
+        };
+        if let Some(&known) = self.materials.get(&key) {
             return Ok(known);
         }
-        let converted = match material.index() {
-            Some(_) => self.convert(material)?,
-            None => self.no_material(),
+        let converted = match key {
+            Key::Material(_) => self.convert(&material)?,
+            Key::OnlyColors => stand_in::only_colors(&mut self.notes),
+            Key::Nothing => stand_in::no_material(&mut self.notes),
         };
         self.scene.materials.push(converted);
         let index = self.scene.materials.len() - 1;
-        self.materials.insert(material.index(), index);
+        self.materials.insert(key, index);
         Ok(index)
-    }
-
-    /// What meshes without a material look like. By the letter that is a white rough metal of
-    /// reflectance 1 (glTF 2.0, section 3.9.6), in which indirect light would never die out; nobody
-    /// who leaves materials out means it.
-    fn no_material(&mut self) -> Material {
-        self.notes.warn(format!(
-            "meshes without a material are shown matte grey with an albedo of {NO_MATERIAL_ALBEDO}"
-        ));
-        // Such files are mostly bare geometry, wound as it came: seen from both sides nothing is missing.
-        Material {
-            double_sided: true,
-            ..Material::diffuse("no material", Vec3::splat(NO_MATERIAL_ALBEDO))
-        }
     }
 
     fn convert(&mut self, material: &gltf::Material<'_>) -> Result<Material, SceneError> {

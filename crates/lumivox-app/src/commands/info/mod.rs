@@ -21,7 +21,7 @@ pub fn run(args: &InfoArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     };
     source.check()?;
     let progress = Progress::start(bars, "loading");
-    let report = scene::Report::new(&source.load()?);
+    let report = scene::Report::new(&source.load(&args.load, &progress)?, &args.voxels)?;
     drop(progress);
     if args.json { print_json(&report) } else { print(&report.text()) }
 }

@@ -1,0 +1,85 @@
+//! What shines, and how its light is found.
+
+use clap::Args;
+use glam::Vec3;
+use lumivox_render::ShadowMethod;
+use lumivox_scene::Light;
+
+use crate::args::light::Surroundings;
+use crate::args::{choices, light, number, size};
+
+/// Light.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Light")]
+pub struct LightArgs {
+    /// Reflections of indirect light, 0 to 16
+    ///
+    /// 0 is direct light alone, 1 is light by way of one other surface. Each costs one more gather
+    /// in the voxels, once.
+    #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=16))]
+    #[arg(default_value = "4", allow_negative_numbers = true)]
+    pub bounces: u32,
+
+    /// Add a sun that stands in the direction X,Y,Z, with LUX lux [default: none; LUX: 100000]
+    ///
+    /// The vector points from the scene to the sun (y is up), at any length: 0,1,0 is noon. LUX is
+    /// the illuminance of a surface that faces it, 0 to 1e10. It has the size of ours.
+    #[arg(long, value_name = "X,Y,Z[,LUX]", value_parser = light::sun)]
+    #[arg(allow_hyphen_values = true)]
+    pub sun: Option<Light>,
+
+    /// The surroundings: radiance in cd/m2, each from 0 to 1e10, or a panorama's file, .hdr or .exr
+    /// [default: the scene's]
+    ///
+    /// It replaces the scene's own. A clear blue sky has about 2000,2600,3600. A panorama is
+    /// equirectangular, twice as wide as high; its middle lies towards -z. One unit of it is 1 cd/m2
+    /// unless it says otherwise, see --environment-intensity. PNG and JPEG are read, too.
+    #[arg(long, value_name = "R,G,B|FILE", value_parser = light::environment)]
+    #[arg(allow_hyphen_values = true, conflicts_with = "sky")]
+    pub environment: Option<Surroundings>,
+
+    /// Turn of the panorama about the vertical in degrees, -360 to 360, counter-clockwise seen from
+    /// above [default: the scene's, mostly 0]
+    #[arg(long, value_name = "DEGREES", value_parser = number::number(-360.0..=360.0))]
+    #[arg(allow_negative_numbers = true, conflicts_with = "sky")]
+    pub environment_rotation: Option<f32>,
+
+    /// Number that the radiance of the surroundings is multiplied by, 0 to 1e10
+    #[arg(long, value_name = "FACTOR", value_parser = number::number(0.0..=1e10))]
+    #[arg(default_value = "1", allow_negative_numbers = true)]
+    pub environment_intensity: f32,
+
+    /// A clear sky and its sun, which stands towards X,Y,Z, or ELEVATION,AZIMUTH in degrees [default:
+    /// none]
+    ///
+    /// It replaces the scene's surroundings, computed in cd/m2 and lux. The elevation is from -90 to
+    /// 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards -z, 90 towards +x.
+    #[arg(long, value_name = "X,Y,Z|ELEVATION,AZIMUTH", value_parser = light::sky)]
+    #[arg(allow_hyphen_values = true)]
+    pub sky: Option<Vec3>,
+
+    /// Haze of the sky, a number from 1 (the clearest) to 10
+    ///
+    /// Higher: paler, brighter round the sun, a weaker sun.
+    #[arg(long, value_name = "NUMBER", value_parser = number::number(1.0..=10.0))]
+    #[arg(default_value = "2", allow_negative_numbers = true, requires = "sky")]
+    pub turbidity: f32,
+
+    /// Leave a scene dark in which nothing shines [default: off, it is lit by sun and sky, or by lamps
+    /// where it is closed]
+    #[arg(long)]
+    pub no_default_light: bool,
+
+    /// How shadows of lamps and sun are found
+    #[arg(long, value_name = "HOW", value_parser = choices::shadows())]
+    #[arg(default_value = "map")]
+    pub shadows: ShadowMethod,
+
+    /// Edge of a shadow map in texels, 16 to 32768 (or less, as the GPU allows)
+    ///
+    /// Higher: sharper shadows that begin nearer to their caster. Four bytes a texel; a point light
+    /// has six maps.
+    #[arg(long, value_name = "TEXELS", value_parser = number::whole(16..=size::LONGEST_EDGE))]
+    #[arg(default_value = "1024", allow_negative_numbers = true)]
+    pub shadow_resolution: u32,
+}

@@ -1,0 +1,74 @@
+//! `lumivox convert`: a scene as one GLB file.
+
+use std::path::Path;
+
+use indicatif::MultiProgress;
+use serde::Serialize;
+
+use crate::args::output;
+use crate::cli::ConvertArgs;
+use crate::exit::Failure;
+use crate::motion::choose;
+use crate::progress::Progress;
+use crate::report::{SceneCounts, bytes, counted, print, print_json};
+
+/// Reads, poses if asked to, writes.
+///
+/// # Errors
+/// When the scene cannot be read or posed, or the file cannot be written; the message says what.
+pub fn run(args: &ConvertArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    check_output(&args.output)?;
+    args.scene.scene.check()?;
+    let progress = Progress::start(bars, "loading");
+    let mut scene = args.scene.load(&progress)?;
+    if args.time.is_some() || args.animation.is_some() {
+        let Some(animation) = choose(args.animation.as_ref(), &scene)? else {
+            return Err(Failure::input(format!(
+                "nothing moves in the scene \"{}\": it has no animation; leave --time out",
+                scene.name
+            ))
+            .into());
+        };
+        scene.pose(animation, args.time.unwrap_or(0.0))?;
+    }
+    progress.set("writing", 0, 1);
+    scene.save_glb(&args.output)?;
+    drop(progress);
+
+    let written = std::fs::metadata(&args.output).map_or(0, |data| data.len());
+    let file = args.output.display().to_string();
+    let report = Report { file, bytes: written, scene: SceneCounts::new(&scene) };
+    if args.json {
+        return print_json(&report);
+    }
+    let scene = &report.scene;
+    print(&format!(
+        "{}: {}, {}, {}, {}\n",
+        report.file,
+        counted(scene.triangles, "triangle", "triangles"),
+        counted(scene.materials, "material", "materials"),
+        counted(scene.lights, "light", "lights"),
+        bytes(report.bytes)
+    ))
+}
+
+/// What was written.
+#[derive(Clone, Debug, Serialize)]
+struct Report {
+    file: String,
+    /// Its length.
+    bytes: u64,
+    scene: SceneCounts,
+}
+
+fn check_output(file: &Path) -> anyhow::Result<()> {
+    let extension = file.extension().unwrap_or_default();
+    if !extension.eq_ignore_ascii_case("glb") {
+        return Err(Failure::input(format!(
+            "{}: scenes are written as GLB; end the name in .glb",
+            file.display()
+        ))
+        .into());
+    }
+    output::check_folder(file, &output::folder_of(file))
+}

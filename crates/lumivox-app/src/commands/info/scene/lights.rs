@@ -1,0 +1,127 @@
+//! What shines in a scene, and the cameras.
+
+use lumivox_scene::{Camera, Environment, Light, LightKind};
+use serde::Serialize;
+
+use super::point;
+use crate::report::Table;
+
+/// A light.
+#[derive(Clone, Debug, Serialize)]
+pub struct LightReport {
+    name: String,
+    kind: &'static str,
+    /// Illuminance in lux or intensity in candela.
+    strength: f32,
+    unit: &'static str,
+    color: [f32; 3],
+    /// None for directional lights.
+    position: Option<[f32; 3]>,
+    /// Along which the light travels; none for point lights.
+    direction: Option<[f32; 3]>,
+}
+
+/// A camera.
+#[derive(Clone, Debug, Serialize)]
+pub struct CameraReport {
+    pub name: String,
+    position: [f32; 3],
+    forward: [f32; 3],
+    vertical_fov_deg: f32,
+}
+
+/// A panorama around a scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct PanoramaReport {
+    name: String,
+    width: u32,
+    height: u32,
+    rotation_deg: f32,
+}
+
+impl LightReport {
+    /// The report on a light.
+    pub fn new(light: &Light) -> Self {
+        let (position, direction) = (light.position.to_array(), light.direction.to_array());
+        let (kind, strength, unit, position, direction) = match light.kind {
+            LightKind::Directional { illuminance_lux, .. } => {
+                ("directional", illuminance_lux, "lux", None, Some(direction))
+            }
+            LightKind::Point { intensity_cd, .. } => {
+                ("point", intensity_cd, "cd", Some(position), None)
+            }
+            LightKind::Spot { intensity_cd, .. } => {
+                ("spot", intensity_cd, "cd", Some(position), Some(direction))
+            }
+        };
+        let (name, color) = (light.name.clone(), light.color.to_array());
+        Self { name, kind, strength, unit, color, position, direction }
+    }
+}
+
+impl CameraReport {
+    /// The report on a camera.
+    pub fn new(camera: &Camera) -> Self {
+        Self {
+            name: camera.name.clone(),
+            position: camera.position.to_array(),
+            forward: camera.forward.to_array(),
+            vertical_fov_deg: camera.vertical_fov_rad.to_degrees(),
+        }
+    }
+}
+
+impl PanoramaReport {
+    /// The report on an environment's map, if it has one.
+    pub fn new(environment: &Environment) -> Option<Self> {
+        let map = environment.map.as_ref()?;
+        Some(Self {
+            name: map.name.clone(),
+            width: map.width,
+            height: map.height,
+            rotation_deg: environment.rotation_rad.to_degrees(),
+        })
+    }
+
+    /// In words.
+    pub fn text(&self) -> String {
+        format!(
+            "{}, {}x{} texels, turned by {:.0} degrees",
+            self.name, self.width, self.height, self.rotation_deg
+        )
+    }
+}
+
+/// A table of lights.
+pub fn light_table(lights: &[LightReport]) -> Table {
+    let mut table =
+        Table::left(&["#", "light", "kind", "strength", "colour", "position in m", "towards"]);
+    for (index, light) in lights.iter().enumerate() {
+        let [r, g, b] = light.color;
+        table.row([
+            index.to_string(),
+            light.name.clone(),
+            light.kind.to_owned(),
+            format!("{} {}", light.strength, light.unit),
+            format!("{r:.3},{g:.3},{b:.3}"),
+            light.position.map_or(String::new(), point),
+            light.direction.map_or(String::new(), point),
+        ]);
+    }
+    table
+}
+
+/// A table of cameras.
+pub fn camera_table(cameras: &[CameraReport]) -> Table {
+    let mut table = Table::left(&["#", "camera", "position in m", "towards", "degrees high"]);
+    for (index, camera) in cameras.iter().enumerate() {
+        table.row([
+            index.to_string(),
+            camera.name.clone(),
+            point(camera.position),
+            point(camera.forward),
+            format!("{:.1}", camera.vertical_fov_deg),
+        ]);
+    }
+    table
+}

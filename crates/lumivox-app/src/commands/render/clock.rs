@@ -1,0 +1,43 @@
+//! The clock on the wall.
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+/// Wall-clock times of the whole.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Seconds {
+    pub loading: f64,
+    pub preparing: f64,
+    pub rendering: f64,
+    pub writing: f64,
+    pub total: f64,
+}
+
+/// Takes them.
+pub struct Clock {
+    pub start: Instant,
+    lap: Instant,
+    pub seconds: Seconds,
+}
+
+impl Clock {
+    /// Now.
+    pub fn start() -> Self {
+        let now = Instant::now();
+        Self { start: now, lap: now, seconds: Seconds::default() }
+    }
+
+    /// Seconds since the last call.
+    pub fn lap(&mut self) -> f64 {
+        let lap = std::mem::replace(&mut self.lap, Instant::now());
+        (self.lap - lap).as_secs_f64()
+    }
+
+    /// The times, with the last lap as that of writing.
+    pub fn stop(&mut self) -> Seconds {
+        self.seconds.writing = self.lap();
+        self.seconds.total = self.start.elapsed().as_secs_f64();
+        self.seconds
+    }
+}

@@ -1,0 +1,134 @@
+//! `lumivox render`: a scene to a picture, or to many.
+//!
+//! What is cheap to check comes first: the output's place, the scene's existence, the settings; then
+//! the GPU and its limits; then the scene; then the work.
+
+mod clock;
+mod light;
+mod report;
+mod sequence;
+mod settings;
+mod still;
+
+use indicatif::MultiProgress;
+use lumivox::gpu::Timing;
+use lumivox_render::{Gpu, RenderSettings};
+use lumivox_scene::Scene;
+
+use super::open_gpu;
+use crate::args::output;
+use crate::cli::RenderArgs;
+use crate::exit::Failure;
+use crate::motion::{Asked, PathFile, Schedule, TimeChoice, When};
+use crate::progress::Progress;
+use crate::sequence::FrameFiles;
+use clock::Clock;
+pub use settings::settings;
+
+/// All that is ready before the first picture.
+struct Stage<'a> {
+    args: &'a RenderArgs,
+    is_verbose: bool,
+    settings: RenderSettings,
+    gpu: Gpu,
+    scene: Scene,
+    schedule: Schedule,
+    progress: Progress,
+    clock: Clock,
+}
+
+/// Renders, writes, reports.
+///
+/// # Errors
+/// When anything that the arguments ask for cannot be done; the message says what.
+pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Result<()> {
+    let is_sequence = FrameFiles::is_meant(&args.output, asks_for_sequence(args));
+    if is_sequence || asks_for_sequence(args) {
+        FrameFiles::new(&args.output)?.check()?;
+    } else {
+        output::check(&args.output)?;
+    }
+    let mut settings = settings(args);
+    settings.trace.validate()?;
+    let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
+    args.scene.scene.check()?;
+    light::check(&args.light)?;
+
+    let mut clock = Clock::start();
+    let progress = Progress::start(bars, "loading");
+    let gpu = open_gpu(&args.gpu)?;
+    settings.validate(&gpu.device.limits())?;
+    if args.json || verbosity > 0 {
+        settings.timing = Timing::for_device(&gpu.device);
+    }
+    let mut scene = args.scene.load(&progress)?;
+    light::add(&mut scene, &args.light, &progress)?;
+    let asked = Asked {
+        time: args.motion.time,
+        fps: f64::from(args.motion.fps),
+        animation: args.motion.animation.as_ref(),
+        orbit_deg: args.motion.orbit,
+        path: path.as_ref(),
+        camera: args.camera.as_ref(),
+        is_sequence,
+        aspect: args.size.x as f32 / args.size.y as f32,
+    };
+    if scene.cameras.is_empty() && args.camera.is_none() && path.is_none() {
+        progress.set("looking for a camera", 0, 1);
+    }
+    let schedule = Schedule::new(&asked, &scene)?;
+    if !args.light.no_default_light && !scene.shines() {
+        progress.set("looking for places of lamps", 0, 1);
+        let camera = schedule.camera(&scene, schedule.start_s(), 0.0);
+        if let Some(light) = scene.add_default_light(Some(&camera)) {
+            tracing::warn!(
+                "nothing shines in the scene \"{}\": it is lit by {light}; light it with --sun, --sky \
+                 or --environment, or leave it dark with --no-default-light",
+                scene.name
+            );
+        }
+    }
+    clock.seconds.loading = clock.lap();
+
+    let is_verbose = verbosity > 0;
+    let mut stage = Stage { args, is_verbose, settings, gpu, scene, schedule, progress, clock };
+    let time_s = match stage.schedule.when {
+        When::Sequence(_) => return sequence::run(stage, path.as_ref()),
+        When::Rest => 0.0,
+        When::At(time_s) => {
+            stage.schedule.pose(&mut stage.scene, time_s)?;
+            time_s
+        }
+    };
+    if is_sequence {
+        return Err(Failure::input(format!(
+            "{}: is the place of a sequence, but one time gives one picture; name a .png or .exr \
+             file without #",
+            args.output.display()
+        ))
+        .into());
+    }
+    let camera = stage.schedule.camera(&stage.scene, time_s, 0.0);
+    still::run(stage, &camera, &args.output)
+}
+
+/// Whether options other than the output make it a sequence.
+fn asks_for_sequence(args: &RenderArgs) -> bool {
+    let motion = &args.motion;
+    match motion.time {
+        Some(TimeChoice::Range(..)) => true,
+        Some(TimeChoice::At(_)) => false,
+        None => motion.orbit.is_some() || motion.camera_path.is_some(),
+    }
+}
+
+/// A stage of the renderer as the progress names it.
+fn words(stage: &'static str) -> &'static str {
+    match stage {
+        "upload" => "uploading",
+        "voxelize" => "voxelizing",
+        "light" => "lighting the voxels",
+        "render" => "frame",
+        other => other,
+    }
+}

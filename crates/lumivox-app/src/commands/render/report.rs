@@ -1,0 +1,137 @@
+//! What is said about one picture.
+
+use std::path::Path;
+
+use lumivox_render::{Gpu, Picture, Renderer};
+use lumivox_scene::{Camera, Scene};
+use serde::Serialize;
+
+use super::clock::Seconds;
+use super::settings::SettingsReport;
+use crate::report::{
+    AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
+    memory_table, total_bytes,
+};
+
+/// What was rendered, and what it cost.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The picture's file.
+    file: String,
+    /// Width and height in pixels.
+    size: [u32; 2],
+    scene: SceneCounts,
+    camera: CameraReport,
+    grid: GridReport,
+    /// Occupied voxels.
+    voxels: u32,
+    /// Sides of voxels that have surface.
+    faces: u32,
+    memory: Vec<MemoryReport>,
+    memory_bytes: u64,
+    /// On the GPU, milliseconds; passes of frames are the mean of a frame.
+    #[serde(flatten)]
+    times: Times,
+    /// By the clock on the wall.
+    seconds: Seconds,
+    /// In stops; for `auto` the one that was found. None for views that are not exposed.
+    exposure: Option<f32>,
+    settings: SettingsReport,
+    adapter: AdapterReport,
+}
+
+/// Where a picture was taken from.
+#[derive(Clone, Debug, Serialize)]
+pub struct CameraReport {
+    name: String,
+    position: [f32; 3],
+    forward: [f32; 3],
+    up: [f32; 3],
+    vertical_fov_deg: f32,
+}
+
+impl CameraReport {
+    /// The report on a camera.
+    pub fn new(camera: &Camera) -> Self {
+        Self {
+            name: camera.name.clone(),
+            position: camera.position.to_array(),
+            forward: camera.forward.to_array(),
+            up: camera.up.to_array(),
+            vertical_fov_deg: camera.vertical_fov_rad.to_degrees(),
+        }
+    }
+}
+
+impl Report {
+    /// The report on a picture.
+    pub fn new(
+        file: &Path,
+        gpu: &Gpu,
+        scene: &Scene,
+        renderer: &Renderer,
+        picture: &Picture,
+        seconds: Seconds,
+    ) -> Self {
+        let settings = renderer.settings();
+        let memory: Vec<MemoryReport> = renderer.memory().into_iter().map(Into::into).collect();
+        let exposure = settings.view.is_light().then(|| settings.exposure.stops(&picture.hdr));
+        Self {
+            file: file.display().to_string(),
+            size: picture.size.to_array(),
+            scene: SceneCounts::new(scene),
+            camera: CameraReport::new(renderer.camera()),
+            grid: GridReport::new(renderer.gi().grid()),
+            voxels: renderer.voxel_stats().voxels,
+            faces: renderer.voxel_stats().faces,
+            memory_bytes: total_bytes(&memory),
+            memory,
+            times: Times::new(&renderer.times()),
+            seconds,
+            exposure,
+            settings: SettingsReport::new(settings),
+            adapter: AdapterReport::new(&gpu.adapter_info),
+        }
+    }
+
+    /// The report for people.
+    pub fn text(&self, is_verbose: bool) -> String {
+        let Self { file, scene, grid, seconds, settings, .. } = self;
+        let [width, height] = self.size;
+        let [x, y, z] = grid.dimensions;
+        let frames = counted(settings.frames as usize, "frame", "frames");
+        let frame_ms = seconds.rendering * 1e3 / f64::from(settings.frames);
+        let mut text = format!("{file}: {width}x{height}, view {}, {frames}", settings.view);
+        if let Some(stops) = self.exposure {
+            text += &format!(", exposure {stops:.2}");
+        }
+        text += &format!(
+            "\n  scene    {}: {}, {}, {}; camera {}\n",
+            scene.name,
+            counted(scene.triangles, "triangle", "triangles"),
+            counted(scene.materials, "material", "materials"),
+            counted(scene.lights, "light", "lights"),
+            self.camera.name,
+        );
+        text += &format!(
+            "  voxels   {} with {} in {x} x {y} x {z} of {:.4} m\n",
+            count(self.voxels.into()),
+            counted(self.faces as usize, "face", "faces"),
+            grid.voxel_size_m
+        );
+        text += &format!("  memory   {} on the GPU\n", bytes(self.memory_bytes));
+        text += &format!(
+            "  time     {:.2} s: loading {:.2}, preparing {:.2}, rendering {:.2} \
+             ({frame_ms:.1} ms a frame), writing {:.2}\n",
+            seconds.total, seconds.loading, seconds.preparing, seconds.rendering, seconds.writing
+        );
+        text += &format!("  GPU      {}\n", self.adapter.description);
+        if is_verbose {
+            text.push('\n');
+            text += &self.times.table("stage and pass (of a frame: mean)");
+            text.push('\n');
+            text += &memory_table(&self.memory);
+        }
+        text
+    }
+}

@@ -1,0 +1,333 @@
+//! Many pictures, one after the other, with what need not be done again kept between them.
+
+use std::time::Instant;
+
+use lumivox_render::{Exposure, Renderer};
+use lumivox_scene::{Camera, Scene};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::clock::Seconds;
+use super::report::CameraReport;
+use super::settings::SettingsReport;
+use super::{Stage, light, words};
+use crate::args::number::ExposureChoice;
+use crate::cli::RenderArgs;
+use crate::motion::{Moments, PathFile, When};
+use crate::progress::Progress;
+use crate::report::{
+    AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
+    memory_table, print, print_json, total_bytes,
+};
+use crate::sequence::{Frame, FrameFiles, Index, Start};
+
+/// How many pictures are looked at for the exposure of all.
+const METERED: u64 = 5;
+
+/// Renders what is missing, and reports.
+///
+/// # Errors
+/// When the pictures that are there do not fit, or the device or the disk fails.
+pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> {
+    let When::Sequence(moments) = stage.schedule.when.clone() else {
+        anyhow::bail!("a sequence without moments")
+    };
+    let mut files = FrameFiles::new(&stage.args.output)?;
+    files.fit(moments.count)?;
+    let settings = settings_of(&stage, &moments, path);
+    let start = Index::new(moments.count, settings).start(&files, stage.args.motion.restart)?;
+    let Start { mut index, missing } = start;
+    if !missing.is_empty() {
+        files.make_folder()?;
+        let tell = |done, total| stage.progress.set("looking at the motion", done, total);
+        let bounds = stage.schedule.bounds(&mut stage.scene, &mut { tell })?;
+        stage.settings.grid_bounds = stage.schedule.animation.map(|_| bounds);
+    }
+    index.adapter = lumivox_render::describe(&stage.gpu.adapter_info);
+
+    let mut renderer: Option<Renderer> = None;
+    let is_shared = stage.args.exposure == ExposureChoice::Auto && files.are_exposed();
+    if is_shared && stage.settings.view.is_light() && !missing.is_empty() {
+        if index.exposure.is_none() {
+            let (metered, stops) = meter(&mut stage, &moments)?;
+            (renderer, index.exposure) = (Some(metered), Some(stops));
+        }
+        let shared = index.exposure.map_or(Exposure::Auto, Exposure::Stops);
+        stage.settings.exposure = shared;
+        if let Some(renderer) = &mut renderer {
+            renderer.set_exposure(shared);
+        }
+    }
+    for (done, &number) in missing.iter().enumerate() {
+        let start = Instant::now();
+        let time_s = moments.time_s(number);
+        stage.schedule.pose(&mut stage.scene, time_s)?;
+        let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
+        let step = Step {
+            stage: "picture",
+            progress: &stage.progress,
+            done: done as u32,
+            total: missing.len() as u32,
+        };
+        let ready = step.prepare(renderer.take(), &stage, &camera)?;
+        let renderer = renderer.insert(ready);
+        stage.clock.seconds.preparing += stage.clock.lap();
+        let picture = pollster::block_on(renderer.render(&mut |p| step.tell(p)))?;
+        stage.clock.seconds.rendering += stage.clock.lap();
+        picture.write(&files.path(number))?;
+
+        let settings = renderer.settings();
+        let exposure = settings.view.is_light().then(|| settings.exposure.stops(&picture.hdr));
+        let frame = Frame {
+            number,
+            file: files.name(number),
+            bytes: std::fs::metadata(files.path(number))?.len(),
+            time_s,
+            camera: serde_json::to_value(CameraReport::new(&camera))?,
+            exposure,
+            seconds: start.elapsed().as_secs_f64(),
+        };
+        index.add(frame, &files)?;
+        stage.clock.seconds.writing += stage.clock.lap();
+    }
+    stage.clock.seconds.total = stage.clock.start.elapsed().as_secs_f64();
+    drop(stage.progress);
+
+    let report = Report {
+        files: files.pattern().display().to_string(),
+        index: files.index().display().to_string(),
+        size: stage.args.size.to_array(),
+        pictures: moments.count,
+        rendered: missing.len(),
+        exposure: index.exposure,
+        scene: SceneCounts::new(&stage.scene),
+        renderer: renderer.as_ref().map(RendererReport::new),
+        seconds: stage.clock.seconds,
+        settings: SettingsReport::new(&stage.settings),
+        adapter: AdapterReport::new(&stage.gpu.adapter_info),
+    };
+    if stage.args.json {
+        return print_json(&report);
+    }
+    print(&report.text(stage.is_verbose))
+}
+
+/// The exposure of all pictures: the median of what some of them ask for, spread over the sequence and
+/// rendered roughly. One alone may look at a wall. Also the renderer that found out.
+fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<(Renderer, f32)> {
+    let mut numbers: Vec<u32> = (0..METERED)
+        .map(|i| (u64::from(moments.count) * (2 * i + 1) / (2 * METERED)) as u32)
+        .collect();
+    numbers.dedup();
+    let total = numbers.len() as u32;
+    let mut renderer: Option<Renderer> = None;
+    let mut stops = Vec::new();
+    for (done, number) in numbers.into_iter().enumerate() {
+        let time_s = moments.time_s(number);
+        stage.schedule.pose(&mut stage.scene, time_s)?;
+        let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
+        let step = Step { stage: "metering", progress: &stage.progress, done: done as u32, total };
+        let ready = step.prepare(renderer.take(), stage, &camera)?;
+        let ready = renderer.insert(ready);
+        pollster::block_on(ready.render_frame())?;
+        let picture = pollster::block_on(ready.finish())?;
+        stops.push(Exposure::Auto.stops(&picture.hdr));
+    }
+    stops.sort_by(f32::total_cmp);
+    let median = stops.get(stops.len() / 2).copied().unwrap_or_default();
+    let renderer = renderer.ok_or_else(|| anyhow::anyhow!("a sequence without pictures"))?;
+    Ok((renderer, median))
+}
+
+/// A picture's place among those to be rendered.
+struct Step<'a> {
+    stage: &'static str,
+    progress: &'a Progress,
+    done: u32,
+    total: u32,
+}
+
+impl Step<'_> {
+    /// A renderer that is ready for this picture: the one of the picture before, if there is one.
+    fn prepare(
+        &self,
+        before: Option<Renderer>,
+        stage: &Stage<'_>,
+        camera: &Camera,
+    ) -> anyhow::Result<Renderer> {
+        let mut tell = |step: lumivox_render::Progress| match self.done {
+            0 => self.progress.set(words(step.stage), step.done, step.total),
+            _ => self.tell_share(0.0),
+        };
+        let Some(mut renderer) = before else {
+            let (gpu, scene, settings) = (&stage.gpu, &stage.scene, stage.settings.clone());
+            let renderer = Renderer::new(gpu, scene, Some(camera), settings, &mut tell);
+            return Ok(pollster::block_on(renderer)?);
+        };
+        if stage.schedule.animation.is_some() {
+            pollster::block_on(renderer.set_scene(&stage.scene, &mut tell))?;
+        }
+        renderer.set_camera(camera.clone());
+        Ok(renderer)
+    }
+
+    fn tell(&self, step: lumivox_render::Progress) {
+        self.tell_share(f64::from(step.done) / f64::from(step.total.max(1)));
+    }
+
+    fn tell_share(&self, share: f64) {
+        self.progress.set_within(self.stage, self.done, self.total, share);
+    }
+}
+
+/// All that decides what the pictures show, under the names of the command line.
+fn settings_of(
+    stage: &Stage<'_>,
+    moments: &Moments,
+    path: Option<&PathFile>,
+) -> Map<String, Value> {
+    let args = stage.args;
+    let mut settings = match serde_json::to_value(SettingsReport::new(&stage.settings)) {
+        Ok(Value::Object(settings)) => settings,
+        _ => Map::new(),
+    };
+    let more = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": scene_settings(args),
+        "size": args.size.to_array(),
+        "exposure": args.exposure.to_string(),
+        "light": light::settings(&args.light),
+        "time": [moments.range_s.start, moments.range_s.end],
+        "fps": moments.fps,
+        "animation": animation_name(&stage.scene, stage.schedule.animation),
+        "camera": args.camera.as_ref().map(ToString::to_string),
+        "camera_path": path.map(|path| &path.keys),
+        "orbit": args.motion.orbit,
+    });
+    if let Value::Object(more) = more {
+        settings.extend(more);
+    }
+    settings
+}
+
+fn scene_settings(args: &RenderArgs) -> Value {
+    let load = &args.scene.load;
+    json!({
+        "name": args.scene.scene.to_string(),
+        "file": args.scene.scene.stamp(),
+        "scene_in_file": load.scene_in_file,
+        "up": if load.up == lumivox_scene::UpAxis::Z { "z" } else { "y" },
+        "unit": load.unit,
+        "crease": load.crease,
+        "texture_memory": load.texture_memory,
+    })
+}
+
+fn animation_name(scene: &Scene, choice: Option<lumivox_scene::AnimationChoice>) -> Option<String> {
+    match choice? {
+        lumivox_scene::AnimationChoice::All => Some("all".to_owned()),
+        lumivox_scene::AnimationChoice::One(index) => {
+            scene.animations().get(index).map(|animation| animation.name.clone())
+        }
+    }
+}
+
+/// What was rendered, and what it cost.
+#[derive(Clone, Debug, Serialize)]
+struct Report {
+    /// The pictures' files, with # for the digits of the number.
+    files: String,
+    /// The index's file.
+    index: String,
+    /// Width and height in pixels.
+    size: [u32; 2],
+    /// Pictures of the whole sequence.
+    pictures: u32,
+    /// Those that were rendered now; the others were there.
+    rendered: usize,
+    /// In stops, where all pictures have the same.
+    exposure: Option<f32>,
+    scene: SceneCounts,
+    /// None where nothing was left to render.
+    #[serde(flatten)]
+    renderer: Option<RendererReport>,
+    /// By the clock on the wall.
+    seconds: Seconds,
+    settings: SettingsReport,
+    adapter: AdapterReport,
+}
+
+/// What stands on the GPU after the last picture.
+#[derive(Clone, Debug, Serialize)]
+struct RendererReport {
+    grid: GridReport,
+    voxels: u32,
+    faces: u32,
+    memory: Vec<MemoryReport>,
+    memory_bytes: u64,
+    #[serde(flatten)]
+    times: Times,
+}
+
+impl RendererReport {
+    fn new(renderer: &Renderer) -> Self {
+        let memory: Vec<MemoryReport> = renderer.memory().into_iter().map(Into::into).collect();
+        Self {
+            grid: GridReport::new(renderer.gi().grid()),
+            voxels: renderer.voxel_stats().voxels,
+            faces: renderer.voxel_stats().faces,
+            memory_bytes: total_bytes(&memory),
+            memory,
+            times: Times::new(&renderer.times()),
+        }
+    }
+}
+
+impl Report {
+    fn text(&self, is_verbose: bool) -> String {
+        let Self { files, scene, seconds, settings, .. } = self;
+        let [width, height] = self.size;
+        let pictures = counted(self.pictures as usize, "picture", "pictures");
+        let mut text = format!("{files}: {pictures} of {width}x{height}, view {}", settings.view);
+        if let Some(stops) = self.exposure {
+            text += &format!(", exposure {stops:.2}");
+        }
+        let there = (self.pictures as usize).saturating_sub(self.rendered);
+        if there > 0 {
+            text += &format!("; {} of them were there already", count(there as u64));
+        }
+        text += &format!("\n  index    {}\n", self.index);
+        text += &format!(
+            "  scene    {}: {}, {}, {}\n",
+            scene.name,
+            counted(scene.triangles, "triangle", "triangles"),
+            counted(scene.materials, "material", "materials"),
+            counted(scene.lights, "light", "lights"),
+        );
+        if let Some(renderer) = &self.renderer {
+            let [x, y, z] = renderer.grid.dimensions;
+            text += &format!(
+                "  voxels   {} in {x} x {y} x {z} of {:.4} m\n  memory   {} on the GPU\n",
+                count(renderer.voxels.into()),
+                renderer.grid.voxel_size_m,
+                bytes(renderer.memory_bytes)
+            );
+        }
+        text += &format!(
+            "  time     {:.2} s: loading {:.2}, preparing {:.2}, rendering {:.2}, writing {:.2}",
+            seconds.total, seconds.loading, seconds.preparing, seconds.rendering, seconds.writing
+        );
+        if self.rendered > 0 {
+            let each = (seconds.total - seconds.loading) / self.rendered as f64;
+            text += &format!("; {each:.2} a picture");
+        }
+        text += &format!("\n  GPU      {}\n", self.adapter.description);
+        if let Some(renderer) = self.renderer.as_ref().filter(|_| is_verbose) {
+            text.push('\n');
+            text += &renderer.times.table("stage and pass (of a frame: mean)");
+            text.push('\n');
+            text += &memory_table(&renderer.memory);
+        }
+        text
+    }
+}

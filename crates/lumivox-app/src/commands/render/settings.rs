@@ -1,0 +1,86 @@
+//! The settings of a rendering: from the command line, and back under its names.
+
+use lumivox::gpu::Timing;
+use lumivox::{Directionality, TraceResolution};
+use lumivox_render::RenderSettings;
+use serde::Serialize;
+
+use crate::args::choices;
+use crate::cli::RenderArgs;
+
+/// What the arguments ask for; times are not taken.
+pub fn settings(args: &RenderArgs) -> RenderSettings {
+    RenderSettings {
+        size: args.size,
+        resolution: args.voxels.resolution,
+        grid_offset: args.voxels.grid_offset,
+        grid_bounds: None,
+        directionality: args.voxels.directionality(),
+        trace: args.cones.settings(),
+        bounces: args.light.bounces,
+        frames: args.frames,
+        view: args.view,
+        voxel_level: args.level,
+        exposure: args.exposure.first(),
+        tone_map: args.tone_map,
+        shadows: args.light.shadows,
+        shadow_resolution: args.light.shadow_resolution,
+        timing: Timing::Off,
+    }
+}
+
+/// The settings under the names of the command line.
+#[derive(Clone, Debug, Serialize)]
+pub struct SettingsReport {
+    pub resolution: u32,
+    grid_offset: [f32; 3],
+    isotropic: bool,
+    bounces: u32,
+    pub frames: u32,
+    pub view: &'static str,
+    level: u32,
+    tone_map: &'static str,
+    shadows: &'static str,
+    shadow_resolution: u32,
+    cones: u32,
+    half: bool,
+    voxel_per_diameter: f32,
+    clearance: f32,
+    normal_offset: f32,
+    step: f32,
+    min_transmittance: f32,
+    specular: bool,
+    specular_share: f32,
+    /// None is unlimited.
+    occlusion_distance: Option<f32>,
+}
+
+impl SettingsReport {
+    /// The report on settings.
+    pub fn new(settings: &RenderSettings) -> Self {
+        let trace = &settings.trace;
+        let reach_m = trace.occlusion_distance_m;
+        Self {
+            resolution: settings.resolution,
+            grid_offset: settings.grid_offset.to_array(),
+            isotropic: settings.directionality == Directionality::Isotropic,
+            bounces: settings.bounces,
+            frames: settings.frames,
+            view: settings.view.name(),
+            level: settings.voxel_level,
+            tone_map: settings.tone_map.name(),
+            shadows: choices::shadows_name(settings.shadows),
+            shadow_resolution: settings.shadow_resolution,
+            cones: trace.diffuse_cones,
+            half: trace.resolution == TraceResolution::Half,
+            voxel_per_diameter: trace.voxel_per_diameter,
+            clearance: trace.clearance,
+            normal_offset: trace.normal_offset_voxels,
+            step: trace.step_per_voxel,
+            min_transmittance: trace.min_transmittance,
+            specular: trace.specular,
+            specular_share: trace.specular_share,
+            occlusion_distance: reach_m.is_finite().then_some(reach_m),
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! One picture.
+
+use std::path::Path;
+
+use lumivox_render::Renderer;
+
+use super::report::Report;
+use super::{Stage, words};
+use crate::report::{print, print_json};
+
+/// Renders the scene as it stands from `camera`, writes, reports.
+///
+/// # Errors
+/// When the device or the disk fails.
+pub fn run(
+    mut stage: Stage<'_>,
+    camera: &lumivox_scene::Camera,
+    file: &Path,
+) -> anyhow::Result<()> {
+    let progress = &stage.progress;
+    let mut tell = |step: lumivox_render::Progress| {
+        progress.set(words(step.stage), step.done, step.total);
+    };
+    let (gpu, scene, settings) = (&stage.gpu, &stage.scene, stage.settings.clone());
+    let renderer = Renderer::new(gpu, scene, Some(camera), settings, &mut tell);
+    let mut renderer = pollster::block_on(renderer)?;
+    stage.clock.seconds.preparing = stage.clock.lap();
+    let picture = pollster::block_on(renderer.render(&mut tell))?;
+    stage.clock.seconds.rendering = stage.clock.lap();
+    progress.set("writing", 0, 1);
+    picture.write(file)?;
+    let seconds = stage.clock.stop();
+    drop(stage.progress);
+
+    let report = Report::new(file, &stage.gpu, &stage.scene, &renderer, &picture, seconds);
+    if stage.args.json {
+        return print_json(&report);
+    }
+    print(&report.text(stage.is_verbose))
+}

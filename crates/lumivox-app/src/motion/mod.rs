@@ -1,0 +1,16 @@
+//! What moves between the pictures of a sequence: time, the camera, the scene.
+
+mod moments;
+mod path;
+mod schedule;
+mod spline;
+
+pub use moments::{Moments, TimeChoice, time};
+pub use path::PathFile;
+pub use schedule::{AnimationName, Asked, Schedule, When, animation, choose};
+
+/// Nearly three hours, either way: an `f32`, by which scenes are posed, still tells milliseconds apart.
+pub const LATEST_S: f64 = 1e4;
+
+/// How long an orbit takes in a scene without an animation, s.
+pub const ORBIT_S: f64 = 4.0;

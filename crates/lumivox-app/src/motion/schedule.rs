@@ -1,0 +1,328 @@
+//! What a rendering shows when: the poses of the scene and the places of the camera.
+
+use glam::{Mat4, Vec3};
+use lumivox_scene::{AnimationChoice, Bounds, Camera, Scene};
+
+use super::path::CameraPath;
+use super::{Moments, ORBIT_S, PathFile, TimeChoice};
+use crate::args::Refused;
+use crate::args::camera::{self, CameraChoice};
+use crate::exit::Failure;
+
+/// An animation, as the command line names it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnimationName {
+    /// By its name, or where none is called that, by its place from 0.
+    Named(String),
+    /// All at once.
+    All,
+    /// None: the scene stays as its file shows it.
+    None,
+}
+
+/// `NAME`, `NUMBER`, `all` or `none`.
+pub fn animation(text: &str) -> Result<AnimationName, Refused> {
+    match text {
+        "" => Err(Refused::Malformed("expected a name, a number, all or none".to_owned())),
+        "all" => Ok(AnimationName::All),
+        "none" => Ok(AnimationName::None),
+        name => Ok(AnimationName::Named(name.to_owned())),
+    }
+}
+
+/// What of the command line moves something.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    pub time: Option<TimeChoice>,
+    pub fps: f64,
+    pub animation: Option<&'a AnimationName>,
+    pub orbit_deg: Option<f32>,
+    pub path: Option<&'a PathFile>,
+    pub camera: Option<&'a CameraChoice>,
+    /// Whether the output has room for many pictures.
+    pub is_sequence: bool,
+    /// Width over height of the pictures.
+    pub aspect: f32,
+}
+
+/// When pictures are taken.
+#[derive(Clone, Debug, PartialEq)]
+pub enum When {
+    /// One, of the scene as its file shows it.
+    Rest,
+    /// One, at this time in seconds.
+    At(f64),
+    /// Many.
+    Sequence(Moments),
+}
+
+/// Where the camera is.
+#[derive(Clone, Debug)]
+enum Eye {
+    /// Where the scene has it, which may move.
+    Scene(usize),
+    /// Where it always is.
+    Still(Camera),
+    /// Round the vertical line through a point.
+    Orbit { start: Camera, pivot: Vec3, angle_rad: f64 },
+    /// On its way.
+    Path(Box<CameraPath>),
+}
+
+/// What a rendering shows when.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    /// When.
+    pub when: When,
+    /// What the scene plays; `None` where it does not move.
+    pub animation: Option<AnimationChoice>,
+    eye: Eye,
+}
+
+impl Schedule {
+    /// Finds out what is asked for.
+    ///
+    /// # Errors
+    /// A [`Failure`] of input that says what does not fit together, or is not in the scene.
+    pub fn new(asked: &Asked<'_>, scene: &Scene) -> anyhow::Result<Self> {
+        let known = scene.animations();
+        let choice = choose(asked.animation, scene)?;
+        let duration_s = match choice {
+            Some(AnimationChoice::One(index)) => known.get(index).map(|a| a.duration_s),
+            Some(AnimationChoice::All) => known.iter().map(|a| a.duration_s).reduce(f32::max),
+            None => None,
+        };
+        let duration_s = duration_s.map(f64::from);
+        let path_end_s = asked.path.map(PathFile::end_s);
+        let end_s = path_end_s.into_iter().chain(duration_s).reduce(f64::max);
+        let whole = |start: f64| match end_s {
+            Some(end) => Ok(start..end),
+            None if asked.orbit_deg.is_some() => Ok(start..start + ORBIT_S),
+            None => Err(Failure::input(format!(
+                "nothing moves in the scene \"{}\": it has no animation; add --orbit or \
+                 --camera-path, or give one picture's file and no --time",
+                scene.name
+            ))),
+        };
+        let when = match asked.time {
+            Some(TimeChoice::At(time_s)) => {
+                if asked.orbit_deg.is_some() {
+                    return Err(Failure::input(
+                        "an orbit is a sequence; give --time START..END instead of one time",
+                    )
+                    .into());
+                }
+                // The error is the same as for a range.
+                if end_s.is_none() {
+                    whole(0.0)?;
+                }
+                When::At(time_s)
+            }
+            Some(TimeChoice::Range(start, Some(end))) => {
+                whole(start)?;
+                When::Sequence(Moments::new(start..end, asked.fps)?)
+            }
+            Some(TimeChoice::Range(start, None)) => {
+                When::Sequence(Moments::new(whole(start)?, asked.fps)?)
+            }
+            None => match asked.path {
+                Some(path) => {
+                    When::Sequence(Moments::new(path.start_s()..path.end_s(), asked.fps)?)
+                }
+                None if asked.orbit_deg.is_some() || asked.is_sequence => {
+                    When::Sequence(Moments::new(whole(0.0)?, asked.fps)?)
+                }
+                None if asked.animation.is_some() => When::At(0.0),
+                None => When::Rest,
+            },
+        };
+        let animation = if when == When::Rest { None } else { choice };
+        Ok(Self { when, animation, eye: eye(asked, scene)? })
+    }
+
+    /// The time of the first picture, s.
+    pub fn start_s(&self) -> f64 {
+        match &self.when {
+            When::Rest => 0.0,
+            When::At(time_s) => *time_s,
+            When::Sequence(moments) => moments.time_s(0),
+        }
+    }
+
+    /// Poses the scene for a time, if it moves.
+    ///
+    /// # Errors
+    /// As [`Scene::pose`].
+    pub fn pose(&self, scene: &mut Scene, time_s: f64) -> anyhow::Result<()> {
+        if let Some(animation) = self.animation {
+            scene.pose(animation, time_s as f32)?;
+        }
+        Ok(())
+    }
+
+    /// The box around the scene in all its poses: without the ends of a motion, the grid would lose
+    /// them, and a grid that follows would flicker. The scene is left in the last pose.
+    ///
+    /// # Errors
+    /// As [`Scene::pose`].
+    pub fn bounds(
+        &self,
+        scene: &mut Scene,
+        tell: &mut dyn FnMut(u32, u32),
+    ) -> anyhow::Result<Bounds> {
+        let (When::Sequence(moments), Some(_)) = (&self.when, self.animation) else {
+            return Ok(scene.bounds());
+        };
+        let mut bounds = Bounds::EMPTY;
+        for number in 0..moments.count {
+            tell(number, moments.count);
+            self.pose(scene, moments.time_s(number))?;
+            bounds = bounds.union(scene.bounds());
+        }
+        Ok(bounds)
+    }
+
+    /// The camera at a time, of which `share` of the sequence has passed. `scene` is posed for it.
+    pub fn camera(&self, scene: &Scene, time_s: f64, share: f64) -> Camera {
+        match &self.eye {
+            Eye::Scene(index) => scene.cameras.get(*index).cloned().unwrap_or_default(),
+            Eye::Still(camera) => camera.clone(),
+            Eye::Orbit { start, pivot, angle_rad } => orbit(start, *pivot, angle_rad * share),
+            Eye::Path(path) => path.at(time_s),
+        }
+    }
+}
+
+/// The animation that is asked for; without a name the first, if there is one.
+///
+/// # Errors
+/// A [`Failure`] of input that lists the animations that there are.
+pub fn choose(
+    asked: Option<&AnimationName>,
+    scene: &Scene,
+) -> anyhow::Result<Option<AnimationChoice>> {
+    let known = scene.animations();
+    let unknown = |what: String| {
+        let names: Vec<String> =
+            known.iter().enumerate().map(|(i, a)| format!("{i} \"{}\"", a.name)).collect();
+        let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        Failure::input(format!("the scene \"{}\" has no {what}; there are: {names}", scene.name))
+    };
+    match asked {
+        None if known.is_empty() => Ok(None),
+        None => Ok(Some(AnimationChoice::One(0))),
+        Some(AnimationName::None) => Ok(None),
+        Some(AnimationName::All) if known.is_empty() => Err(unknown("animation".to_owned()).into()),
+        Some(AnimationName::All) => Ok(Some(AnimationChoice::All)),
+        Some(AnimationName::Named(name)) => {
+            let by_number = || name.parse().ok().filter(|index| *index < known.len());
+            let found = known.iter().position(|a| a.name == *name).or_else(by_number);
+            let found = found.ok_or_else(|| unknown(format!("animation \"{name}\"")))?;
+            Ok(Some(AnimationChoice::One(found)))
+        }
+    }
+}
+
+fn eye(asked: &Asked<'_>, scene: &Scene) -> anyhow::Result<Eye> {
+    if let Some(path) = asked.path {
+        return Ok(Eye::Path(Box::new(path.resolve(scene, asked.aspect)?)));
+    }
+    let start = camera::resolve(asked.camera, scene, asked.aspect)?;
+    if let Some(degrees) = asked.orbit_deg {
+        let pivot = scene.bounds().center();
+        let angle_rad = f64::from(degrees).to_radians();
+        return Ok(Eye::Orbit { start, pivot, angle_rad });
+    }
+    // By its place: an animation may move it.
+    let place = match asked.camera {
+        Some(CameraChoice::LookAt { .. }) => None,
+        _ => scene.cameras.iter().position(|camera| *camera == start),
+    };
+    Ok(place.map_or(Eye::Still(start), Eye::Scene))
+}
+
+/// The camera, turned as a whole about the vertical line through `pivot`, counter-clockwise seen from
+/// above.
+fn orbit(start: &Camera, pivot: Vec3, angle_rad: f64) -> Camera {
+    let turn = Mat4::from_rotation_y(angle_rad as f32);
+    let arm = turn.transform_vector3(start.position - pivot);
+    // With the error of f32 in a turn of zero: none.
+    let position = if angle_rad == 0.0 { start.position } else { pivot + arm };
+    Camera {
+        name: format!("orbit of {}", start.name),
+        position,
+        forward: turn.transform_vector3(start.forward),
+        up: turn.transform_vector3(start.up),
+        ..start.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(time: Option<TimeChoice>) -> Asked<'static> {
+        Asked {
+            time,
+            fps: 10.0,
+            animation: None,
+            orbit_deg: None,
+            path: None,
+            camera: None,
+            is_sequence: false,
+            aspect: 1.5,
+        }
+    }
+
+    fn scene() -> Scene {
+        lumivox_scene::builtin::scene("cornell").unwrap()
+    }
+
+    #[test]
+    fn an_orbit_goes_round_the_middle() {
+        let scene = scene();
+        let schedule =
+            Schedule::new(&Asked { orbit_deg: Some(360.0), ..asked(None) }, &scene).unwrap();
+        let When::Sequence(moments) = &schedule.when else { panic!("a sequence") };
+        assert_eq!(moments.count, 40);
+        let start = &scene.cameras[0];
+        let first = schedule.camera(&scene, 0.0, 0.0);
+        assert_eq!((first.position, first.forward), (start.position, start.forward));
+        let half = schedule.camera(&scene, 2.0, moments.share(20));
+        let center = scene.bounds().center();
+        let mirrored = 2.0 * center - start.position;
+        assert!((half.position - mirrored.with_y(start.position.y)).length() < 1e-4);
+        let quarter = schedule.camera(&scene, 1.0, moments.share(10));
+        let distance = |camera: &Camera| (camera.position - center).with_y(0.0).length();
+        assert!((distance(&quarter) - distance(&first)).abs() < 1e-5);
+        assert!((quarter.forward.length() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_does_not_fit_together_is_told() {
+        let scene = scene();
+        let error = |asked: &Asked<'_>| Schedule::new(asked, &scene).unwrap_err().to_string();
+        let still = error(&asked(Some(TimeChoice::At(1.0))));
+        assert!(still.contains("nothing moves") && still.contains("--orbit"), "{still}");
+        let range = error(&asked(Some(TimeChoice::Range(0.0, Some(1.0)))));
+        assert!(range.contains("nothing moves"), "{range}");
+        let pattern = error(&Asked { is_sequence: true, ..asked(None) });
+        assert!(pattern.contains("nothing moves"), "{pattern}");
+        let orbit = Asked { orbit_deg: Some(90.0), ..asked(Some(TimeChoice::At(1.0))) };
+        assert!(error(&orbit).contains("START..END"));
+        let name = AnimationName::Named("walk".to_owned());
+        let unknown = error(&Asked { animation: Some(&name), ..asked(None) });
+        assert!(unknown.contains("\"walk\"") && unknown.contains("none"), "{unknown}");
+        let all = error(&Asked { animation: Some(&AnimationName::All), ..asked(None) });
+        assert!(all.contains("no animation"), "{all}");
+    }
+
+    #[test]
+    fn without_a_wish_it_is_one_picture_at_rest() {
+        let scene = scene();
+        let schedule = Schedule::new(&asked(None), &scene).unwrap();
+        assert_eq!(schedule.when, When::Rest);
+        assert!(schedule.animation.is_none());
+        assert_eq!(schedule.camera(&scene, 0.0, 0.0), scene.cameras[0]);
+    }
+}

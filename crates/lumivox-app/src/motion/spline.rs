@@ -1,0 +1,217 @@
+//! A smooth curve through points that each have a time.
+//!
+//! The curve itself is the centripetal Catmull-Rom spline (Catmull and Rom 1974, "A class of local
+//! interpolating splines"; knots as far apart as the square root of the distance, for which Yuksel,
+//! Schaefer and Keyser 2011, "Parameterization and applications of Catmull-Rom curves", show that it
+//! has neither cusps nor loops within a piece). How far along it one is at a time is a monotone cubic
+//! (Fritsch and Carlson 1980, "Monotone piecewise cubic interpolation"; slopes by Fritsch and Butland
+//! 1984), so that the motion is smooth at the keys, too, never runs backwards, and rests where two
+//! keys are the same point. Before the first key and after the last it stands still.
+
+use glam::DVec3;
+
+/// A curve through points at times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spline {
+    /// From times to knots: equal knots where the point stays.
+    pace: Pace,
+    /// Distinct points, with knots that rise strictly.
+    points: Vec<DVec3>,
+    knots: Vec<f64>,
+    /// Derivatives by the knot at each point.
+    tangents: Vec<DVec3>,
+}
+
+impl Spline {
+    /// The curve through `points` at `times_s`, which rise strictly; as many of both, at least one.
+    pub fn new(times_s: &[f64], points: &[DVec3]) -> Self {
+        let mut knot = 0.0;
+        let mut knots_of_keys = Vec::with_capacity(points.len());
+        let (mut distinct, mut knots) = (Vec::<DVec3>::new(), Vec::new());
+        for &point in points {
+            let distance = distinct.last().map_or(f64::INFINITY, |last| last.distance(point));
+            if distance > 0.0 {
+                if !distinct.is_empty() {
+                    knot += distance.sqrt();
+                }
+                distinct.push(point);
+                knots.push(knot);
+            }
+            knots_of_keys.push(knot);
+        }
+        let tangents = tangents(&distinct, &knots);
+        Self { pace: Pace::new(times_s, &knots_of_keys), points: distinct, knots, tangents }
+    }
+
+    /// The point at a time.
+    pub fn at(&self, time_s: f64) -> DVec3 {
+        let knot = self.pace.at(time_s);
+        let (piece, share, width) = locate(&self.knots, knot);
+        let Some(&end) = self.points.get(piece + 1) else { return self.points[piece] };
+        let [start, start_slope, end_weight, end_slope] = hermite(share);
+        self.points[piece] * start
+            + self.tangents[piece] * (start_slope * width)
+            + end * end_weight
+            + self.tangents[piece + 1] * (end_slope * width)
+    }
+}
+
+/// The derivatives of Barry and Goldman's (1988) non-uniform Catmull-Rom spline; at its ends the
+/// curve starts along the chord.
+fn tangents(points: &[DVec3], knots: &[f64]) -> Vec<DVec3> {
+    let chord = |i: usize, j: usize| (points[j] - points[i]) / (knots[j] - knots[i]);
+    let last = points.len() - 1;
+    (0..points.len())
+        .map(|i| match i {
+            _ if last == 0 => DVec3::ZERO,
+            0 => chord(0, 1),
+            i if i == last => chord(last - 1, last),
+            i => chord(i - 1, i) - chord(i - 1, i + 1) + chord(i, i + 1),
+        })
+        .collect()
+}
+
+/// A monotone cubic through values at times: it stays between neighbouring values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace {
+    times_s: Vec<f64>,
+    values: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
+impl Pace {
+    /// Through `values` at `times_s`, which rise strictly; as many of both, at least one.
+    pub fn new(times_s: &[f64], values: &[f64]) -> Self {
+        let slope = |i: usize| (values[i + 1] - values[i]) / (times_s[i + 1] - times_s[i]);
+        let last = values.len() - 1;
+        let slopes = (0..values.len())
+            .map(|i| match i {
+                _ if last == 0 => 0.0,
+                0 => slope(0),
+                i if i == last => slope(last - 1),
+                i => {
+                    let (before, after) = (slope(i - 1), slope(i));
+                    if before * after <= 0.0 {
+                        return 0.0;
+                    }
+                    let (h0, h1) = (times_s[i] - times_s[i - 1], times_s[i + 1] - times_s[i]);
+                    let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
+                    (w0 + w1) / (w0 / before + w1 / after)
+                }
+            })
+            .collect();
+        Self { times_s: times_s.to_vec(), values: values.to_vec(), slopes }
+    }
+
+    /// The value at a time.
+    pub fn at(&self, time_s: f64) -> f64 {
+        let (piece, share, width) = locate(&self.times_s, time_s);
+        let Some(&end) = self.values.get(piece + 1) else { return self.values[piece] };
+        let [start, start_slope, end_weight, end_slope] = hermite(share);
+        self.values[piece] * start
+            + self.slopes[piece] * (start_slope * width)
+            + end * end_weight
+            + self.slopes[piece + 1] * (end_slope * width)
+    }
+}
+
+/// The piece that `x` falls into, the share of it that is passed, and its width; clamped to the ends.
+fn locate(knots: &[f64], x: f64) -> (usize, f64, f64) {
+    let pieces = knots.len() - 1;
+    if pieces == 0 {
+        return (0, 0.0, 0.0);
+    }
+    let piece = knots.partition_point(|&knot| knot <= x).saturating_sub(1).min(pieces - 1);
+    let width = knots[piece + 1] - knots[piece];
+    (piece, ((x - knots[piece]) / width).clamp(0.0, 1.0), width)
+}
+
+/// The weights of start, its slope, end and its slope.
+fn hermite(t: f64) -> [f64; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [2.0 * t3 - 3.0 * t2 + 1.0, t3 - 2.0 * t2 + t, 3.0 * t2 - 2.0 * t3, t3 - t2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn zigzag() -> (Vec<f64>, Vec<DVec3>) {
+        let times = vec![0.0, 1.0, 1.5, 4.0, 4.25];
+        let points = [[0, 0, 0], [4, 0, 1], [4, 1, 0], [-3, 1, 5], [0, 2, 5]];
+        (times, points.map(|[x, y, z]| DVec3::new(x.into(), y.into(), z.into())).to_vec())
+    }
+
+    #[test]
+    fn it_passes_every_point_at_its_time_and_stands_still_outside() {
+        let (times, points) = zigzag();
+        let spline = Spline::new(&times, &points);
+        for (time, point) in times.iter().zip(&points) {
+            assert!(spline.at(*time).distance(*point) < 1e-12);
+        }
+        assert_eq!(spline.at(-5.0), points[0]);
+        assert!(spline.at(100.0).distance(points[4]) < 1e-12);
+    }
+
+    #[test]
+    fn position_and_velocity_have_no_jumps() {
+        let (times, points) = zigzag();
+        let spline = Spline::new(&times, &points);
+        let velocity = |time: f64| (spline.at(time + 1e-6) - spline.at(time)) / 1e-6;
+        for time in &times[1..4] {
+            let (before, after) = (velocity(time - 2e-6), velocity(time + 1e-6));
+            assert!(before.distance(after) < 1e-3 * (1.0 + after.length()), "{before} {after}");
+        }
+    }
+
+    /// In the plane of a square's corners, a centripetal curve does not loop: it goes round once.
+    #[test]
+    fn uneven_keys_make_no_loops() {
+        let points = [[0.0, 0.0], [0.1, 0.0], [10.0, 0.0], [10.0, 0.1], [10.0, 10.0]];
+        let points = points.map(|[x, y]| DVec3::new(x, y, 0.0));
+        let spline = Spline::new(&[0.0, 1.0, 2.0, 3.0, 4.0], &points);
+        let mut last = spline.at(0.0);
+        for step in 1..=400 {
+            let now = spline.at(f64::from(step) * 0.01);
+            // The little overshoot of a corner is a part of the curve; a step back is not.
+            let back = (now - last).dot(DVec3::new(1.0, 1.0, 0.0));
+            assert!(back > -1e-9, "step {step}: {last} to {now}");
+            last = now;
+        }
+    }
+
+    #[test]
+    fn the_same_point_twice_is_a_rest() {
+        let points = [DVec3::ZERO, DVec3::X, DVec3::X, DVec3::new(1.0, 2.0, 0.0)];
+        let spline = Spline::new(&[0.0, 1.0, 3.0, 4.0], &points);
+        for time in [1.0, 1.3, 2.0, 2.9, 3.0] {
+            assert!(spline.at(time).distance(DVec3::X) < 1e-12);
+        }
+        let still = Spline::new(&[0.0, 1.0], &[DVec3::Y; 2]);
+        assert_eq!(still.at(0.5), DVec3::Y);
+    }
+
+    #[test]
+    fn a_straight_even_path_is_walked_evenly() {
+        let points: Vec<_> = (0..4).map(|i| DVec3::new(f64::from(i), 0.0, 0.0)).collect();
+        let spline = Spline::new(&[0.0, 1.0, 2.0, 3.0], &points);
+        for time in [0.25, 0.5, 1.7, 2.9] {
+            assert!((spline.at(time).x - time).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_pace_stays_between_its_values() {
+        let pace = Pace::new(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.0, 5.0, 4.0]);
+        for step in 0..=300 {
+            let time = f64::from(step) * 0.01;
+            let (low, high) = match step {
+                0..=100 => (0.0, 0.0),
+                101..=200 => (0.0, 5.0),
+                _ => (4.0, 5.0),
+            };
+            let value = pace.at(time);
+            assert!((low - 1e-12..=high + 1e-12).contains(&value), "{time}: {value}");
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! The names of a sequence's files.
+
+use std::path::{Path, PathBuf};
+
+use lumivox_render::ImageFormat;
+
+use crate::args::output;
+use crate::exit::Failure;
+
+/// Digits of the numbers in a folder.
+const LEAST_DIGITS: usize = 4;
+
+/// Where the pictures of a sequence go: `prefix` and a number and `suffix`, all in one folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameFiles {
+    folder: PathBuf,
+    prefix: String,
+    suffix: String,
+    digits: usize,
+    /// Whether the user named a folder, which may be made.
+    is_folder: bool,
+}
+
+impl FrameFiles {
+    /// Whether `output` is that of a sequence: a name with a `#`, or a folder. `is_asked` says that the
+    /// other options ask for a sequence; then a bare name is a folder, too.
+    pub fn is_meant(output: &Path, is_asked: bool) -> bool {
+        let name = output.file_name().unwrap_or_default().to_string_lossy();
+        // A slash at the end names a folder; `Path` itself does not tell.
+        let ends_as_folder = output.to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]);
+        let is_picture = ImageFormat::from_path(output).is_ok();
+        let is_bare = output.extension().is_none();
+        name.contains('#')
+            || ends_as_folder
+            || (output.is_dir() && (is_asked || !is_picture))
+            || (is_bare && is_asked)
+    }
+
+    /// Understands `output`: a folder, or a file with a run of `#` for the number.
+    ///
+    /// # Errors
+    /// A [`Failure`] of input when it is neither, and [`lumivox_render::RenderError::UnknownFormat`].
+    pub fn new(output: &Path) -> anyhow::Result<Self> {
+        let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let Some(first) = name.find('#') else {
+            if !Self::is_meant(output, true) {
+                ImageFormat::from_path(output)?;
+                let stem = output.with_extension("");
+                let extension = output.extension().unwrap_or_default().display();
+                return Err(Failure::input(format!(
+                    "{}: a sequence is many pictures; give a folder, or a name with # for the \
+                     digits of the number, such as {}_####.{extension}",
+                    output.display(),
+                    stem.display()
+                ))
+                .into());
+            }
+            return Ok(Self {
+                folder: output.to_owned(),
+                prefix: String::new(),
+                suffix: ".png".to_owned(),
+                digits: LEAST_DIGITS,
+                is_folder: true,
+            });
+        };
+        let digits = name[first..].chars().take_while(|c| *c == '#').count();
+        let (prefix, suffix) = (&name[..first], &name[first + digits..]);
+        if suffix.contains('#') {
+            return Err(Failure::input(format!(
+                "{}: the # for the digits of the number must stand together, once",
+                output.display()
+            ))
+            .into());
+        }
+        ImageFormat::from_path(output)?;
+        Ok(Self {
+            folder: output.parent().map(Path::to_owned).unwrap_or_default(),
+            prefix: prefix.to_owned(),
+            suffix: suffix.to_owned(),
+            digits,
+            is_folder: false,
+        })
+    }
+
+    /// Makes the numbers of a folder's files as long as `count` files need, and checks that those of a
+    /// name are.
+    ///
+    /// # Errors
+    /// A [`Failure`] of input when the name has too few `#`.
+    pub fn fit(&mut self, count: u32) -> anyhow::Result<()> {
+        let needed = count.saturating_sub(1).to_string().len();
+        if self.is_folder {
+            self.digits = self.digits.max(needed);
+        } else if self.digits < needed {
+            return Err(Failure::input(format!(
+                "{count} pictures need numbers of {needed} digits, but the name \
+                 \"{}\" has room for {}; write {} in it",
+                self.pattern().display(),
+                self.digits,
+                "#".repeat(needed)
+            ))
+            .into());
+        }
+        Ok(())
+    }
+
+    /// Checks that files can be written there. A folder that is not there yet is made later, with the
+    /// first picture.
+    ///
+    /// # Errors
+    /// A [`Failure`] of output that names what stands in the way.
+    pub fn check(&self) -> anyhow::Result<()> {
+        if self.is_folder && !self.folder.exists() {
+            return output::check_folder(&self.folder, &output::folder_of(&self.folder));
+        }
+        let pattern = self.pattern();
+        output::check_folder(&pattern, &output::folder_of(&pattern))
+    }
+
+    /// Makes the folder, where it may.
+    ///
+    /// # Errors
+    /// A [`Failure`] of output.
+    pub fn make_folder(&self) -> anyhow::Result<()> {
+        if self.is_folder && !self.folder.exists() {
+            std::fs::create_dir(&self.folder).map_err(|error| {
+                let folder = self.folder.display();
+                Failure::output(format!("{folder}: cannot make the folder: {error}"))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The name of a picture's file, without the folder.
+    pub fn name(&self, number: u32) -> String {
+        format!("{}{number:0width$}{}", self.prefix, self.suffix, width = self.digits)
+    }
+
+    /// A picture's file.
+    pub fn path(&self, number: u32) -> PathBuf {
+        self.folder.join(self.name(number))
+    }
+
+    /// Whether exposure shows in the files: `OpenEXR` holds radiance itself.
+    pub fn are_exposed(&self) -> bool {
+        matches!(ImageFormat::from_path(&self.path(0)), Ok(ImageFormat::Png))
+    }
+
+    /// The index's file.
+    pub fn index(&self) -> PathBuf {
+        let stem = format!("{}index", self.prefix);
+        self.folder.join(Path::new(&stem).with_extension("json"))
+    }
+
+    /// All pictures' files in one name.
+    pub fn pattern(&self) -> PathBuf {
+        self.folder.join(format!("{}{}{}", self.prefix, "#".repeat(self.digits), self.suffix))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_and_patterns_are_told_from_pictures() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["walk/", "a_##.png", "#.exr"] {
+            assert!(FrameFiles::is_meant(Path::new(name), false), "{name}");
+        }
+        assert!(FrameFiles::is_meant(folder.path(), false));
+        for name in ["a.png", "b/a.exr", "a.jpg"] {
+            assert!(!FrameFiles::is_meant(Path::new(name), true), "{name}");
+        }
+        // A bare name could be a picture's without its extension.
+        assert!(!FrameFiles::is_meant(Path::new("walk"), false));
+        assert!(FrameFiles::is_meant(Path::new("walk"), true));
+    }
+
+    #[test]
+    fn files_are_numbered_as_long_as_needed() {
+        let mut files = FrameFiles::new(Path::new("out/walk")).unwrap();
+        assert_eq!(files.path(7), Path::new("out/walk/0007.png"));
+        assert_eq!(files.index(), Path::new("out/walk/index.json"));
+        files.fit(20_000).unwrap();
+        assert_eq!(files.name(7), "00007.png");
+        let mut files = FrameFiles::new(Path::new("b/a_##_x.exr")).unwrap();
+        assert_eq!(files.path(3), Path::new("b/a_03_x.exr"));
+        assert_eq!(files.index(), Path::new("b/a_index.json"));
+        assert_eq!(files.pattern(), Path::new("b/a_##_x.exr"));
+        files.fit(100).unwrap();
+        let error = files.fit(101).unwrap_err().to_string();
+        assert!(error.contains("a_##_x.exr") && error.contains("write ###"), "{error}");
+        assert_eq!(FrameFiles::new(Path::new("#.png")).unwrap().index(), Path::new("index.json"));
+    }
+
+    #[test]
+    fn what_cannot_be_numbered_is_refused() {
+        for (name, needle) in [
+            ("a.png", "a_####.png"),
+            ("a_#_#.png", "together"),
+            ("a_##.jpg", ".exr"),
+            ("a.jpg", ".exr"),
+        ] {
+            let error = FrameFiles::new(Path::new(name)).unwrap_err().to_string();
+            assert!(error.contains(needle), "{name}: {error}");
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! The index of a sequence: which pictures there are, what each shows, and how they were rendered.
+//!
+//! It is written anew after each picture, whole or not at all. So whenever the program is stopped, the
+//! index and the files that it lists are complete, and the same command goes on from there. Other
+//! settings would give pictures that do not fit those that are there: they are refused.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::FrameFiles;
+use crate::exit::Failure;
+
+/// The index of a sequence.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Index {
+    /// How many pictures there will be.
+    pub frame_count: u32,
+    /// What all pictures have in common. Equal settings give equal pictures.
+    pub settings: Map<String, Value>,
+    /// The stops that all pictures are exposed by, where they were found for all together.
+    pub exposure: Option<f32>,
+    /// The GPU that rendered the last picture.
+    pub adapter: String,
+    /// The pictures that are there, in order.
+    pub frames: Vec<Frame>,
+}
+
+/// A picture.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Frame {
+    /// Its place in the sequence, from 0.
+    pub number: u32,
+    /// Its file, beside the index.
+    pub file: String,
+    /// The size of the file in bytes.
+    pub bytes: u64,
+    /// The time that it shows, s.
+    pub time_s: f64,
+    /// Where it was taken from.
+    pub camera: Value,
+    /// In stops; none where the view is not exposed.
+    pub exposure: Option<f32>,
+    /// How long it took, s.
+    pub seconds: f64,
+}
+
+/// What is to be done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// The index to go on with.
+    pub index: Index,
+    /// The pictures that are missing, in order.
+    pub missing: Vec<u32>,
+}
+
+impl Index {
+    /// An index without pictures.
+    pub fn new(frame_count: u32, settings: Map<String, Value>) -> Self {
+        // As it will be read again: the last digit of a number may differ.
+        let text = Value::Object(settings).to_string();
+        let settings = serde_json::from_str(&text).unwrap_or_default();
+        Self { frame_count, settings, exposure: None, adapter: String::new(), frames: Vec::new() }
+    }
+
+    /// Looks for what is there already, and decides where to go on.
+    ///
+    /// # Errors
+    /// A [`Failure`] of input when the index that is there has other settings, and of output when it
+    /// cannot be read, or a file is in the way that no index lists. The remedy is `--restart`, which
+    /// takes none of it into account.
+    pub fn start(mut self, files: &FrameFiles, is_restart: bool) -> anyhow::Result<Start> {
+        let file = files.index();
+        let found = read(&file);
+        if is_restart {
+            if let Ok(Some(old)) = found {
+                old.remove_pictures(files);
+            }
+            let missing = (0..self.frame_count).collect();
+            return Ok(Start { index: self, missing });
+        }
+        let Some(old) = found? else {
+            let in_the_way = (0..self.frame_count).map(|n| files.path(n)).find(|p| p.exists());
+            if let Some(picture) = in_the_way {
+                return Err(Failure::output(format!(
+                    "{}: is there already, but there is no index {} that tells how it was rendered; \
+                     choose another place, or replace it with --restart",
+                    picture.display(),
+                    file.display()
+                ))
+                .into());
+            }
+            let missing = (0..self.frame_count).collect();
+            return Ok(Start { index: self, missing });
+        };
+        if let Some(difference) = difference(&old.settings, &self.settings) {
+            return Err(Failure::input(format!(
+                "{}: the pictures there were rendered with other settings ({difference}); use the \
+                 same, choose another place, or render all anew with --restart",
+                file.display()
+            ))
+            .into());
+        }
+        self.exposure = old.exposure;
+        self.adapter = old.adapter;
+        self.frames = old.frames;
+        self.frames.retain(|frame| {
+            let is_ours = frame.number < self.frame_count && frame.file == files.name(frame.number);
+            let size = std::fs::metadata(files.path(frame.number)).map(|data| data.len());
+            is_ours && size.is_ok_and(|size| size == frame.bytes)
+        });
+        self.frames.sort_by_key(|frame| frame.number);
+        self.frames.dedup_by_key(|frame| frame.number);
+        let is_there =
+            |number: &u32| self.frames.binary_search_by_key(number, |frame| frame.number).is_ok();
+        let missing = (0..self.frame_count).filter(|number| !is_there(number)).collect();
+        Ok(Start { index: self, missing })
+    }
+
+    /// Adds a picture and writes the index.
+    ///
+    /// # Errors
+    /// A [`Failure`] of output.
+    pub fn add(&mut self, frame: Frame, files: &FrameFiles) -> anyhow::Result<()> {
+        let place = self.frames.partition_point(|other| other.number < frame.number);
+        self.frames.insert(place, frame);
+        let text = format!("{}\n", serde_json::to_string_pretty(self)?);
+        let file = files.index();
+        write_whole(&file, text.as_bytes()).map_err(|error| {
+            let file = file.display();
+            let message = format!("{file}: cannot write the index: {error}; check the folder");
+            Failure::output(message).into()
+        })
+    }
+
+    /// Removes what the index lists. Names with folders in them are not ours.
+    fn remove_pictures(&self, files: &FrameFiles) {
+        for frame in &self.frames {
+            if frame.file == files.name(frame.number) {
+                // A file that is not there needs no removal; one that stays will be replaced.
+                let _ = std::fs::remove_file(files.path(frame.number));
+            }
+        }
+        let _ = std::fs::remove_file(files.index());
+    }
+}
+
+fn read(file: &Path) -> anyhow::Result<Option<Index>> {
+    let fail = |reason: String| {
+        Failure::output(format!(
+            "{}: cannot read the index of the pictures there: {reason}; choose another place, or \
+             render all anew with --restart",
+            file.display()
+        ))
+    };
+    match std::fs::read(file) {
+        Ok(text) => match serde_json::from_slice(&text) {
+            Ok(index) => Ok(Some(index)),
+            Err(error) => Err(fail(error.to_string()).into()),
+        },
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(fail(error.to_string()).into()),
+    }
+}
+
+/// The first setting that differs, in words.
+fn difference(old: &Map<String, Value>, new: &Map<String, Value>) -> Option<String> {
+    let keys = old.keys().chain(new.keys().filter(|key| !old.contains_key(*key)));
+    let mut keys = keys.filter(|key| old.get(*key) != new.get(*key));
+    let key = keys.next()?;
+    let word = |settings: &Map<String, Value>| {
+        let text = settings.get(key).map_or("nothing".to_owned(), Value::to_string);
+        match text.chars().count() {
+            0..=60 => text,
+            _ => text.chars().take(60).chain("...".chars()).collect(),
+        }
+    };
+    Some(format!("{key} was {}, is {} now", word(old), word(new)))
+}
+
+/// Writes a file under another name first, so that it is there whole or not at all.
+fn write_whole(file: &Path, content: &[u8]) -> std::io::Result<()> {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let temporary = file.with_file_name(format!(".{name}.{}.part", std::process::id()));
+    let written = std::fs::File::create(&temporary)
+        .and_then(|mut open| open.write_all(content).and_then(|()| open.sync_all()))
+        .and_then(|()| std::fs::rename(&temporary, file));
+    if written.is_err() {
+        // The first error is the one to tell.
+        let _ = std::fs::remove_file(&temporary);
+    }
+    written
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn settings(value: &Value) -> Map<String, Value> {
+        value.as_object().unwrap().clone()
+    }
+
+    fn frame(number: u32, files: &FrameFiles, content: &str) -> Frame {
+        std::fs::write(files.path(number), content).unwrap();
+        Frame {
+            number,
+            file: files.name(number),
+            bytes: content.len() as u64,
+            time_s: f64::from(number) / 24.0,
+            camera: json!({ "name": "a" }),
+            exposure: Some(0.1),
+            seconds: 1.0,
+        }
+    }
+
+    #[test]
+    fn complete_pictures_stay_and_the_others_are_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = FrameFiles::new(folder.path()).unwrap();
+        let new = || Index::new(4, settings(&json!({ "frames": 16, "scale": 0.1_f32 })));
+        let Start { mut index, missing } = new().start(&files, false).unwrap();
+        assert_eq!(missing, [0, 1, 2, 3]);
+        index.exposure = Some(-7.3);
+        for number in [2, 0, 3] {
+            index.add(frame(number, &files, "picture"), &files).unwrap();
+        }
+        // One was cut off, one went.
+        std::fs::write(files.path(0), "pic").unwrap();
+        std::fs::remove_file(files.path(3)).unwrap();
+        let start = new().start(&files, false).unwrap();
+        assert_eq!(start.missing, [0, 1, 3]);
+        assert_eq!(start.index.exposure, Some(-7.3));
+        let again = new().start(&files, true).unwrap();
+        assert_eq!(again.missing, [0, 1, 2, 3]);
+        assert!(again.index.frames.is_empty() && !files.path(2).exists());
+    }
+
+    #[test]
+    fn other_settings_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = FrameFiles::new(folder.path()).unwrap();
+        let old = json!({ "frames": 16, "sun": null });
+        let mut index = Index::new(1, settings(&old));
+        index.add(frame(0, &files, "a"), &files).unwrap();
+        for (new, needle) in [
+            (json!({ "frames": 8, "sun": null }), "frames was 16, is 8 now"),
+            (json!({ "frames": 16 }), "sun was null, is nothing now"),
+            (json!({ "frames": 16, "sun": null, "x": 1 }), "x was nothing, is 1 now"),
+        ] {
+            let error = Index::new(1, settings(&new)).start(&files, false).unwrap_err().to_string();
+            assert!(error.contains(needle) && error.contains("--restart"), "{error}");
+        }
+        std::fs::write(files.index(), "{").unwrap();
+        let error = Index::new(1, settings(&old)).start(&files, false).unwrap_err().to_string();
+        assert!(error.contains("cannot read the index"), "{error}");
+    }
+
+    #[test]
+    fn pictures_of_nobody_are_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = FrameFiles::new(folder.path()).unwrap();
+        std::fs::write(files.path(1), "a photograph").unwrap();
+        let error = Index::new(2, Map::new()).start(&files, false).unwrap_err().to_string();
+        assert!(error.contains("0001.png") && error.contains("no index"), "{error}");
+        assert!(Index::new(1, Map::new()).start(&files, false).is_ok());
+        assert!(Index::new(2, Map::new()).start(&files, true).is_ok());
+    }
+}

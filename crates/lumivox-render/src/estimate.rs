@@ -1,0 +1,238 @@
+//! What a rendering will take of the GPU's memory, told before anything is uploaded.
+//!
+//! All but the voxel list follows from sizes that are known. How many voxels there will be is estimated from
+//! the surface: a plane of area A and unit normal n that lies at random in a grid of cells of edge h meets
+//! about A / h² · (|nx| + |ny| + |nz|) of them, the area of its projections along the axes (Cauchy's formula,
+//! axis by axis). Pieces that share a voxel count several times, so that fine detail is overrated.
+
+use std::collections::HashSet;
+
+use glam::Vec3;
+use lumivox::{Directionality, Grid};
+use lumivox_scene::{LightKind, Material, Scene, Shading, Texture};
+
+use crate::memory::available_memory;
+use crate::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
+use crate::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL};
+use crate::upload::{DrawRecord, VERTEX_BYTES};
+use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
+
+/// On the built-in scenes it is 0.9 to 1.5.
+const FACES_PER_VOXEL: f64 = 1.25;
+/// The record of the list (64 bytes), and its light: two colours in full floats.
+const FACE_BYTES: u64 = 64 + 32;
+const NODE_BYTES: u64 = 8;
+
+/// The GPU memory that a scene will take under given settings, by what it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemoryEstimate {
+    /// Each thing by itself; those called `about` are estimates, the others are exact.
+    pub parts: Vec<MemoryUse>,
+    /// The estimated number of occupied voxels.
+    pub voxels: u64,
+    name: String,
+}
+
+impl MemoryEstimate {
+    /// Estimates for a valid scene (see [`Scene::validate`]).
+    ///
+    /// # Errors
+    /// [`RenderError::Gi`] when the settings' grid is impossible.
+    pub fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.bounds());
+        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        let vertices: usize = scene.meshes.iter().map(|mesh| mesh.positions.len()).sum();
+        let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
+        let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
+        let voxels = voxel_count(scene, &grid);
+        // Clear glass has none either; it is too little to look for.
+        let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
+        let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
+        let parts = [
+            ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
+            ("textures", texture_bytes(scene)),
+            ("instances", (scene.instances.len() * size_of::<DrawRecord>()) as u64),
+            ("shadow maps", shadow_bytes(scene, settings)),
+            ("voxel volume", volume_bytes(&grid, settings.directionality)),
+            ("voxel list (about)", list_bytes(&grid, voxels)),
+            ("picture", pixels * (BYTES_PER_PIXEL + tint)),
+        ];
+        let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
+        Ok(Self { parts, voxels, name: scene.name.clone() })
+    }
+
+    /// The sum, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.parts.iter().map(|part| part.bytes).fold(0, u64::saturating_add)
+    }
+
+    /// Compares with what is known of the device. Graphics APIs do not tell how much memory a GPU has, so
+    /// there only an allocation can fail; a software driver's is the machine's own, which the system tells.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`], with the parts and what would help.
+    pub fn check(&self, gpu: &Gpu) -> Result<(), RenderError> {
+        // Software drivers hand out memory that they do not have, and the system then ends the process.
+        let is_short = |available| self.bytes() > available;
+        if gpu.is_software() && available_memory().is_some_and(is_short) {
+            return Err(self.too_large());
+        }
+        Ok(())
+    }
+
+    /// The error that says so.
+    pub(crate) fn too_large(&self) -> RenderError {
+        let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+        let mut parts: Vec<&MemoryUse> = self.parts.iter().collect();
+        parts.sort_by_key(|part| std::cmp::Reverse(part.bytes));
+        let largest: Vec<String> = parts
+            .iter()
+            .take(3)
+            .map(|part| format!("{} {} MiB", part.name, mib(part.bytes)))
+            .collect();
+        let remedy = match parts.first().map_or("", |part| part.name.as_str()) {
+            "textures" => "allow less memory for textures, so that they are shrunk",
+            "picture" => "ask for a smaller picture",
+            "shadow maps" => "lower the shadow maps' resolution",
+            "vertices and indices" | "instances" => "simplify the scene",
+            _ => "lower the voxels' resolution, or keep them isotropic",
+        };
+        RenderError::OutOfMemory {
+            what: format!("the scene \"{}\" ({})", self.name, largest.join(", ")),
+            needed_mib: mib(self.bytes()),
+            remedy: remedy.to_owned(),
+        }
+    }
+}
+
+/// The dense volume: nine parts (isotropic: one) of 8 bytes a cell, and a mask of two bytes for each corner.
+fn volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
+    let parts = match directionality {
+        Directionality::SixLobes => 9,
+        Directionality::Isotropic => 1,
+    };
+    let level_bytes = |level: u32| {
+        let dimensions = grid.level_dimensions(level);
+        let corners = (dimensions + 1).as_u64vec3().element_product();
+        dimensions.as_u64vec3().element_product() * 8 * parts + corners * 2
+    };
+    (0..grid.levels).map(level_bytes).sum()
+}
+
+/// Occupied voxels, estimated.
+fn voxel_count(scene: &Scene, grid: &Grid) -> u64 {
+    let cell_area = f64::from(grid.voxel_size_m).powi(2);
+    let mut voxels = 0.0;
+    for instance in &scene.instances {
+        let Some(mesh) = scene.meshes.get(instance.mesh) else { continue };
+        let corner = |index: usize| {
+            mesh.positions.get(index).map(|p| instance.world_from_local.transform_point3(*p))
+        };
+        for triangle in mesh.triangles() {
+            let [Some(a), Some(b), Some(c)] = triangle.map(corner) else { continue };
+            let twice_area: Vec3 = (b - a).cross(c - a);
+            voxels += f64::from(twice_area.abs().element_sum()) * 0.5 / cell_area;
+        }
+    }
+    (voxels.ceil() as u64).min(grid.voxel_count())
+}
+
+/// Bits, ranks, nodes of all levels, faces and their light.
+fn list_bytes(grid: &Grid, voxels: u64) -> u64 {
+    let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
+    // A surface of the next level has a quarter of the cells.
+    let nodes = voxels + voxels / 3;
+    let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
+    // The ranks: a word for each word of bits.
+    2 * cells.div_ceil(8) + nodes * NODE_BYTES + voxels * 4 + faces * FACE_BYTES
+}
+
+/// Each texture with its mips, once as colours and once as data if it is used as both.
+fn texture_bytes(scene: &Scene) -> u64 {
+    let used: HashSet<(usize, bool)> = scene.materials.iter().flat_map(texture_uses).collect();
+    used.iter().filter_map(|(index, _)| scene.textures.get(*index)).map(mip_bytes).sum()
+}
+
+/// The textures of a material, and whether each holds colours.
+fn texture_uses(material: &Material) -> impl Iterator<Item = (usize, bool)> {
+    let data = match &material.shading {
+        Shading::MetallicRoughness(m) => m.metallic_roughness_texture,
+        Shading::Phong(_) | Shading::Unlit(_) => None,
+    };
+    let data =
+        [data, material.normal_texture, material.clearcoat.texture, material.transmission.texture];
+    let is_data = move |texture: usize| data.iter().flatten().any(|data| data.texture == texture);
+    material.textures().map(move |used| (used.texture, !is_data(used.texture)))
+}
+
+/// All levels down to one texel, four bytes a texel.
+fn mip_bytes(texture: &Texture) -> u64 {
+    let levels = 0..=texture.width.max(texture.height).max(1).ilog2();
+    let edge = |edge: u32, level: u32| u64::from((edge >> level).max(1));
+    levels.map(|level| 4 * edge(texture.width, level) * edge(texture.height, level)).sum()
+}
+
+fn shadow_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
+    if settings.shadows != ShadowMethod::Map {
+        return 0;
+    }
+    let layers = scene.lights.iter().map(|light| match light.kind {
+        LightKind::Directional { .. } | LightKind::Spot { .. } => 1,
+        LightKind::Point { .. } => 6,
+    });
+    let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);
+    (layers.sum::<u64>() * layer_bytes).min(MAX_SHADOW_BYTES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{GpuOptions, Renderer};
+
+    /// The renderer's own account is the truth.
+    #[test]
+    fn what_was_estimated_is_what_is_allocated() {
+        let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+        for (name, resolution) in [("spheres", 64), ("two-rooms-rotated", 48)] {
+            let scene = lumivox_scene::builtin::scene(name).expect("a scene");
+            let size = glam::UVec2::new(40, 24);
+            let settings = RenderSettings { size, resolution, ..RenderSettings::default() };
+            let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
+            let mut quiet = |_| {};
+            let renderer = Renderer::new(&gpu, &scene, None, settings, &mut quiet);
+            let renderer = pollster::block_on(renderer).expect("a renderer");
+            let memory = renderer.memory();
+            let truth = |prefixes: &[&str]| -> f64 {
+                let is_meant =
+                    |part: &&MemoryUse| prefixes.iter().any(|p| part.name.starts_with(p));
+                memory.iter().filter(is_meant).map(|part| part.bytes as f64).sum()
+            };
+            for part in &estimate.parts {
+                let (truth, tolerance) = match part.name.as_str() {
+                    // The tilted walls' edges, and surfaces that share a voxel.
+                    "voxel list (about)" => (truth(&["voxels", "light"]), 0.4),
+                    // The white texel that stands for none.
+                    "textures" => (truth(&["textures"]), 0.001),
+                    "voxel volume" => (truth(&["volume"]), 0.001),
+                    other => (truth(&[other]), 0.001),
+                };
+                let error = (part.bytes as f64 - truth).abs();
+                assert!(error <= truth * tolerance + 16.0, "{name}: {part:?}, is {truth}");
+            }
+            let voxels = f64::from(renderer.voxel_stats().voxels);
+            let ratio = estimate.voxels as f64 / voxels;
+            assert!((0.7..1.5).contains(&ratio), "{name}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn too_much_is_refused_with_numbers() {
+        let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
+        let settings = RenderSettings { resolution: 1024, ..RenderSettings::default() };
+        let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
+        let text = estimate.too_large().to_string();
+        for needle in ["\"cornell\"", "voxel volume", "MiB", "lower the voxels' resolution"] {
+            assert!(text.contains(needle), "{text}");
+        }
+    }
+}

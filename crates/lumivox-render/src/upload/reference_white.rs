@@ -1,0 +1,67 @@
+//! How bright a surface is shown that takes no light.
+//!
+//! `KHR_materials_unlit` asks for the colour as it is, in a picture whose white is not said. Here white is
+//! what a white wall in the same scene would show: the radiance of a white diffuse surface that faces the
+//! strongest light, so that scans with their light baked in stand beside lit things as bright as those,
+//! whatever the exposure.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use lumivox_scene::{LightKind, Scene};
+
+use super::Lighting;
+
+/// A lamp counts as seen from the scene's middle, but no nearer than this share of its radius: that of a
+/// wall of the room rather than of the lampshade.
+const NEAREST: f32 = 0.25;
+
+/// The radiance of white, in cd/m²: the largest of irradiance / pi by each light and of the mean
+/// radiance of the surroundings; without either, the strongest emission; in a scene without light 1 cd/m².
+pub(super) fn reference_white(scene: &Scene, lighting: &Lighting) -> f32 {
+    let bounds = scene.bounds();
+    let nearest_m = bounds.radius_m() * NEAREST;
+    let lights = lighting.lights.iter().map(|light| {
+        let irradiance = match light.kind {
+            LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
+            LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+                let distance_m = light.position.distance(bounds.center());
+                intensity_cd / distance_m.max(nearest_m).max(light.radius_m).powi(2)
+            }
+        };
+        light.color.max_element() * irradiance / PI
+    });
+    let emission = scene.materials.iter().map(|material| material.emissive.max_element());
+    let strongest = |radiances: &mut dyn Iterator<Item = f32>| {
+        let strongest = radiances.filter(|radiance| radiance.is_finite()).fold(0.0, f32::max);
+        (strongest > 0.0).then_some(strongest)
+    };
+    let environment = &lighting.environment;
+    let mean = environment.map.as_ref().map_or(Vec3::ONE, |map| map.mean_radiance());
+    strongest(&mut lights.chain([(environment.radiance * mean).max_element()]))
+        .or_else(|| strongest(&mut emission.into_iter()))
+        .unwrap_or(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lumivox_scene::Environment;
+
+    #[test]
+    fn white_is_what_a_lit_wall_shows() {
+        let mut scene = lumivox_scene::builtin::scene("atrium").expect("a scene");
+        let white = reference_white(&scene, &Lighting::of(&scene));
+        assert!((white - 80_000.0 / PI).abs() < 1.0, "{white}");
+        scene.lights.clear();
+        let sky = scene.environment.radiance.max_element();
+        assert!((reference_white(&scene, &Lighting::of(&scene)) - sky).abs() < 1e-3 * sky);
+        let dark = Lighting { lights: Vec::new(), environment: Environment::default() };
+        scene.materials[0].emissive = Vec3::splat(30.0);
+        assert!((reference_white(&scene, &dark) - 30.0).abs() < 1e-3);
+        for material in &mut scene.materials {
+            material.emissive = Vec3::ZERO;
+        }
+        assert!((reference_white(&scene, &dark) - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,12 @@
+//! Materials in pictures, shadows and voxels, against closed forms: layers, transparency, attributes of
+//! vertices, sides.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod attributes;
+mod layers;
+mod sides;
+mod stage;
+mod transparency;
+mod zoo;

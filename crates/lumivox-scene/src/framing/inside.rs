@@ -1,0 +1,201 @@
+//! The view of a place: from a free spot, at the height of an eye, over as much of it as can be.
+//!
+//! Spots are points of the survey, brought to the height of an eye over the floor that they see. A
+//! view is worth the share of the place's [patches](super::survey::Patch) that it shows, which is most
+//! at the end of a hall with all of the hall ahead. It is worth less where the spot is narrow, where
+//! things stand close before the eye, and upstairs.
+
+use std::f32::consts::TAU;
+
+use glam::{Vec2, Vec3};
+
+use super::directions;
+use super::outside::View;
+use super::rays::Rays;
+use super::survey::{Patch, Survey};
+
+/// The angle between the bottom and the top of the picture: wide, as rooms are photographed.
+const VERTICAL_FOV_RAD: f32 = 1.05;
+/// Wider pictures than this angle from side to side look distorted.
+const WIDEST_FOV_RAD: f32 = 1.75;
+/// The height of a standing person's eye over the floor, for places of a building's size.
+const EYE_M: f32 = 1.6;
+/// The free height of places of a building's size, in metres.
+const BUILDING_M: std::ops::RangeInclusive<f32> = 1.9..=60.0;
+/// The most that is looked up or down.
+const STEEPEST_RAD: f32 = 0.12;
+
+/// Most spots that are tried, and the azimuths that each looks into.
+const SPOTS: usize = 250;
+const AZIMUTHS: usize = 32;
+/// Views that are judged by their picture.
+const FINALISTS: usize = 200;
+/// Places in the picture where that looks, across and up.
+const PICTURE: [f32; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
+/// A surface so far away, in unit space, fills half of its place.
+const CLOSE: f32 = 0.15;
+/// What a place in the picture is worth that shows the sky.
+const SKY: f32 = 0.5;
+/// What the highest floor is thought less of: places are entered at the ground.
+const UPSTAIRS: f32 = 0.3;
+/// Patches are counted within this share of the picture's half width and height.
+const FILL: f32 = 0.9;
+
+/// A spot that can be stood at.
+struct Spot {
+    eye: Vec3,
+    /// Distance to the nearest surface.
+    clearance: f32,
+    /// The patches in sight: from the eye to them, and what they are worth.
+    sights: Vec<(Vec3, f32)>,
+}
+
+/// A view, and the share of the place that it shows.
+pub(super) struct Inside {
+    pub(super) view: View,
+    pub(super) share: f32,
+}
+
+/// The best view from one of the points, or `None` where all stand too close to something.
+pub(super) fn view(rays: &Rays, survey: &Survey, scale_m: f32, aspect: f32) -> Option<Inside> {
+    let widest_rad = 2.0 * ((WIDEST_FOV_RAD * 0.5).tan() / aspect).atan();
+    let vertical_fov_rad = VERTICAL_FOV_RAD.min(widest_rad);
+    let half_height = FILL * (vertical_fov_rad * 0.5).tan();
+    let half = Vec2::new(half_height * aspect, half_height);
+
+    let step = survey.interior.len().div_ceil(SPOTS).max(1);
+    let points = survey.interior.iter().step_by(step).map(|probe| probe.position);
+    let spots: Vec<Spot> =
+        points.filter_map(|point| spot(rays, &survey.patches, point, scale_m)).collect();
+    let widest = spots.iter().map(|spot| spot.clearance).fold(0.0, f32::max);
+    let heights = || spots.iter().map(|spot| spot.eye.y);
+    let (lowest, highest) = (heights().fold(1.0, f32::min), heights().fold(-1.0, f32::max));
+    let mut views = Vec::new();
+    for spot in &spots {
+        // Half of what the freest spot has is room enough.
+        let room = (spot.clearance / (0.5 * widest)).min(1.0);
+        let level = (spot.eye.y - lowest) / (highest - lowest).max(CLOSE);
+        let room = room * (1.0 - UPSTAIRS * level);
+        for azimuth in 0..AZIMUTHS {
+            let forward = direction(azimuth);
+            let framed = spot.sights.iter().filter(|(way, _)| is_framed(*way, forward, half));
+            let share: f32 = framed.map(|(_, weight)| weight).sum();
+            // Rays may pass by thin things that are nearer.
+            let near = 0.05 * spot.clearance;
+            let view = View { position: spot.eye, forward, vertical_fov_rad, near };
+            views.push((share * room, Inside { view, share }));
+        }
+    }
+    views.sort_by(|a, b| b.0.total_cmp(&a.0));
+    views.truncate(FINALISTS);
+    for (worth, inside) in &mut views {
+        *worth *= openness(rays, &inside.view, half);
+    }
+    let mut best = views.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a })?.1;
+    best.view.forward = tilted(rays, best.view.position, best.view.forward);
+    Some(best)
+}
+
+/// How little of a picture is filled by what stands close to the eye: 1 where all is far.
+fn openness(rays: &Rays, view: &View, half: Vec2) -> f32 {
+    let right = view.forward.cross(Vec3::Y);
+    let mut sum = 0.0;
+    for point in PICTURE {
+        for y in PICTURE {
+            let way = view.forward + right * (point * half.x) + Vec3::Y * (y * half.y);
+            sum += match rays.cast_visible(view.position, way.normalize()) {
+                Some(hit) => hit.distance / (hit.distance + CLOSE),
+                None => SKY,
+            };
+        }
+    }
+    sum / (PICTURE.len() * PICTURE.len()) as f32
+}
+
+/// The share of a place's patches that a view shows.
+pub(super) fn share(rays: &Rays, patches: &[Patch], view: &View, aspect: f32) -> f32 {
+    let half_height = (view.vertical_fov_rad * 0.5).tan();
+    let half = Vec2::new(half_height * aspect, half_height);
+    let shown = patches.iter().filter(|patch| {
+        let way = patch.position - view.position;
+        is_framed(way, view.forward, half)
+            && way.dot(patch.normal) < 0.0
+            && rays.is_free(view.position, way, 1.0)
+    });
+    shown.map(|patch| patch.weight).sum()
+}
+
+/// Whether a picture of that half size, at distance 1, shows what lies in a direction.
+fn is_framed(way: Vec3, forward: Vec3, half: Vec2) -> bool {
+    let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);
+    let up = right.cross(forward);
+    let depth = way.dot(forward);
+    way.dot(right).abs() <= half.x * depth && way.dot(up).abs() <= half.y * depth
+}
+
+/// Tilts a level view a little towards the middle of what lies ahead.
+fn tilted(rays: &Rays, eye: Vec3, level: Vec3) -> Vec3 {
+    let reach = |way: Vec3| rays.cast_visible(eye, way).map_or(0.0, |hit| hit.distance);
+    let rise = (reach(Vec3::Y) - reach(Vec3::NEG_Y)) * 0.5;
+    let pitch = (rise / reach(level).max(1e-3)).atan().clamp(-STEEPEST_RAD, STEEPEST_RAD);
+    level * pitch.cos() + Vec3::Y * pitch.sin()
+}
+
+fn direction(azimuth: usize) -> Vec3 {
+    let (sin, cos) = (azimuth as f32 / AZIMUTHS as f32 * TAU).sin_cos();
+    Vec3::new(sin, 0.0, cos)
+}
+
+/// A spot over, under or at a point, unless something stands between.
+fn spot(rays: &Rays, patches: &[Patch], point: Vec3, scale_m: f32) -> Option<Spot> {
+    let eye = eye(rays, point, scale_m)?;
+    let around = directions::sphere(96).chain((0..AZIMUTHS).map(direction));
+    let distances = around.filter_map(|way| Some(rays.cast(eye, way)?.distance));
+    let clearance = distances.fold(f32::INFINITY, f32::min);
+    let sights = patches.iter().filter_map(|patch| {
+        let way = patch.position - eye;
+        let is_seen = way.dot(patch.normal) < 0.0 && rays.is_free(eye, way, 1.0);
+        is_seen.then_some((way, patch.weight))
+    });
+    clearance.is_finite().then(|| Spot { eye, clearance, sights: sights.collect() })
+}
+
+/// The eye on the vertical through a point: 1.6 m over the floor in places of a building's size,
+/// elsewhere half of the free width or height, whichever is less.
+fn eye(rays: &Rays, point: Vec3, scale_m: f32) -> Option<Vec3> {
+    // The floor around, not the table or the step below: the median of what is seen downwards.
+    let mut floors: Vec<f32> = directions::sphere(96)
+        .filter(|way| way.y < -0.35)
+        .filter_map(|way| rays.cast_visible(point, way))
+        .filter(|hit| hit.normal.y > 0.5)
+        .map(|hit| hit.position.y)
+        .collect();
+    floors.sort_by(f32::total_cmp);
+    let below = rays.cast_visible(point, Vec3::NEG_Y)?.position.y;
+    let floor = floors.get(floors.len() / 2).map_or(below, |&floor| floor.min(below));
+    // Under the open sky a hall is as high as what is seen of it.
+    let above = rays.cast_visible(point, Vec3::Y).map(|hit| hit.position.y);
+    let top = above.unwrap_or_else(|| {
+        let seen = directions::sphere(96).filter_map(|way| rays.cast_visible(point, way));
+        seen.map(|hit| hit.position.y).fold(point.y, f32::max)
+    });
+    let height = top - floor;
+    let height_m = height * scale_m;
+    let over_floor = if BUILDING_M.contains(&height_m) {
+        EYE_M.min(0.7 * height_m) / scale_m
+    } else {
+        let across = |azimuth: usize| {
+            let reach = |way: Vec3| rays.cast_visible(point, way).map(|hit| hit.distance);
+            let way = direction(azimuth);
+            Some(reach(way)? + reach(-way)?)
+        };
+        let width = (0..AZIMUTHS / 2).filter_map(across).fold(height, f32::min);
+        0.5 * width.min(height)
+    };
+    let eye = Vec3::new(point.x, floor + over_floor, point.z);
+    let way = eye - point;
+    let is_reached = way == Vec3::ZERO || rays.is_free(point, way, 1.0);
+    // Not just above a table, nor just below a ceiling.
+    let is_free = eye.y - below > 0.4 * over_floor && top - eye.y > 0.1 * over_floor;
+    (is_reached && is_free).then_some(eye)
+}

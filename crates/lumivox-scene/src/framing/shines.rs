@@ -1,0 +1,101 @@
+//! Whether anything shines.
+
+use crate::{Environment, Light, LightKind, Material, Scene, Shading, Texture};
+
+/// Texels up to this code (of 255) are black: compression makes black images a little grey.
+const BLACK: u8 = 8;
+
+pub(super) fn shines(scene: &Scene) -> bool {
+    let used = || {
+        let materials = scene.instances.iter().map(|instance| instance.material);
+        materials.filter_map(|index| scene.materials.get(index))
+    };
+    let mut unlit = used().map(|material| matches!(material.shading, Shading::Unlit(_)));
+    scene.lights.iter().any(light_shines)
+        || environment_shines(&scene.environment)
+        || used().any(|material| emits(material, &scene.textures))
+        || (scene.triangle_count() > 0 && unlit.all(|is_unlit| is_unlit))
+}
+
+fn light_shines(light: &Light) -> bool {
+    let strength = match light.kind {
+        LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
+        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+            intensity_cd
+        }
+    };
+    strength * light.color.max_element() > 0.0
+}
+
+fn environment_shines(environment: &Environment) -> bool {
+    let is_black = environment
+        .map
+        .as_ref()
+        .is_some_and(|map| map.rgb.iter().all(|texel| texel.iter().all(|&channel| channel <= 0.0)));
+    environment.radiance.max_element() > 0.0 && !is_black
+}
+
+/// Exporters often switch emission on, and leave the dark to a black texture.
+fn emits(material: &Material, textures: &[Texture]) -> bool {
+    let is_lit = |texel: &[u8]| texel[..3].iter().any(|&channel| channel > BLACK);
+    let texture = material.emissive_texture.and_then(|t| textures.get(t.texture));
+    material.emissive.max_element() > 0.0
+        && texture.is_none_or(|texture| texture.rgba8.chunks_exact(4).any(is_lit))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::{TextureRef, Unlit, builtin};
+
+    fn dark() -> Scene {
+        let mut scene = builtin::scene("cornell").unwrap();
+        scene.lights.clear();
+        scene.materials.iter_mut().for_each(|material| material.emissive = Vec3::ZERO);
+        scene
+    }
+
+    #[test]
+    fn every_kind_of_light_counts() {
+        assert!(!dark().shines());
+        let mut scene = dark();
+        scene.environment.radiance = Vec3::new(0.0, 0.0, 1e-6);
+        assert!(scene.shines());
+        let mut scene = dark();
+        scene.lights.push(Light::default());
+        assert!(scene.shines());
+        scene.lights[0].color = Vec3::ZERO;
+        assert!(!scene.shines());
+        let mut scene = dark();
+        scene.materials[0].emissive = Vec3::X;
+        assert!(scene.shines());
+        let mut scene = dark();
+        let unlit = Shading::Unlit(Unlit::default());
+        scene.materials[0].shading = unlit;
+        assert!(!scene.shines());
+        scene.materials.iter_mut().for_each(|material| material.shading = unlit);
+        assert!(scene.shines());
+    }
+
+    #[test]
+    fn emission_that_a_texture_blackens_is_none() {
+        let mut scene = dark();
+        let mut rgba8 = [3, 0, 5, 255].repeat(4);
+        let texture = Texture {
+            name: String::new(),
+            width: 2,
+            height: 2,
+            rgba8: rgba8.clone(),
+            sampler: crate::Sampler::default(),
+        };
+        scene.textures.push(texture);
+        scene.materials[0].emissive = Vec3::ONE;
+        scene.materials[0].emissive_texture = Some(TextureRef::new(scene.textures.len() - 1));
+        assert!(!scene.shines());
+        rgba8[5] = 100;
+        scene.textures.last_mut().unwrap().rgba8 = rgba8;
+        assert!(scene.shines());
+    }
+}

@@ -1,0 +1,76 @@
+//! Sun and sky for what lies in the open.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::rays::Rays;
+use super::survey::Patch;
+use super::{DefaultLight, directions};
+use crate::Light;
+use crate::sky::{Sky, SkySettings, sky};
+
+/// The key light of things: so far to the left of the camera, and so high.
+const KEY_AZIMUTH_RAD: f32 = 0.87;
+const KEY_ELEVATION_RAD: f32 = 0.87;
+
+/// Suns that are tried for places.
+const AZIMUTHS: usize = 16;
+const ELEVATIONS_RAD: [f32; 5] = [0.35, 0.6, 0.85, 1.1, 1.3];
+/// Directions that the eye looks into.
+const LOOKS: usize = 600;
+
+/// A clear day with the sun in that direction, which is above the horizon.
+pub(super) fn day(towards_sun: Vec3) -> DefaultLight {
+    let settings = SkySettings { sun_direction: towards_sun, ..SkySettings::default() };
+    let Ok(Sky { map, sun: Some(sun) }) = sky(&settings) else {
+        unreachable!("a sun above the horizon has a sky")
+    };
+    DefaultLight::SunAndSky {
+        sun: Light { name: "default sun".to_owned(), ..sun },
+        sky: Arc::new(map),
+    }
+}
+
+/// Towards the sun: where it lights most of a place, or to the left of and above the camera.
+pub(super) fn direction(rays: &Rays, patches: &[Patch], eye: Vec3, forward: Vec3) -> Vec3 {
+    entering(rays, patches, eye).unwrap_or_else(|| key(forward))
+}
+
+fn key(forward: Vec3) -> Vec3 {
+    // Looking straight down, "left" is that of a camera that came from +z.
+    let level = Vec3::new(forward.x, 0.0, forward.z).try_normalize().unwrap_or(Vec3::NEG_Z);
+    let right = level.cross(Vec3::Y);
+    let (left, back) = KEY_AZIMUTH_RAD.sin_cos();
+    let (up, along) = KEY_ELEVATION_RAD.sin_cos();
+    (-level * back - right * left) * along + Vec3::Y * up
+}
+
+/// The sun that reaches the most surfaces of a place; `None` where none does.
+///
+/// Half of the surfaces are what is seen from all over the place, half what is seen from the eye, if
+/// that is inside: there a patch of sun makes the picture.
+fn entering(rays: &Rays, patches: &[Patch], eye: Vec3) -> Option<Vec3> {
+    let mut surfaces: Vec<(Vec3, Vec3)> =
+        patches.iter().map(|patch| (patch.position, patch.normal)).collect();
+    if !surfaces.is_empty() {
+        let seen = directions::sphere(LOOKS).filter_map(|way| rays.cast_visible(eye, way));
+        surfaces.extend(seen.map(|hit| (hit.lifted(), hit.normal)));
+    }
+    let mut best = (0, None);
+    for elevation in ELEVATIONS_RAD {
+        let (up, level) = f32::sin_cos(elevation);
+        for azimuth in 0..AZIMUTHS {
+            let turn = std::f32::consts::TAU * (azimuth as f32 + 0.5) / AZIMUTHS as f32;
+            let towards_sun = Vec3::new(turn.sin() * level, up, turn.cos() * level);
+            let is_lit = |&&(position, normal): &&(Vec3, Vec3)| {
+                normal.dot(towards_sun) > 0.0 && rays.is_free(position, towards_sun, f32::INFINITY)
+            };
+            let lit = surfaces.iter().filter(is_lit).count();
+            if lit > best.0 {
+                best = (lit, Some(towards_sun));
+            }
+        }
+    }
+    best.1
+}

@@ -1,0 +1,257 @@
+//! Whether a scene is a place to stand in or a thing to look at, found by rays.
+//!
+//! Points all over the bounds look around. One that sees fronts of surfaces is in the air, one that
+//! sees backs is inside of something solid: that tells a room from a ball. What a point does not see
+//! are gaps, through which it looks out of the scene; a place to stand in has few of them. The share
+//! of such *roofed* points in the scene's body then decides, and the body is what has surfaces all
+//! around: outside of a convex body a point sees it in less than half of all directions.
+//!
+//! How large the share must be depends on what the scene shows from outside. Walls that are modelled
+//! from the inside alone show their backs there, and who made them wanted to be inside. Where the
+//! outside is modelled as well, hollow things (a helmet, a cup, a car) must be told from houses:
+//! cups are open, helmets are mostly filled, and shells that nothing leads into are taken for things
+//! unless they are nearly all hollow.
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+use super::directions;
+use super::rays::{Hit, Rays};
+
+const PROBES: usize = 2000;
+/// Directions that each point looks into.
+const LOOKS: usize = 64;
+/// Surface points that stand for the inside.
+const PATCHES: usize = 600;
+/// Directions that the outside is seen from, and rays in each.
+const OUTSIDE: [usize; 2] = [64, 64];
+
+/// Share of fronts among what is seen, above which a point is in the air.
+const IN_AIR: f32 = 0.75;
+/// Many files wind half of their walls the wrong way round. In this case fronts must only be more
+/// than a solid would show, but the air must be free for so far, in unit space: a bush of
+/// double-sided leaves is no hall.
+const MUDDLED: f32 = 0.35;
+const FREE: f32 = 0.03;
+/// Share of the directions in which a point that is about surrounded sees a surface.
+const SURROUNDED: f32 = 0.7;
+/// The same under a roof with a window.
+const ROOFED: f32 = 0.95;
+/// The same in a room that lacks a wall.
+const WALLED: f32 = 0.85;
+
+/// How far a place reaches along an axis, in unit space: 0.6 in Sponza, 0.3 in a helmet on a stand,
+/// about 0.35 in a car.
+const LONG: f32 = 0.45;
+/// Share of the roofed points that must see no gap at all: 0.4 in Sponza, hardly any in a cup.
+const DEEP: f32 = 0.1;
+/// What furniture takes of the view in a room; in a car it is more.
+const FURNITURE: std::ops::Range<f32> = 0.02..0.2;
+/// Share of the body that must be hollow where nothing leads into it. Half of a ball's volume is its
+/// outer fifth.
+const SEALED: f32 = 0.6;
+
+/// A point of the air with surfaces around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Probe {
+    pub(super) position: Vec3,
+    /// Share of the directions in which there is no surface.
+    pub(super) sky: f32,
+}
+
+/// A point of a surface that is seen from inside of a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Patch {
+    /// Just above the surface.
+    pub(super) position: Vec3,
+    pub(super) normal: Vec3,
+    /// What it is worth to see it. All sum up to one; of what is large in sight, each patch is worth
+    /// less, so that furniture counts beside walls: an instance with n patches has the root of n.
+    pub(super) weight: f32,
+}
+
+/// What rays found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Survey {
+    /// Whether the scene is a place to stand in.
+    pub(super) is_place: bool,
+    /// The points of the place that one can stand at; none where there is no place.
+    pub(super) interior: Vec<Probe>,
+    /// What is seen from there.
+    pub(super) patches: Vec<Patch>,
+}
+
+/// Counts of points and what they see.
+#[derive(Clone, Copy, Debug, Default)]
+struct Shares {
+    /// Points with surfaces all around.
+    body: usize,
+    /// Of these, in the air with few gaps, and with fewer still.
+    walled: usize,
+    roofed: usize,
+    /// Of the roofed ones, without any.
+    sealed: usize,
+    /// Surrounded by double-sided backs, but with something else in view.
+    furnished: usize,
+    /// Share of the outside that shows backs.
+    outside_backs: f32,
+    /// How far the roofed points reach along an axis, in unit space.
+    span: f32,
+}
+
+impl Survey {
+    pub(super) fn new(rays: &Rays, half: Vec3) -> Self {
+        let (shares, air, shell) = look_around(rays, half);
+        tracing::debug!("survey of the scene: {shares:?}");
+        let interior = if shares.is_furnished_shell() {
+            shell
+        } else if shares.is_place() {
+            air
+        } else {
+            Vec::new()
+        };
+        let patches = patches(rays, &interior);
+        Self { is_place: !patches.is_empty(), interior, patches }
+    }
+
+    /// Mean share of the directions that look out of the place.
+    pub(super) fn sky(&self) -> f32 {
+        let sum: f32 = self.interior.iter().map(|probe| probe.sky).sum();
+        sum / self.interior.len().max(1) as f32
+    }
+}
+
+impl Shares {
+    fn is_place(self) -> bool {
+        let of_body = |count: usize| count as f32 / self.body.max(1) as f32;
+        if self.outside_backs > 0.5 {
+            return of_body(self.walled) >= 0.2;
+        }
+        if self.sealed as f32 > 0.9 * self.roofed as f32 {
+            return of_body(self.roofed) >= SEALED;
+        }
+        let is_deep = self.sealed as f32 >= DEEP * self.roofed as f32;
+        of_body(self.roofed) >= 0.1 && self.span >= LONG && is_deep
+    }
+
+    fn is_furnished_shell(self) -> bool {
+        self.furnished as f32 >= 0.4 * self.body.max(1) as f32
+    }
+}
+
+/// What a point sees, as shares.
+struct Seen {
+    /// Of the directions: a surface.
+    hits: f32,
+    /// Of the surfaces: fronts.
+    fronts: f32,
+    /// Of the surfaces: double-sided ones.
+    double_sided: f32,
+    /// The least distance to a surface.
+    clearance: f32,
+}
+
+impl Seen {
+    fn is_in_air(&self) -> bool {
+        self.fronts >= IN_AIR || (self.fronts >= MUDDLED && self.clearance >= FREE)
+    }
+
+    fn from(rays: &Rays, position: Vec3) -> Self {
+        let (mut hits, mut fronts, mut double_sided, mut clearance) = (0, 0, 0, f32::INFINITY);
+        for hit in directions::sphere(LOOKS).filter_map(|way| rays.cast(position, way)) {
+            hits += 1;
+            clearance = clearance.min(hit.distance);
+            fronts += usize::from(hit.is_front);
+            double_sided += usize::from(hit.is_double_sided);
+        }
+        let of_hits = |count: usize| if hits == 0 { 1.0 } else { count as f32 / hits as f32 };
+        Self {
+            hits: hits as f32 / LOOKS as f32,
+            fronts: of_hits(fronts),
+            double_sided: of_hits(double_sided),
+            clearance,
+        }
+    }
+}
+
+/// What all points see together, and the points of the air and of shells.
+fn look_around(rays: &Rays, half: Vec3) -> (Shares, Vec<Probe>, Vec<Probe>) {
+    let mut shares = Shares { outside_backs: outside_backs(rays, half), ..Shares::default() };
+    let (mut air, mut shell, mut roofed) = (Vec::new(), Vec::new(), Vec::new());
+    for point in directions::cube(PROBES) {
+        let position = (point * 2.0 - 1.0) * half;
+        let seen = Seen::from(rays, position);
+        let (hits, sky) = (seen.hits, 1.0 - seen.hits);
+        if seen.is_in_air() {
+            shares.body += usize::from(hits > 0.5);
+            shares.walled += usize::from(hits >= WALLED);
+            if hits >= ROOFED {
+                roofed.push(position);
+            }
+            shares.sealed += usize::from(hits >= 1.0);
+            if hits >= SURROUNDED {
+                air.push(Probe { position, sky });
+            }
+        } else {
+            shares.body += 1;
+            // A shell without thickness whose front is outside, as sketching programs make it.
+            if seen.double_sided >= 0.9 && hits >= ROOFED && seen.fronts < MUDDLED {
+                shares.furnished += usize::from(FURNITURE.contains(&seen.fronts));
+                shell.push(Probe { position, sky });
+            }
+        }
+    }
+    shares.roofed = roofed.len();
+    shares.span = span(&roofed);
+    (shares, air, shell)
+}
+
+/// What is seen from all over a place.
+fn patches(rays: &Rays, interior: &[Probe]) -> Vec<Patch> {
+    let points = interior.iter().step_by(interior.len().div_ceil(PATCHES).max(1));
+    let looks = PATCHES.div_ceil(points.len().max(1));
+    // Each point looks elsewhere: into some directions of one common set, and the next goes on there.
+    let hits: Vec<Hit> = points
+        .flat_map(|probe| std::iter::repeat_n(probe.position, looks))
+        .zip(directions::sphere(PATCHES).cycle())
+        .filter_map(|(position, way)| rays.cast_visible(position, way))
+        .collect();
+    let mut of_part: FxHashMap<u32, f32> = FxHashMap::default();
+    for hit in &hits {
+        *of_part.entry(hit.part).or_default() += 1.0;
+    }
+    let total: f32 = hits.iter().map(|hit| of_part[&hit.part].sqrt().recip()).sum();
+    let patch = |hit: &Hit| Patch {
+        position: hit.lifted(),
+        normal: hit.normal,
+        weight: of_part[&hit.part].sqrt().recip() / total,
+    };
+    hits.iter().map(patch).collect()
+}
+
+/// The longest stretch along an axis that holds nine tenths of the points.
+fn span(points: &[Vec3]) -> f32 {
+    let along = |axis: usize| {
+        let mut values: Vec<f32> = points.iter().map(|point| point[axis]).collect();
+        values.sort_by(f32::total_cmp);
+        let (least, most) = (values.len() / 20, (values.len() * 19) / 20);
+        values.get(most).zip(values.get(least)).map_or(0.0, |(most, least)| most - least)
+    };
+    (0..3).map(along).fold(0.0, f32::max)
+}
+
+/// The share of backs among what parallel rays from all sides meet first.
+fn outside_backs(rays: &Rays, half: Vec3) -> f32 {
+    let radius = half.length();
+    let (mut hits, mut backs) = (0, 0);
+    for way in directions::sphere(OUTSIDE[0]) {
+        let (u, v) = way.any_orthonormal_pair();
+        for place in directions::disc(OUTSIDE[1]) {
+            let origin = (u * place.x + v * place.y - 2.0 * way) * radius;
+            let Some(hit) = rays.cast(origin, way) else { continue };
+            hits += 1;
+            backs += usize::from(!hit.is_front);
+        }
+    }
+    backs as f32 / hits.max(1) as f32
+}
