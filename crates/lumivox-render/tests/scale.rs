@@ -33,22 +33,24 @@ fn render(gpu: &Gpu, scene: &Scene) -> Picture {
 fn millimetres_and_kilometres_look_like_metres() {
     let gpu = gpu();
     let metres = render(&gpu, &atrium(1.0));
-    for scale in [1e-3, 1e3] {
+    // Powers of two round nothing, so walls that lie on the voxels' borders stay there; by a factor of 1000 some
+    // fall to the other side, which changes the mean as a shift of the grid does (by 1.5 % at 32 voxels).
+    for scale in [1.0 / 1024.0, 1024.0] {
         let other = render(&gpu, &atrium(scale));
         let mean = |picture: &Picture| -> f64 {
             picture.hdr.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>()
                 / picture.hdr.len() as f64
         };
         let bias = mean(&other) / mean(&metres) - 1.0;
-        assert!(bias.abs() < 0.01, "at {scale}: {:.2} % off", 100.0 * bias);
-        // Rounding moves the voxels' borders and the shadows' edges by next to nothing: few pixels of the
-        // screen differ by more than a just visible step.
+        assert!(bias.abs() < 0.001, "at {scale}: {:.3} % off", 100.0 * bias);
+        // Near planes and shadow maps follow the size with a rounding of their own: hardly a pixel of the
+        // screen may differ by more than a just visible step.
         let differing = other
             .ldr
             .iter()
             .zip(&metres.ldr)
             .filter(|(a, b)| a.iter().zip(b.iter()).any(|(a, b)| a.abs_diff(*b) > 8));
         let share = differing.count() as f64 / metres.ldr.len() as f64;
-        assert!(share < 0.02, "at {scale}: {:.1} % of the pixels differ", 100.0 * share);
+        assert!(share < 0.002, "at {scale}: {:.2} % of the pixels differ", 100.0 * share);
     }
 }
