@@ -1,12 +1,13 @@
 //! Finished pictures and their files.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::BufWriter;
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::Path;
 
 use exr::prelude::{SpecificChannels, WritableImage as _};
 use glam::UVec2;
 use image::{ExtendedColorType, ImageEncoder as _};
+use lumivox_scene::write_atomically;
 
 use crate::RenderError;
 
@@ -58,62 +59,39 @@ impl Picture {
     /// nothing is left behind.
     pub fn write(&self, path: &Path) -> Result<(), RenderError> {
         let format = ImageFormat::from_path(path)?;
-        let fail = |reason: String| RenderError::Write { file: path.to_owned(), reason };
-        let (temporary, file) = create_beside(path).map_err(|e| fail(e.to_string()))?;
-        let written = match format {
-            ImageFormat::Png => self.write_png(&file),
-            ImageFormat::Exr => self.write_exr(&file),
-        };
-        let finished = written
-            .and_then(|()| file.sync_all().map_err(|e| e.to_string()))
-            .and_then(|()| fs::rename(&temporary, path).map_err(|e| e.to_string()));
-        finished.map_err(|reason| {
-            // The first error is the one to tell; a file that cannot be removed either is a detail.
-            let _ = fs::remove_file(&temporary);
-            fail(reason)
+        let written = write_atomically(path, |out| match format {
+            ImageFormat::Png => self.write_png(out),
+            ImageFormat::Exr => self.write_exr(out),
+        });
+        written.map_err(|error| RenderError::Write {
+            file: path.to_owned(),
+            reason: error.to_string(),
         })
     }
 
-    fn write_png(&self, file: &File) -> Result<(), String> {
+    fn write_png(&self, out: &mut BufWriter<&File>) -> io::Result<()> {
         // No alpha: a picture of a room with holes where the sky is would be a surprise.
         let rgb: Vec<u8> = self.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-        let mut writer = BufWriter::new(file);
-        image::codecs::png::PngEncoder::new(&mut writer)
+        image::codecs::png::PngEncoder::new(out)
             .write_image(&rgb, self.size.x, self.size.y, ExtendedColorType::Rgb8)
-            .map_err(|e| e.to_string())?;
-        std::io::Write::flush(&mut writer).map_err(|e| e.to_string())
+            .map_err(io::Error::other)
     }
 
-    fn write_exr(&self, file: &File) -> Result<(), String> {
+    fn write_exr(&self, out: &mut BufWriter<&File>) -> io::Result<()> {
         let width = self.size.x as usize;
         let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
             let [r, g, b, _] = self.hdr[at.y() * width + at.x()];
             (r, g, b)
         });
         let image = exr::image::Image::from_channels((width, self.size.y as usize), channels);
-        image.write().to_buffered(BufWriter::new(file)).map_err(|e| e.to_string())
-    }
-}
-
-/// A new file in the folder of `path`, with a name that nobody uses.
-fn create_beside(path: &Path) -> std::io::Result<(PathBuf, File)> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let process = std::process::id();
-    let mut attempt = 0;
-    loop {
-        let temporary = path.with_file_name(format!(".{name}.{process}-{attempt}.part"));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((temporary, file)),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists && attempt < 1000 => {
-                attempt += 1;
-            }
-            Err(error) => return Err(error),
-        }
+        image.write().to_buffered(out).map_err(io::Error::other)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn picture() -> Picture {

@@ -144,10 +144,9 @@ fn the_background_shows_the_map_where_it_is() {
     }
 }
 
-/// A smooth floor mirrors the map, and wide lobes see its mean.
-#[test]
-fn a_mirror_shows_the_map_where_it_is() {
-    let metal = |roughness| Material {
+/// A white metal.
+fn metal(roughness: f32) -> Material {
+    Material {
         name: "metal".to_owned(),
         shading: Shading::MetallicRoughness(MetallicRoughness {
             base_color: glam::Vec4::ONE,
@@ -156,7 +155,12 @@ fn a_mirror_shows_the_map_where_it_is() {
             ..MetallicRoughness::default()
         }),
         ..Material::default()
-    };
+    }
+}
+
+/// A smooth floor mirrors the map, and wide lobes see its mean.
+#[test]
+fn a_mirror_shows_the_map_where_it_is() {
     let rotation_rad = 0.6;
     let position = Vec3::new(2.0, 2.0, 3.0);
     let camera = Camera::look_at(position, Vec3::ZERO, 0.3);
@@ -219,16 +223,6 @@ fn the_sun_is_reflected_once() {
     // Bright enough around for a half float to hold the sun in a mirror.
     let around_it = 1000.0;
     let map = map(512, |d| Vec3::splat(around_it) + sun(d));
-    let metal = |roughness: f32| Material {
-        name: "metal".to_owned(),
-        shading: Shading::MetallicRoughness(MetallicRoughness {
-            base_color: glam::Vec4::ONE,
-            metallic: 1.0,
-            roughness,
-            ..MetallicRoughness::default()
-        }),
-        ..Material::default()
-    };
     let camera = Camera::look_at(Vec3::new(0.0, 2.0, 2.0), Vec3::ZERO, 0.5);
     let reflected = |roughness: f32| {
         let scene = scene(metal(roughness), around(map.clone(), 0.0), false);

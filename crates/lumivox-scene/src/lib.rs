@@ -49,3 +49,4 @@ pub use pose::{AnimationChoice, AnimationInfo, Rig};
 
 /// The name under which a file's `extras` hold what glTF has no words for.
 const EXTRAS: &str = "lumivox";
+pub use save::write_atomically;

@@ -11,17 +11,10 @@
 mod common;
 
 use common::tube::{Tube, tube};
-use common::{File, load};
+use common::{File, fault, load};
 use lumivox_scene::{AnimationChoice, Scene};
 use proptest::prelude::*;
 use serde_json::json;
-
-/// The message of the error, which must name the file.
-fn fault(file: &File) -> String {
-    let error = file.load().unwrap_err().to_string();
-    assert!(error.contains("scene.glb: "), "{error}");
-    error
-}
 
 /// The tube after a change.
 fn changed(change: impl FnOnce(&mut Tube)) -> String {

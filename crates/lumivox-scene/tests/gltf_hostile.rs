@@ -9,17 +9,10 @@
 
 mod common;
 
-use common::{File, data_uri, load, png, write};
+use common::{File, data_uri, fault, load, png, write};
 use lumivox_scene::{Scene, SceneError};
 use proptest::prelude::*;
 use serde_json::json;
-
-/// The message of the error, which must name the file.
-fn fault(file: &File) -> String {
-    let error = file.load().unwrap_err().to_string();
-    assert!(error.contains("scene.glb: "), "{error}");
-    error
-}
 
 /// The triangle after a change to its JSON.
 fn changed(change: impl FnOnce(&mut serde_json::Value)) -> String {

@@ -10,6 +10,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use lumivox_scene::write_atomically;
+
 use super::FrameFiles;
 use crate::exit::Failure;
 
@@ -128,7 +130,7 @@ impl Index {
         self.frames.insert(place, frame);
         let text = format!("{}\n", serde_json::to_string_pretty(self)?);
         let file = files.index();
-        write_whole(&file, text.as_bytes()).map_err(|error| {
+        write_atomically(&file, |out| out.write_all(text.as_bytes())).map_err(|error| {
             let file = file.display();
             let message = format!("{file}: cannot write the index: {error}; check the folder");
             Failure::output(message).into()
@@ -178,20 +180,6 @@ fn difference(old: &Map<String, Value>, new: &Map<String, Value>) -> Option<Stri
         }
     };
     Some(format!("{key} was {}, is {} now", word(old), word(new)))
-}
-
-/// Writes a file under another name first, so that it is there whole or not at all.
-fn write_whole(file: &Path, content: &[u8]) -> std::io::Result<()> {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = file.with_file_name(format!(".{name}.{}.part", std::process::id()));
-    let written = std::fs::File::create(&temporary)
-        .and_then(|mut open| open.write_all(content).and_then(|()| open.sync_all()))
-        .and_then(|()| std::fs::rename(&temporary, file));
-    if written.is_err() {
-        // The first error is the one to tell.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
 }
 
 #[cfg(test)]

@@ -218,8 +218,9 @@ fn place(scene: &mut Scene, mesh: Mesh, material: Material, world_from_local: Ma
     });
 }
 
-/// A rectangle of half the edges `u` and `v`, which faces `u` cross `v`.
-fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
+/// A rectangle of half the edges `u` and `v`, which faces `u` cross `v`; the image's right lies along `u`, its
+/// top along `v`.
+pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     Mesh {
         positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],
         normals: vec![u.cross(v).normalize(); 4],

@@ -1,6 +1,6 @@
 //! A stage for single surfaces: quads and spheres of any material before a camera.
 
-use glam::{Mat4, UVec2, Vec2, Vec3};
+use glam::{Mat4, UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
 use lumivox_render::{Exposure, Picture, RenderSettings, View};
 use lumivox_scene::{
@@ -8,25 +8,13 @@ use lumivox_scene::{
     Wrap,
 };
 
+pub use crate::common::zoo::quad;
 use crate::common::{gpu, picture, renderer};
 
 pub fn scene() -> Scene {
     let mut scene = Scene { name: "stage".to_owned(), ..Scene::default() };
     scene.cameras.push(Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.3));
     scene
-}
-
-/// A rectangle of half the edges `u` and `v`, which faces `u` cross `v`; the image's right lies along `u`, its
-/// top along `v`.
-pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
-    Mesh {
-        positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],
-        normals: vec![u.cross(v).normalize(); 4],
-        uvs: vec![Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO],
-        tangents: vec![u.normalize().extend(1.0); 4],
-        indices: vec![0, 1, 2, 0, 2, 3],
-        ..Mesh::default()
-    }
 }
 
 /// A square that faces the camera of [`scene`], at a place along its axis, and fills the picture.

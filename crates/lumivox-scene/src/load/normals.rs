@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::Mesh;
-use crate::model::any_tangent;
+use crate::model::{any_tangent, to_unit};
 
 /// The unit normal of a triangle; zero where it has no area.
 pub(super) fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
@@ -15,9 +15,9 @@ pub(super) fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// In f64, where no finite f32 vector's length overflows or vanishes.
+/// The vector at unit length; zero where it has no direction.
 pub(super) fn unit_or_zero(v: Vec3) -> Vec3 {
-    v.as_dvec3().normalize_or_zero().as_vec3()
+    to_unit(v).unwrap_or(Vec3::ZERO)
 }
 
 /// What each corner of a triangle adds to its vertex's normal; zero where it has no area.

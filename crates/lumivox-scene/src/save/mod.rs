@@ -24,10 +24,11 @@
 //! A transform with shear is written as it is, although glTF wants matrices to be products of
 //! translation, rotation and scale; programs that take them apart will miss the shear.
 
+mod atomic;
 mod binary;
+mod container;
 mod document;
 mod environment;
-mod file;
 mod layers;
 mod material;
 mod mesh;
@@ -37,6 +38,8 @@ mod texture;
 use std::path::{Path, PathBuf};
 
 use crate::{Scene, SceneError};
+pub use atomic::write_atomically;
+use container::Container;
 use document::Document;
 
 impl Scene {
@@ -53,7 +56,7 @@ impl Scene {
     pub fn save_glb(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
         let path = path.as_ref();
         let container = self.container(path)?;
-        file::write_atomically(path, |out| container.write(out))
+        write_atomically(path, |out| container.write(out))
             .map_err(|source| SceneError::Write { file: path.to_owned(), source })
     }
 
@@ -71,13 +74,13 @@ impl Scene {
         Ok(bytes)
     }
 
-    fn container(&self, file: &Path) -> Result<file::Container<'_>, SceneError> {
+    fn container(&self, file: &Path) -> Result<Container<'_>, SceneError> {
         crate::validate::check(self, file)?;
         let mut writer = Writer::new(self, file)?;
         writer.nodes();
         writer.environment();
         let (json, binary) = writer.document.json();
-        file::Container::new(json, binary)
+        Container::new(json, binary)
             .map_err(|bytes| SceneError::TooLargeToSave { file: file.to_owned(), bytes })
     }
 }

@@ -173,6 +173,13 @@ impl File {
     }
 }
 
+/// The message of the error, which must name the file.
+pub fn fault(file: &File) -> String {
+    let error = file.load().unwrap_err().to_string();
+    assert!(error.contains("scene.glb: "), "{error}");
+    error
+}
+
 /// Writes the bytes to a fresh folder and loads them.
 pub fn load(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
     let folder = tempfile::tempdir().unwrap();

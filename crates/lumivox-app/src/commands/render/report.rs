@@ -22,22 +22,44 @@ pub struct Report {
     size: [u32; 2],
     scene: SceneCounts,
     camera: CameraReport,
-    grid: GridReport,
-    /// Occupied voxels.
-    voxels: u32,
-    /// Sides of voxels that have surface.
-    faces: u32,
-    memory: Vec<MemoryReport>,
-    memory_bytes: u64,
-    /// On the GPU, milliseconds; passes of frames are the mean of a frame.
     #[serde(flatten)]
-    times: Times,
+    renderer: RendererReport,
     /// By the clock on the wall.
     seconds: Seconds,
     /// In stops; for `auto` the one that was found. None for views that are not exposed.
     exposure: Option<f32>,
     settings: SettingsReport,
     adapter: AdapterReport,
+}
+
+/// What stands on the GPU after a picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct RendererReport {
+    pub grid: GridReport,
+    /// Occupied voxels.
+    pub voxels: u32,
+    /// Sides of voxels that have surface.
+    pub faces: u32,
+    pub memory: Vec<MemoryReport>,
+    pub memory_bytes: u64,
+    /// On the GPU, milliseconds; passes of frames are the mean of a frame.
+    #[serde(flatten)]
+    pub times: Times,
+}
+
+impl RendererReport {
+    /// The report on a renderer.
+    pub fn new(renderer: &Renderer) -> Self {
+        let memory: Vec<MemoryReport> = renderer.memory().into_iter().map(Into::into).collect();
+        Self {
+            grid: GridReport::new(renderer.gi().grid()),
+            voxels: renderer.voxel_stats().voxels,
+            faces: renderer.voxel_stats().faces,
+            memory_bytes: total_bytes(&memory),
+            memory,
+            times: Times::new(&renderer.times()),
+        }
+    }
 }
 
 /// Where a picture was taken from.
@@ -74,19 +96,13 @@ impl Report {
         seconds: Seconds,
     ) -> Self {
         let settings = renderer.settings();
-        let memory: Vec<MemoryReport> = renderer.memory().into_iter().map(Into::into).collect();
         let exposure = settings.view.is_light().then(|| settings.exposure.stops(&picture.hdr));
         Self {
             file: file.display().to_string(),
             size: picture.size.to_array(),
             scene: SceneCounts::new(scene),
             camera: CameraReport::new(renderer.camera()),
-            grid: GridReport::new(renderer.gi().grid()),
-            voxels: renderer.voxel_stats().voxels,
-            faces: renderer.voxel_stats().faces,
-            memory_bytes: total_bytes(&memory),
-            memory,
-            times: Times::new(&renderer.times()),
+            renderer: RendererReport::new(renderer),
             seconds,
             exposure,
             settings: SettingsReport::new(settings),
@@ -96,7 +112,8 @@ impl Report {
 
     /// The report for people.
     pub fn text(&self, is_verbose: bool) -> String {
-        let Self { file, scene, grid, seconds, settings, .. } = self;
+        let Self { file, scene, renderer, seconds, settings, .. } = self;
+        let RendererReport { grid, voxels, faces, .. } = renderer;
         let [width, height] = self.size;
         let [x, y, z] = grid.dimensions;
         let frames = counted(settings.frames as usize, "frame", "frames");
@@ -115,11 +132,11 @@ impl Report {
         );
         text += &format!(
             "  voxels   {} with {} in {x} x {y} x {z} of {:.4} m\n",
-            count(self.voxels.into()),
-            counted(self.faces as usize, "face", "faces"),
+            count((*voxels).into()),
+            counted(*faces as usize, "face", "faces"),
             grid.voxel_size_m
         );
-        text += &format!("  memory   {} on the GPU\n", bytes(self.memory_bytes));
+        text += &format!("  memory   {} on the GPU\n", bytes(renderer.memory_bytes));
         text += &format!(
             "  time     {:.2} s: loading {:.2}, preparing {:.2}, rendering {:.2} \
              ({frame_ms:.1} ms a frame), writing {:.2}\n",
@@ -128,9 +145,9 @@ impl Report {
         text += &format!("  GPU      {}\n", self.adapter.description);
         if is_verbose {
             text.push('\n');
-            text += &self.times.table("stage and pass (of a frame: mean)");
+            text += &renderer.times.table("stage and pass (of a frame: mean)");
             text.push('\n');
-            text += &memory_table(&self.memory);
+            text += &memory_table(&renderer.memory);
         }
         text
     }

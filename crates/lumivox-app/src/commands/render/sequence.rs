@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::clock::Seconds;
-use super::report::CameraReport;
+use super::report::{CameraReport, RendererReport};
 use super::settings::SettingsReport;
 use super::{Stage, light, words};
 use crate::args::number::ExposureChoice;
@@ -16,8 +16,7 @@ use crate::cli::RenderArgs;
 use crate::motion::{Moments, PathFile, When};
 use crate::progress::Progress;
 use crate::report::{
-    AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
-    memory_table, print, print_json, total_bytes,
+    AdapterReport, SceneCounts, bytes, count, counted, memory_table, print, print_json,
 };
 use crate::sequence::{Frame, FrameFiles, Index, Start};
 
@@ -255,32 +254,6 @@ struct Report {
     seconds: Seconds,
     settings: SettingsReport,
     adapter: AdapterReport,
-}
-
-/// What stands on the GPU after the last picture.
-#[derive(Clone, Debug, Serialize)]
-struct RendererReport {
-    grid: GridReport,
-    voxels: u32,
-    faces: u32,
-    memory: Vec<MemoryReport>,
-    memory_bytes: u64,
-    #[serde(flatten)]
-    times: Times,
-}
-
-impl RendererReport {
-    fn new(renderer: &Renderer) -> Self {
-        let memory: Vec<MemoryReport> = renderer.memory().into_iter().map(Into::into).collect();
-        Self {
-            grid: GridReport::new(renderer.gi().grid()),
-            voxels: renderer.voxel_stats().voxels,
-            faces: renderer.voxel_stats().faces,
-            memory_bytes: total_bytes(&memory),
-            memory,
-            times: Times::new(&renderer.times()),
-        }
-    }
 }
 
 impl Report {

@@ -5,7 +5,7 @@ use gltf::Semantic;
 use gltf::json::validation::Checked;
 use gltf::mesh::Mode;
 
-use super::{Loader, shared};
+use super::{Loader, own_vertices};
 use crate::SceneError;
 
 /// Bytes of a vertex that every mesh has: position, normal, texture coordinates, tangent.
@@ -30,7 +30,7 @@ impl Loader<'_> {
         };
         // Without normals, every corner becomes a vertex.
         let vertices = match of(Semantic::Normals) {
-            Some(_) => shared::kept(given, corners),
+            Some(_) => own_vertices::kept(given, corners),
             None => given.max(corners),
         };
         let second = of(Semantic::TexCoords(1)).map_or(0, |_| 8);

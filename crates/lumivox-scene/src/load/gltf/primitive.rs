@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3, Vec4};
 use gltf::Semantic;
 use gltf::mesh::Mode;
 
-use super::{Loader, name_or_index, shared, tangents};
-use crate::model::{any_tangent, to_unit};
+use super::{Loader, name_or_index, own_vertices, tangents};
+use crate::load::normals::{self, unit_or_zero};
 use crate::{Mesh, SceneError};
 
 impl Loader<'_> {
@@ -114,12 +114,12 @@ impl Loader<'_> {
         match normals {
             Some(normals) => {
                 mesh.normals = normals.into_iter().map(Vec3::from_array).collect();
-                shared::keep_own(&mut mesh, tangents.as_mut());
+                own_vertices::keep_own(&mut mesh, tangents.as_mut());
                 self.repair_normals(&mut mesh)?;
             }
             None => make_flat(&mut mesh),
         }
-        mesh.tangents = mesh.normals.iter().map(|&normal| any_tangent(normal)).collect();
+        normals::set_any_tangents(&mut mesh);
         match (tangents, self.scene.materials[material].normal_texture) {
             (Some(given), _) => use_tangents(&mut mesh, &given),
             // What is not finite is refused by name later.
@@ -155,27 +155,12 @@ impl Loader<'_> {
             let part = format!("mesh \"{}\", normal {i},", mesh.name);
             return Err(SceneError::NotFinite { file: self.file.to_owned(), part });
         }
-        let mut broken = 0;
-        for normal in &mut mesh.normals {
-            *normal = unit_or_zero(*normal);
-            broken += usize::from(*normal == Vec3::ZERO);
-        }
-        if broken == 0 {
-            return Ok(());
-        }
-        self.notes
-            .warn(format!("mesh \"{}\": {broken} normals of length zero were replaced", mesh.name));
-        let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
-        for triangle in mesh.triangles() {
-            let face = face_normal(triangle.map(|i| mesh.positions[i]));
-            for i in triangle {
-                sums[i] += face;
-            }
-        }
-        for (normal, sum) in mesh.normals.iter_mut().zip(sums) {
-            if *normal == Vec3::ZERO {
-                *normal = sum.normalize_or(Vec3::Y);
-            }
+        let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
+        if broken > 0 {
+            self.notes.warn(format!(
+                "mesh \"{}\": {broken} normals of length zero were replaced",
+                mesh.name
+            ));
         }
         Ok(())
     }
@@ -221,25 +206,7 @@ fn make_flat(mesh: &mut Mesh) {
     }
     mesh.positions = corners.map(|i| mesh.positions[i]).collect();
     mesh.indices = (0..mesh.positions.len() as u32).collect();
-    mesh.normals = mesh
-        .positions
-        .chunks_exact(3)
-        .flat_map(|corners| {
-            // Triangles without a direction have no area and go later.
-            let normal = face_normal([corners[0], corners[1], corners[2]]);
-            [if normal == Vec3::ZERO { Vec3::Y } else { normal }; 3]
-        })
-        .collect();
-}
-
-/// The unit normal of a triangle; zero where it has no area.
-fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
-    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
-    (b - a).cross(c - a).normalize_or_zero().as_vec3()
-}
-
-fn unit_or_zero(v: Vec3) -> Vec3 {
-    to_unit(v).unwrap_or(Vec3::ZERO)
+    mesh.normals = normals::flat(&mesh.positions);
 }
 
 /// Takes the file's tangents where they have a direction.

@@ -32,7 +32,7 @@ const NO_ROUGHNESS: f32 = 0.5;
 pub(super) struct Materials<'s, 'o> {
     file: &'s Path,
     reach: Reach<'o>,
-    library: Library,
+    definitions: Library,
     textures: Textures<'o>,
     options: &'s mut LoadOptions<'o>,
     /// By name; without one by whether vertices have colours.
@@ -46,12 +46,12 @@ impl<'s, 'o> Materials<'s, 'o> {
     pub(super) fn new(
         file: &'s Path,
         reach: Reach<'o>,
-        library: Library,
+        definitions: Library,
         options: &'s mut LoadOptions<'o>,
     ) -> Self {
         let textures = Textures::new(options.budget.texture_bytes, reach);
         let known = HashMap::new();
-        Self { file, reach, library, textures, options, known, images: 0, limited: 0 }
+        Self { file, reach, definitions, textures, options, known, images: 0, limited: 0 }
     }
 
     /// The scene's number of a material; `colored` tells whether the vertices have colours, which
@@ -63,7 +63,7 @@ impl<'s, 'o> Materials<'s, 'o> {
         scene: &mut Scene,
         notes: &mut Notes,
     ) -> usize {
-        let said = name.and_then(|name| self.library.get(name).cloned());
+        let said = name.and_then(|name| self.definitions.get(name).cloned());
         let key = (name.map(<[u8]>::to_vec), colored && said.is_none());
         if let Some(&known) = self.known.get(&key) {
             return known;

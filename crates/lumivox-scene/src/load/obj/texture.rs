@@ -8,6 +8,7 @@ use image::{Rgba, RgbaImage, imageops};
 
 use super::map::{Channel, Map};
 use crate::load::files::{Reach, shorten};
+use crate::load::image::{Encoding, Pixels};
 use crate::load::{self, Notes, color, stand_in};
 use crate::{Scene, Texture};
 
@@ -28,6 +29,15 @@ pub(super) enum Source {
     Bump { file: PathBuf, bump_bits: u32, heights: Option<bool> },
     /// Roughness in green, metal in blue.
     RoughMetal { rough: Option<PathBuf>, metal: Option<PathBuf>, channels: (Channel, Channel) },
+}
+
+impl Source {
+    fn encoding(&self) -> Encoding {
+        match self {
+            Self::Color(_) | Self::Cutout { .. } => Encoding::Color,
+            Self::Bump { .. } | Self::RoughMetal { .. } => Encoding::Data,
+        }
+    }
 }
 
 /// What is known of a texture that was made.
@@ -52,11 +62,20 @@ pub(super) struct Textures<'a> {
     /// How many times all textures were halved.
     halvings: u32,
     made: HashMap<(Source, bool), Made>,
+    /// Of the scene's textures.
+    encodings: Vec<Encoding>,
 }
 
 impl<'a> Textures<'a> {
     pub(super) fn new(budget_bytes: u64, reach: Reach<'a>) -> Self {
-        Self { reach, budget_bytes, used_bytes: 0, halvings: 0, made: HashMap::new() }
+        Self {
+            reach,
+            budget_bytes,
+            used_bytes: 0,
+            halvings: 0,
+            made: HashMap::new(),
+            encodings: Vec::new(),
+        }
     }
 
     /// The texture of a source; the error is the reason why there is none, with a remedy.
@@ -79,27 +98,30 @@ impl<'a> Textures<'a> {
             sampler: crate::Sampler::default(),
         };
         map.set_sampler(&mut texture);
-        made.texture = self.push(texture, scene);
+        made.texture = self.push(texture, key.0.encoding(), scene);
         self.made.insert(key, made);
         Ok(made)
     }
 
     /// A texture in place of one that is missing.
     pub(super) fn stand_in(&mut self, name: &str, scene: &mut Scene) -> usize {
-        self.push(stand_in::checker(name), scene)
+        self.push(stand_in::checker(name), Encoding::Color, scene)
     }
 
     /// Adds a texture, and halves all as often as the budget wants it.
-    fn push(&mut self, mut texture: Texture, scene: &mut Scene) -> usize {
-        (0..self.halvings).for_each(|_| halve(&mut texture));
+    fn push(&mut self, mut texture: Texture, encoding: Encoding, scene: &mut Scene) -> usize {
+        (0..self.halvings).for_each(|_| halve(&mut texture, encoding));
         self.used_bytes += texture.rgba8.len() as u64;
         scene.textures.push(texture);
+        self.encodings.push(encoding);
         // Textures of one texel shrink no more.
         while self.used_bytes > self.budget_bytes
             && scene.textures.iter().any(|texture| texture.width > 1 || texture.height > 1)
         {
             self.halvings += 1;
-            scene.textures.iter_mut().for_each(halve);
+            for (texture, &encoding) in scene.textures.iter_mut().zip(&self.encodings) {
+                halve(texture, encoding);
+            }
             self.used_bytes = scene.textures.iter().map(|t| t.rgba8.len() as u64).sum();
         }
         scene.textures.len() - 1
@@ -117,14 +139,12 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// Half the width and height, by the mean of four.
-fn halve(texture: &mut Texture) {
-    let (width, height) = ((texture.width / 2).max(1), (texture.height / 2).max(1));
-    let bytes = std::mem::take(&mut texture.rgba8);
-    if let Some(image) = RgbaImage::from_raw(texture.width, texture.height, bytes) {
-        texture.rgba8 = imageops::thumbnail(&image, width, height).into_raw();
-        (texture.width, texture.height) = (width, height);
-    }
+/// Half the width and height.
+fn halve(texture: &mut Texture, encoding: Encoding) {
+    let rgba8 = std::mem::take(&mut texture.rgba8);
+    let pixels = Pixels { width: texture.width, height: texture.height, rgba8 };
+    let Pixels { width, height, rgba8 } = load::image::shrink(pixels, 1, encoding);
+    (texture.width, texture.height, texture.rgba8) = (width, height, rgba8);
 }
 
 fn make(source: &Source, reach: Reach<'_>) -> Result<(String, RgbaImage, Made), String> {
@@ -344,7 +364,7 @@ mod tests {
             sampler: crate::Sampler::default(),
         };
         for edge in [64, 64, 16] {
-            textures.push(texture(edge), &mut scene);
+            textures.push(texture(edge), Encoding::Color, &mut scene);
         }
         let widths: Vec<_> = scene.textures.iter().map(|t| t.width).collect();
         assert_eq!(widths, [32, 32, 8]);
