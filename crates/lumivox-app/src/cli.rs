@@ -5,6 +5,8 @@
 mod light;
 mod load;
 mod motion;
+mod reference;
+mod view;
 
 use std::path::PathBuf;
 
@@ -13,9 +15,11 @@ use glam::{UVec2, Vec3};
 use lumivox::{Directionality, MAX_RESOLUTION};
 use lumivox_render::{ToneMap, View};
 
-pub use light::LightArgs;
+pub use light::{LightArgs, SourceArgs};
 pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;
+pub use reference::ReferenceArgs;
+pub use view::ViewArgs;
 
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
@@ -86,6 +90,13 @@ pub enum Command {
     /// Render a scene to a picture
     #[command(after_long_help = format!("{RENDER_EXAMPLES}\n{}", exit::CODES))]
     Render(Box<RenderArgs>),
+    /// Path-trace a scene: the truth that renderings are measured by
+    #[command(
+        after_help = "Examples:\n  lumivox reference builtin:cornell -o cornell.exr --samples \
+                            1024\n  lumivox reference hall.glb -o hall.exr --samples 4096 \
+                            --checkpoint hall.sums --resume"
+    )]
+    Reference(Box<ReferenceArgs>),
     /// Show the GPUs of this machine and what runs on them, or what is in a scene
     #[command(after_help = "Examples:\n  lumivox info\n  lumivox info hall.glb --json")]
     Info(InfoArgs),

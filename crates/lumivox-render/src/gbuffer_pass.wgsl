@@ -1,7 +1,8 @@
 // The G-buffer: what package::trace::gbuffer declares, rasterized.
 
 import package::render::draws::draws;
-import package::render::layers::{sample_layers, shade_layers, Layered};
+import package::render::layer_textures::sample_layers;
+import package::render::layers::{shade_layers, Layered};
 import package::render::material::material;
 import package::render::point::{frame_at, is_masked_out, sample_point, Point, PointFrame, PointSamples};
 import package::render::screen_door::{is_there, surface_seed};
@@ -172,10 +173,10 @@ fn layered_point(fragment: LayeredFragment) -> LayeredPoint {
         fragment.color,
     );
     let samples = sample_point(point);
-    let layers = sample_layers(point.texcoords);
     let frame = frame_at(point, samples);
     let cos_view = saturate(dot(frame.shading, frame.to_camera));
-    let layered = shade_layers(layers, samples.base, samples.metallic, samples.emission, cos_view);
+    let layers = sample_layers(point.texcoords, samples.base.a, cos_view);
+    let layered = shade_layers(layers, samples.base.rgb, samples.metallic, samples.emission, cos_view);
     return LayeredPoint(samples, frame, layered);
 }
 

@@ -1,14 +1,9 @@
 // What layered materials have on top of the plain ones: a reflectance that varies, varnish, velvet, glass, and
 // coverage by alpha. All of it becomes a plain surface with a coat, which is there with some probability.
 
-import package::render::material::{
-    coat_sampler, coat_texture, material, sheen_albedo, sheen_albedo_sampler, sheen_sampler, sheen_texture,
-    specular_sampler, specular_texture, texcoord, transmission_sampler, transmission_texture,
-    TEXTURE_COAT, TEXTURE_SHEEN, TEXTURE_SPECULAR, TEXTURE_TRANSMISSION,
-};
 import package::trace::brdf::fresnel_schlick;
 
-// The textures of the layers, multiplied by their factors.
+// What the layers' textures say, multiplied by their factors.
 struct LayerSamples {
     dielectric_f0: vec3f,
     coat_strength: f32,
@@ -16,6 +11,12 @@ struct LayerSamples {
     sheen_color: vec3f,
     sheen_roughness: f32,
     transmission: f32,
+    // The directional albedo of white velvet of that roughness, seen from here (sheen.rs).
+    velvet_albedo: f32,
+    // The covered share.
+    alpha: f32,
+    // 0: takes no light.
+    lit: f32,
 }
 
 // What a layered surface sends to the camera, in the plain terms.
@@ -39,25 +40,6 @@ fn largest(color: vec3f) -> f32 {
     return max(color.r, max(color.g, color.b));
 }
 
-// In uniform control flow alone.
-fn sample_layers(texcoords: vec4f) -> LayerSamples {
-    let specular = textureSample(
-        specular_texture, specular_sampler, texcoord(TEXTURE_SPECULAR, texcoords));
-    let coat = textureSample(coat_texture, coat_sampler, texcoord(TEXTURE_COAT, texcoords));
-    let sheen = textureSample(sheen_texture, sheen_sampler, texcoord(TEXTURE_SHEEN, texcoords));
-    let transmission = textureSample(
-        transmission_texture, transmission_sampler, texcoord(TEXTURE_TRANSMISSION, texcoords));
-    let f0 = min(material.dielectric_f0 * specular.rgb, vec3f(1.0));
-    return LayerSamples(
-        f0 * (material.specular_factor * specular.a),
-        material.coat_strength * coat.r,
-        material.coat_roughness * coat.g,
-        material.sheen_color * sheen.rgb,
-        material.sheen_roughness * sheen.a,
-        material.transmission * transmission.r,
-    );
-}
-
 // The share of the light that enters a thin pane and passes, of the colour of which most does.
 //
 // KHR_materials_transmission: of the light that is not reflected at the surface, the share t passes through, tinted
@@ -68,19 +50,17 @@ fn passing(base: vec3f, transmission: f32, reflected: f32) -> f32 {
 
 fn shade_layers(
     samples: LayerSamples,
-    base: vec4f,
+    base: vec3f,
     metallic: f32,
     emission: vec3f,
     cos_view: f32,
 ) -> Layered {
-    let lit = select(1.0, 0.0, material.unlit_radiance > 0.0);
     // Velvet is taken as diffuse, as bright as it is seen from here with light from all around, over a surface
     // that is dimmed by it (KHR_materials_sheen).
-    let velvet = samples.sheen_color * textureSampleLevel(
-        sheen_albedo, sheen_albedo_sampler, vec2f(cos_view, samples.sheen_roughness), 0.0).r;
+    let velvet = samples.sheen_color * samples.velvet_albedo;
     let below_velvet = 1.0 - largest(velvet);
-    let f0 = mix(samples.dielectric_f0, base.rgb, metallic) * below_velvet;
-    var diffuse = base.rgb * ((1.0 - metallic) * lit * below_velvet) + velvet;
+    let f0 = mix(samples.dielectric_f0, base, metallic) * below_velvet;
+    var diffuse = base * ((1.0 - metallic) * samples.lit * below_velvet) + velvet;
 
     // A pane is drawn or not. What is behind is seen with the probability (1 - F) t b and tinted by base / b,
     // where b is the largest component of the base colour; else the pane is seen, and what it reflects is divided
@@ -88,17 +68,17 @@ fn shade_layers(
     // base (1 - t) (1 - F) / (p (1 - F / p)) = base (1 - t) / (1 - t b).
     let transmission = samples.transmission * (1.0 - metallic);
     let fresnel = fresnel_schlick(f0, cos_view);
-    let pane = 1.0 - passing(base.rgb, transmission, mean(fresnel));
-    diffuse *= (1.0 - transmission) / max(1.0 - transmission * largest(base.rgb), 1e-4);
+    let pane = 1.0 - passing(base, transmission, mean(fresnel));
+    diffuse *= (1.0 - transmission) / max(1.0 - transmission * largest(base), 1e-4);
     let rest = 1.0 - cos_view;
     let rest_5 = rest * rest * rest * rest * rest;
     let pane_f0 = saturate((fresnel / max(pane, 1e-4) - rest_5) / max(1.0 - rest_5, 1e-4));
     let is_pane = transmission > 0.0;
 
     // Of what is not there, holes let light through as it is, and panes tint it.
-    let alpha = select(1.0, base.a, material.is_blended != 0u);
+    let alpha = samples.alpha;
     let coverage = alpha * pane;
-    let glass = base.rgb / max(largest(base.rgb), 1e-6);
+    let glass = base / max(largest(base), 1e-6);
     let tint = (1.0 - alpha + alpha * (1.0 - pane) * glass) / max(1.0 - coverage, 1e-6);
 
     // The coat is taken as brighter where its pane is seen, too; only where that would be more than a whole coat

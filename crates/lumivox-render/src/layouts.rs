@@ -101,6 +101,102 @@ fn structs_lie_in_memory_alike() {
 }
 
 #[test]
+fn the_path_tracers_structs_lie_in_memory_alike() {
+    use crate::reference::{
+        EmitterRecord, FilmRecord, NodeRecord, PeakRecord, TileRecord, TracedMaterialRecord,
+        TriangleRecord, VertexRecord, WorldRecord,
+    };
+
+    let [library, _] = libraries();
+    assert_layout!(library, "render::reference::world", "Node", NodeRecord { low, link, high });
+    assert_layout!(
+        library,
+        "render::reference::world",
+        "Triangle",
+        TriangleRecord { corner, vertex_0, edge_1, vertex_1, edge_2, vertex_2 }
+    );
+    assert_layout!(
+        library,
+        "render::reference::world",
+        "Vertex",
+        VertexRecord { normal, material, tangent, texcoords, color }
+    );
+    assert_layout!(
+        library,
+        "render::reference::world",
+        "Tile",
+        TileRecord { origin, size, layer, bits }
+    );
+    assert_layout!(
+        library,
+        "render::reference::world",
+        "TracedMaterial",
+        TracedMaterialRecord { shown, tiles, emitter_density, phong_exponent }
+    );
+    assert_layout!(
+        library,
+        "render::reference::world",
+        "Emitter",
+        EmitterRecord { triangle, cumulated }
+    );
+    assert_layout!(
+        library,
+        "render::reference::world",
+        "Peak",
+        PeakRecord { direction, cos_cap, around }
+    );
+    assert_layout!(
+        library,
+        "render::reference::world",
+        "World",
+        WorldRecord {
+            camera,
+            near_m,
+            forward,
+            light_count,
+            right,
+            emitter_count,
+            up,
+            seed,
+            size,
+            first_row,
+            row_count,
+            environment,
+            most_gathers,
+            environment_turn,
+            peak_count,
+            occlusion_distance_m,
+            root,
+            offset_m,
+            first_sample,
+            sample_count,
+            peaks,
+        }
+    );
+    assert_layout!(
+        library,
+        "render::reference::path",
+        "Pixel",
+        FilmRecord {
+            picture,
+            picture_square,
+            direct,
+            direct_square,
+            one_bounce,
+            one_bounce_square,
+            full,
+            full_square,
+            albedo,
+            coverage,
+            normal,
+            depth_m,
+            openness,
+            openness_square,
+        }
+    );
+}
+
+#[test]
 fn every_shader_is_valid() {
     for library in libraries() {
         let mut entry_points = 0;
@@ -108,8 +204,8 @@ fn every_shader_is_valid() {
             let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             entry_points += module.entry_points.len();
         }
-        // Five compute kernels; three vertex and two fragment shaders for shadows; two and four for
+        // Six compute kernels; three vertex and two fragment shaders for shadows; two and four for
         // the G-buffer.
-        assert_eq!(entry_points, 16);
+        assert_eq!(entry_points, 17);
     }
 }

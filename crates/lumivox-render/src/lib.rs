@@ -17,13 +17,14 @@
 //! A frame is a row of passes, each in its own module with its shader beside it: the G-buffer
 //! ([`gbuffer_pass`]), direct light ([`direct`]) with shadow maps ([`shadow_maps`]), the cones of
 //! `lumivox`, and the [`composite`], which [`accumulate`] averages over frames and [`tone_map`] brings
-//! to a screen.
+//! to a screen. The truth that all this is measured by is a path tracer: [`reference`].
 
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
 pub mod accumulate;
 pub mod composite;
+mod develop;
 pub mod direct;
 mod error;
 mod estimate;
@@ -33,6 +34,7 @@ mod image;
 mod memory;
 mod raster;
 mod readback;
+pub mod reference;
 mod renderer;
 mod settings;
 pub mod shaders;

@@ -5,6 +5,7 @@ import package::render::material::{
     metallic_roughness_sampler, metallic_roughness_texture, normal_sampler, normal_texture, texcoord,
     TEXTURE_BASE_COLOR, TEXTURE_EMISSION, TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL,
 };
+import package::render::normals::{bend, facing};
 
 // A point of a surface as all fragments know it.
 struct Point {
@@ -68,18 +69,7 @@ fn mapped_normal(point: Point, sampled: vec3f) -> vec3f {
     if material.has_normal_texture == 0u {
         return normal;
     }
-    let local = (2.0 * sampled - 1.0) * vec3f(material.normal_scale, material.normal_scale, 1.0);
-    // glTF 2.0, section 3.7.2.1; the interpolated tangent is made orthogonal to the normal again.
-    let tangent = normalize(point.tangent.xyz - normal * dot(normal, point.tangent.xyz));
-    let bitangent = point.tangent.w * cross(normal, tangent);
-    return normalize(local.x * tangent + local.y * bitangent + local.z * normal);
-}
-
-// Towards the camera side. A smooth or mapped normal may point away from the camera where the surface itself
-// does not; nothing is seen from below, so it is lifted to the horizon.
-fn facing(normal: vec3f, to_camera: vec3f) -> vec3f {
-    let below = min(dot(normal, to_camera), 0.0);
-    return normalize(normal - below * to_camera);
+    return bend(normal, point.tangent, sampled, material.normal_scale);
 }
 
 fn frame_at(point: Point, samples: PointSamples) -> PointFrame {

@@ -2,6 +2,7 @@
 
 use lumivox::gpu::ShaderLibrary;
 
+use crate::reference;
 use crate::settings::{ToneMap, View};
 
 /// Every module by its path below `render`.
@@ -11,9 +12,20 @@ const MODULES: &[(&str, &str)] = &[
     ("direct", include_str!("direct.wgsl")),
     ("draws", include_str!("upload/draws.wgsl")),
     ("gbuffer_pass", include_str!("gbuffer_pass.wgsl")),
+    ("layer_textures", include_str!("layer_textures.wgsl")),
     ("layers", include_str!("layers.wgsl")),
     ("material", include_str!("upload/material.wgsl")),
+    ("normals", include_str!("normals.wgsl")),
     ("point", include_str!("point.wgsl")),
+    ("reference::intersect", include_str!("reference/intersect.wgsl")),
+    ("reference::panorama", include_str!("reference/panorama.wgsl")),
+    ("reference::path", include_str!("reference/path.wgsl")),
+    ("reference::random", include_str!("reference/random.wgsl")),
+    ("reference::scatter", include_str!("reference/scatter.wgsl")),
+    ("reference::sources", include_str!("reference/sources.wgsl")),
+    ("reference::surface", include_str!("reference/surface.wgsl")),
+    ("reference::texels", include_str!("reference/texels.wgsl")),
+    ("reference::world", include_str!("reference/world.wgsl")),
     ("screen_door", include_str!("screen_door.wgsl")),
     ("shadow_maps", include_str!("shadow_maps.wgsl")),
     ("tone_map", include_str!("tone_map.wgsl")),
@@ -39,6 +51,12 @@ pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     library
         .constant_u32("ENCODE_COLOR", crate::tone_map::ENCODE_COLOR)
         .constant_u32("ENCODE_DATA", crate::tone_map::ENCODE_DATA)
-        .constant_u32("ENCODE_HEAT", crate::tone_map::ENCODE_HEAT);
+        .constant_u32("ENCODE_HEAT", crate::tone_map::ENCODE_HEAT)
+        .constant_u32("TILE_CLAMP", reference::TILE_CLAMP)
+        .constant_u32("TILE_MIRROR", reference::TILE_MIRROR)
+        .constant_u32("TILE_NEAREST", reference::TILE_NEAREST)
+        .constant_u32("TILE_COLOR", reference::TILE_COLOR)
+        .constant_u32("TILE_PRESENT", reference::TILE_PRESENT);
+    reference::Features::ALL.set(&mut library);
     library
 }

@@ -8,18 +8,10 @@ use lumivox_scene::Light;
 use crate::args::light::Surroundings;
 use crate::args::{choices, light, number, size};
 
-/// Light.
+/// What shines.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Light")]
-pub struct LightArgs {
-    /// Reflections of indirect light, 0 to 16
-    ///
-    /// 0 is direct light alone, 1 is light by way of one other surface. Each costs one more gather
-    /// in the voxels, once.
-    #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=16))]
-    #[arg(default_value = "4", allow_negative_numbers = true)]
-    pub bounces: u32,
-
+pub struct SourceArgs {
     /// Add a sun that stands in the direction X,Y,Z, with LUX lux [default: none; LUX: 100000]
     ///
     /// The vector points from the scene to the sun (y is up), at any length: 0,1,0 is noon. LUX is
@@ -69,6 +61,23 @@ pub struct LightArgs {
     /// where it is closed]
     #[arg(long)]
     pub no_default_light: bool,
+}
+
+/// Light, and how it is found.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Light")]
+pub struct LightArgs {
+    /// What shines.
+    #[command(flatten)]
+    pub sources: SourceArgs,
+
+    /// Reflections of indirect light, 0 to 16
+    ///
+    /// 0 is direct light alone, 1 is light by way of one other surface. Each costs one more gather
+    /// in the voxels, once.
+    #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=16))]
+    #[arg(default_value = "4", allow_negative_numbers = true)]
+    pub bounces: u32,
 
     /// How shadows of lamps and sun are found
     #[arg(long, value_name = "HOW", value_parser = choices::shadows())]

@@ -2,8 +2,11 @@
 
 pub mod convert;
 pub mod info;
+mod light;
+pub mod reference;
 pub mod render;
 pub mod scenes;
+mod staged;
 pub mod voxels;
 
 use lumivox_render::{Gpu, GpuOptions, RenderError};

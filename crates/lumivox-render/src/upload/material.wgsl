@@ -77,9 +77,13 @@ const TEXTURE_COUNT = 8;
 @group(1) @binding(17) var sheen_albedo: texture_2d<f32>;
 @group(1) @binding(18) var sheen_albedo_sampler: sampler;
 
-// The coordinates of one of the textures; the vertex's two sets are in xy and zw.
-fn texcoord(which: u32, texcoords: vec4f) -> vec2f {
-    let place = material.places[which];
+// The coordinates on a texture; the vertex's two sets are in xy and zw.
+fn texcoord_at(place: TexturePlace, texcoords: vec4f) -> vec2f {
     let own = vec3f(select(texcoords.xy, texcoords.zw, place.texcoord_set == 1u), 1.0);
     return vec2f(dot(place.u_row, own), dot(place.v_row, own));
+}
+
+// The coordinates on one of the textures of the draw's material.
+fn texcoord(which: u32, texcoords: vec4f) -> vec2f {
+    return texcoord_at(material.places[which], texcoords);
 }

@@ -21,8 +21,13 @@ use wgpu::util::DeviceExt as _;
 pub(crate) use geometry::{AllAttributes, Attributes, Shading, VERTEX_BYTES};
 pub use lights::Lighting;
 #[cfg(test)]
-pub(crate) use material_record::{MaterialRecord, TexturePlace};
+pub(crate) use material_record::TexturePlace;
+pub(crate) use material_record::{MaterialRecord, TEXTURE_COUNT, has_sheen, is_layered};
+pub(crate) use material_record::{record as material_record, textures as material_textures};
 pub(crate) use materials::{GpuMaterial, Presence, material_layout};
+pub(crate) use mips::{Alpha, Encoding, Level, mip_chain};
+pub(crate) use reference_white::reference_white;
+pub(crate) use sheen::{EDGE as SHEEN_EDGE, table as sheen_table};
 pub use units::radiance_unit;
 pub(crate) use units::radiance_unit_within;
 
@@ -102,7 +107,7 @@ impl GpuScene {
         radiance_unit: f32,
     ) -> Result<Self, RenderError> {
         let material_layout = material_layout(&gpu.device);
-        let white = reference_white::reference_white(scene, lighting);
+        let white = reference_white(scene, lighting);
         let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, white, &material_layout);
         let colors = colors_of_materials(scene);
         let (materials, surfaces): (Vec<_>, Vec<_>) = scene
@@ -227,7 +232,7 @@ impl Placed {
 }
 
 /// For each material, the colours of the vertices on which it is used.
-fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
+pub(crate) fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
     let of_meshes: Vec<VertexColors> = scene
         .meshes
         .iter()

@@ -18,7 +18,7 @@ const NEAREST: f32 = 0.25;
 
 /// The radiance of white, in cd/m²: the largest of irradiance / pi by each light and of the mean
 /// radiance of the surroundings; without either, the strongest emission; in a scene without light 1 cd/m².
-pub(super) fn reference_white(scene: &Scene, lighting: &Lighting) -> f32 {
+pub(crate) fn reference_white(scene: &Scene, lighting: &Lighting) -> f32 {
     let bounds = scene.bounds();
     let nearest_m = bounds.radius_m() * NEAREST;
     let lights = lighting.lights.iter().map(|light| {

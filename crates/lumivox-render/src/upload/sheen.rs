@@ -10,11 +10,11 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use rayon::prelude::*;
 
 /// Edge of the table, which is smooth: cosines by roughnesses.
-pub(super) const EDGE: u32 = 32;
+pub(crate) const EDGE: u32 = 32;
 
 /// The table as bytes, 255 for one: cosines along rows, roughness from row to row, both at the centres of
 /// `EDGE` equal steps from 0 to 1.
-pub(super) fn table() -> Vec<u8> {
+pub(crate) fn table() -> Vec<u8> {
     let center = |i: u32| (i as f32 + 0.5) / EDGE as f32;
     (0..EDGE * EDGE)
         .into_par_iter()

@@ -153,6 +153,13 @@ pub(crate) struct ShadowLayerRecord {
 }
 
 impl Light {
+    /// Lights as the shaders read them, `Light` of `package::light::lights` one after the other, for a
+    /// caller's own passes. A dark one where there are none, since no binding may be empty.
+    pub fn buffer(device: &wgpu::Device, lights: &[Self]) -> wgpu::Buffer {
+        let records: Vec<LightRecord> = lights.iter().map(|light| light.to_gpu()).collect();
+        upload(device, "lights", &padded(&records))
+    }
+
     fn to_gpu(self) -> LightRecord {
         let (shadow, shadow_layer) = match self.shadow {
             Shadow::None => (SHADOW_NONE, 0),

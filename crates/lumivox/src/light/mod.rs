@@ -20,7 +20,7 @@ use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
 use crate::voxels::VoxelList;
 
-pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, Peak};
+pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub(crate) use lights::{
     LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP,
     SHADOW_NONE, lights_layout,

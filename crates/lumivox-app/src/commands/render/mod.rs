@@ -4,7 +4,6 @@
 //! the GPU and its limits; then the scene; then the work.
 
 mod clock;
-mod light;
 mod report;
 mod sequence;
 mod settings;
@@ -15,7 +14,7 @@ use lumivox::gpu::Timing;
 use lumivox_render::{Gpu, RenderSettings};
 use lumivox_scene::Scene;
 
-use super::open_gpu;
+use super::{light, open_gpu};
 use crate::args::output;
 use crate::cli::RenderArgs;
 use crate::exit::Failure;
@@ -52,7 +51,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
     settings.trace.validate()?;
     let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
     args.scene.scene.check()?;
-    light::check(&args.light)?;
+    light::check(&args.light.sources)?;
 
     let mut clock = Clock::start();
     let progress = Progress::start(bars, "loading");
@@ -62,7 +61,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
         settings.timing = Timing::for_device(&gpu.device);
     }
     let mut scene = args.scene.load(&progress)?;
-    light::add(&mut scene, &args.light, &progress)?;
+    light::add(&mut scene, &args.light.sources, &progress)?;
     let asked = Asked {
         time: args.motion.time,
         fps: f64::from(args.motion.fps),
@@ -77,16 +76,9 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
         progress.set("looking for a camera", 0, 1);
     }
     let schedule = Schedule::new(&asked, &scene)?;
-    if !args.light.no_default_light && !scene.shines() {
-        progress.set("looking for places of lamps", 0, 1);
+    if !args.light.sources.no_default_light && !scene.shines() {
         let camera = schedule.camera(&scene, schedule.start_s(), 0.0);
-        if let Some(light) = scene.add_default_light(Some(&camera)) {
-            tracing::warn!(
-                "nothing shines in the scene \"{}\": it is lit by {light}; light it with --sun, --sky \
-                 or --environment, or leave it dark with --no-default-light",
-                scene.name
-            );
-        }
+        light::add_default(&mut scene, &camera, &progress);
     }
     clock.seconds.loading = clock.lap();
 

@@ -195,7 +195,7 @@ fn settings_of(
         "scene": scene_settings(args),
         "size": args.size.to_array(),
         "exposure": args.exposure.to_string(),
-        "light": light::settings(&args.light),
+        "light": light::settings(&args.light.sources),
         "time": [moments.range_s.start, moments.range_s.end],
         "fps": moments.fps,
         "animation": animation_name(&stage.scene, stage.schedule.animation),

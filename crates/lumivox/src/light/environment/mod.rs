@@ -57,6 +57,25 @@ pub struct Peak {
     pub irradiance: Vec3,
     /// Half the angle under which it is seen, rad.
     pub angular_radius_rad: f32,
+    /// The middle of the cap that it was cut out of; unit length.
+    pub cap_direction: Vec3,
+    /// Half the angle of that cap, rad.
+    pub cap_rad: f32,
+    /// Radiance around the cap. Within it, what each channel has above this is the peak's.
+    pub around: Vec3,
+}
+
+/// A panorama at the size that is used at most, and the peaks in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanoramaWithPeaks {
+    /// Texels around.
+    pub width: u32,
+    /// Texels from top to bottom.
+    pub height: u32,
+    /// Radiance of each texel, peaks included.
+    pub rgb: Vec<[f32; 3]>,
+    /// Brightest first.
+    pub peaks: Vec<Peak>,
 }
 
 /// A panorama on the GPU, prefiltered for cones.
@@ -91,6 +110,37 @@ impl From<Vec3> for EnvironmentLight<'_> {
     }
 }
 
+impl Panorama<'_> {
+    /// Finds what [`EnvironmentMap`] makes lights of, in the panorama at the size at which it does so. For
+    /// renderers that read the panorama themselves and want to tell the same lights apart.
+    ///
+    /// # Errors
+    /// As [`EnvironmentMap::new`].
+    pub fn with_peaks(self) -> Result<PanoramaWithPeaks, GiError> {
+        self.validate()?;
+        let reduced = cube::reduced(self, 4 * MAX_SHARP_EDGE);
+        let panorama = reduced.as_ref().map_or(self, cube::Image::panorama);
+        Ok(PanoramaWithPeaks {
+            width: panorama.width,
+            height: panorama.height,
+            rgb: panorama.rgb.to_vec(),
+            peaks: peaks::split(panorama).peaks,
+        })
+    }
+
+    fn validate(self) -> Result<(), GiError> {
+        let texels = u64::from(self.width) * u64::from(self.height);
+        if texels == 0 || self.rgb.len() as u64 != texels {
+            return Err(GiError::Setting {
+                name: "panorama",
+                value: format!("{} texels for {} x {}", self.rgb.len(), self.width, self.height),
+                expected: "a texel for each, at least one".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
 impl EnvironmentMap {
     /// Cuts the peaks out of a panorama, and uploads both parts as cubes with mips.
     ///
@@ -104,19 +154,7 @@ impl EnvironmentMap {
         queue: &wgpu::Queue,
         panorama: Panorama<'_>,
     ) -> Result<Self, GiError> {
-        let texels = u64::from(panorama.width) * u64::from(panorama.height);
-        if texels == 0 || panorama.rgb.len() as u64 != texels {
-            return Err(GiError::Setting {
-                name: "panorama",
-                value: format!(
-                    "{} texels for {} x {}",
-                    panorama.rgb.len(),
-                    panorama.width,
-                    panorama.height
-                ),
-                expected: "a texel for each, at least one".to_owned(),
-            });
-        }
+        panorama.validate()?;
         let reduced = cube::reduced(panorama, 4 * MAX_SHARP_EDGE);
         let panorama = reduced.as_ref().map_or(panorama, cube::Image::panorama);
         let split = peaks::split(panorama);

@@ -206,6 +206,9 @@ impl Found {
             direction: direction.as_vec3(),
             irradiance: irradiance.as_vec3(),
             angular_radius_rad: self.radius_rad as f32,
+            cap_direction: self.center.as_vec3(),
+            cap_rad: self.cap_rad as f32,
+            around: self.around,
         }
     }
 }

@@ -4,19 +4,19 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use lumivox_scene::sky::{SkySettings, sky};
-use lumivox_scene::{Environment, EnvironmentMap, LightKind, Scene, SceneError};
+use lumivox_scene::{Camera, Environment, EnvironmentMap, LightKind, Scene, SceneError};
 use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
 use crate::args::scene::stamp;
-use crate::cli::LightArgs;
+use crate::cli::SourceArgs;
 use crate::progress::Progress;
 
 /// Checks what is cheap to check: that there is such a panorama at all.
 ///
 /// # Errors
 /// [`SceneError::Read`].
-pub fn check(args: &LightArgs) -> Result<(), SceneError> {
+pub fn check(args: &SourceArgs) -> Result<(), SceneError> {
     let Some(Surroundings::File(file)) = &args.environment else { return Ok(()) };
     let read = std::fs::metadata(file).and_then(|metadata| {
         if metadata.is_file() { Ok(()) } else { Err(std::io::Error::other("not a regular file")) }
@@ -28,7 +28,7 @@ pub fn check(args: &LightArgs) -> Result<(), SceneError> {
 ///
 /// # Errors
 /// When a panorama cannot be read.
-pub fn add(scene: &mut Scene, args: &LightArgs, progress: &Progress) -> Result<(), SceneError> {
+pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<(), SceneError> {
     scene.lights.extend(args.sun.clone());
     match &args.environment {
         Some(Surroundings::Uniform(radiance)) => {
@@ -58,8 +58,20 @@ pub fn add(scene: &mut Scene, args: &LightArgs, progress: &Progress) -> Result<(
     Ok(())
 }
 
+/// Lights a scene in which nothing shines, and says so.
+pub fn add_default(scene: &mut Scene, camera: &Camera, progress: &Progress) {
+    progress.set("looking for places of lamps", 0, 1);
+    if let Some(light) = scene.add_default_light(Some(camera)) {
+        tracing::warn!(
+            "nothing shines in the scene \"{}\": it is lit by {light}; light it with --sun, --sky \
+             or --environment, or leave it dark with --no-default-light",
+            scene.name
+        );
+    }
+}
+
 /// What decides the light, for the index of a sequence.
-pub fn settings(args: &LightArgs) -> Value {
+pub fn settings(args: &SourceArgs) -> Value {
     let sun = args.sun.as_ref().map(|sun| {
         let lux = match sun.kind {
             LightKind::Directional { illuminance_lux, .. } => Some(illuminance_lux),

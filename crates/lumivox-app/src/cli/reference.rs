@@ -1,0 +1,76 @@
+//! The arguments of `reference`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{GpuArgs, SceneArg, SourceArgs, ViewArgs};
+use crate::args::number;
+
+/// The arguments of `reference`.
+#[derive(Args, Debug)]
+pub struct ReferenceArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// The picture's file: .exr (floats, all layers) or .png (8 bits a channel, tone mapped) [required]
+    ///
+    /// The layers of an OpenEXR file: radiance in cd/m2 (R, G, B); direct; one_bounce and full, irradiance in
+    /// lux by the light that came by way of one other surface, and by all but that straight from lamps;
+    /// occlusion, albedo, normal, depth; and variance, of the mean of each pixel. A file of that name is
+    /// replaced once the picture is complete, never half. Ctrl-C writes what is there so far.
+    #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
+    pub output: PathBuf,
+
+    /// What it shows.
+    #[command(flatten)]
+    pub view: ViewArgs,
+
+    /// Samples of each pixel, 1 to 16777216
+    ///
+    /// Noise falls with their root: four times as many halve it.
+    #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
+    #[arg(value_parser = number::whole(1..=1 << 24), help_heading = "Paths")]
+    #[arg(default_value = "256", allow_negative_numbers = true)]
+    pub samples: u32,
+
+    /// Number that the random numbers follow from, 0 to 4294967295
+    ///
+    /// The same seed gives the same picture, to the bit on the same GPU.
+    #[arg(long, value_name = "NUMBER", value_parser = number::whole(0..=u32::MAX))]
+    #[arg(help_heading = "Paths", default_value = "0", allow_negative_numbers = true)]
+    pub seed: u32,
+
+    /// Reflections of indirect light at most, 0 to 4096 [default: as many as there are]
+    #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=4096))]
+    #[arg(help_heading = "Paths", allow_negative_numbers = true)]
+    pub bounces: Option<u32>,
+
+    /// Reach of ambient occlusion in metres, 0 to 1e9 [default: unlimited]
+    #[arg(long, value_name = "METRES", value_parser = number::number(0.0..=1e9))]
+    #[arg(help_heading = "Paths", allow_negative_numbers = true)]
+    pub occlusion_distance: Option<f32>,
+
+    /// A file that keeps the sums on the way, written every half minute and at the end [default: none]
+    ///
+    /// With --resume a later run goes on from there, to the same bits as if it had never stopped.
+    #[arg(long, value_name = "FILE", help_heading = "Paths")]
+    pub checkpoint: Option<PathBuf>,
+
+    /// Go on from the --checkpoint, if the file is there [default: off, start anew]
+    #[arg(long, requires = "checkpoint", help_heading = "Paths")]
+    pub resume: bool,
+
+    /// What shines.
+    #[command(flatten)]
+    pub sources: SourceArgs,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+
+    /// Print one JSON object instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+}

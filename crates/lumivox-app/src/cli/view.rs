@@ -1,0 +1,38 @@
+//! What a still picture shows of a scene.
+
+use clap::Args;
+use glam::UVec2;
+
+use crate::args::camera::{self, CameraChoice};
+use crate::args::{number, size};
+use crate::motion::{AnimationName, animation};
+
+/// A still picture's size, camera and moment.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Picture")]
+pub struct ViewArgs {
+    /// Width and height in pixels, each from 1 to 16384
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size)]
+    #[arg(default_value = "640x360", allow_hyphen_values = true)]
+    pub size: UVec2,
+
+    /// Where from: a camera's name or number, or position and target in metres [default: the
+    /// scene's first camera, else `framing`, the view that shows it best]
+    ///
+    /// As of `lumivox render`.
+    #[arg(long, value_name = "NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]", value_parser = camera::camera)]
+    #[arg(allow_hyphen_values = true)]
+    pub camera: Option<CameraChoice>,
+
+    /// The moment that is shown, in seconds, -10000 to 10000 [default: the scene as its file shows it]
+    #[arg(long, value_name = "SECONDS", value_parser = number::number(-10_000.0..=10_000.0))]
+    #[arg(allow_hyphen_values = true)]
+    pub time: Option<f32>,
+
+    /// What the scene plays: an animation's name or number, or all of them at once [default: the
+    /// first, if there is a --time]
+    ///
+    /// Numbers count from 0; `lumivox info SCENE` lists them.
+    #[arg(long, value_name = "NAME|NUMBER|all", value_parser = animation)]
+    pub animation: Option<AnimationName>,
+}

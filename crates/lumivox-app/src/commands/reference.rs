@@ -1,0 +1,231 @@
+//! `lumivox reference`: a path-traced picture, with all that it is made of.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::MultiProgress;
+use lumivox_render::reference::{
+    PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
+};
+use lumivox_render::{Exposure, Gpu, ImageFormat, Picture, ToneMap};
+use lumivox_scene::write_atomically;
+use serde::Serialize;
+
+use super::staged::stage;
+use super::{light, open_gpu};
+use crate::args::output;
+use crate::cli::ReferenceArgs;
+use crate::exit::Failure;
+use crate::progress::Progress;
+use crate::report::{AdapterReport, SceneCounts, print, print_json};
+
+/// How often a checkpoint is written.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+
+/// Traces, writes, reports.
+///
+/// # Errors
+/// When anything that the arguments ask for cannot be done; the message says what.
+pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    output::check(&args.output)?;
+    if let Some(file) = &args.checkpoint {
+        output::check_folder(file, &output::folder_of(file))?;
+    }
+    args.scene.scene.check()?;
+    light::check(&args.sources)?;
+    let start = Instant::now();
+    let progress = Progress::start(bars, "loading");
+    let gpu = open_gpu(&args.gpu)?;
+    let (scene, camera) = stage(&args.scene, &args.sources, &args.view, &progress)?;
+
+    progress.set("preparing", 0, 1);
+    let settings = ReferenceSettings {
+        size: args.view.size,
+        samples: args.samples,
+        seed: args.seed,
+        gathers: args.bounces,
+        occlusion_distance_m: args.occlusion_distance.unwrap_or(f32::INFINITY),
+    };
+    let tracer = PathTracer::new(&gpu, &scene, Some(&camera), settings);
+    let mut tracer = pollster::block_on(tracer)?;
+    if args.resume
+        && let Some(file) = &args.checkpoint
+    {
+        resume(&mut tracer, file)?;
+    }
+    let resumed = tracer.samples();
+    let is_stopped = stop_on_interrupt()?;
+    trace(&mut tracer, args, &progress, &is_stopped)?;
+
+    progress.set("writing", 0, 1);
+    let layers = tracer.layers();
+    write(&layers, &gpu, &args.output)?;
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+    let report = Report {
+        file: args.output.display().to_string(),
+        size: layers.size.to_array(),
+        scene: SceneCounts::new(&scene),
+        camera: camera.name.clone(),
+        samples: layers.samples,
+        samples_before: resumed,
+        is_complete: layers.samples >= args.samples,
+        noise_percent: Noise::of(&layers),
+        seconds,
+        adapter: AdapterReport::new(&gpu.adapter_info),
+    };
+    if args.json { print_json(&report) } else { print(&report.text()) }
+}
+
+/// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint.
+fn trace(
+    tracer: &mut PathTracer,
+    args: &ReferenceArgs,
+    progress: &Progress,
+    is_stopped: &AtomicBool,
+) -> anyhow::Result<()> {
+    loop {
+        let slice = Instant::now();
+        let mut hear = |step: ReferenceProgress| {
+            let share = step.samples.fract();
+            progress.set_within("sample", step.samples as u32, step.total, share);
+            let is_due = args.checkpoint.is_some() && slice.elapsed() >= CHECKPOINT_EVERY;
+            if is_due || is_stopped.load(Ordering::Relaxed) {
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        };
+        pollster::block_on(tracer.render(&mut hear))?;
+        if let Some(file) = &args.checkpoint {
+            let sums = tracer.checkpoint();
+            let written = write_atomically(file, |out| std::io::Write::write_all(out, &sums));
+            written.map_err(|error| {
+                Failure::output(format!(
+                    "{}: cannot write the checkpoint: {error}; check the folder and its permissions",
+                    file.display()
+                ))
+            })?;
+        }
+        if tracer.samples() >= args.samples || is_stopped.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+    }
+}
+
+fn resume(tracer: &mut PathTracer, file: &Path) -> anyhow::Result<()> {
+    let checkpoint = match std::fs::read(file) {
+        Ok(checkpoint) => checkpoint,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => {
+            return Err(Failure::input(format!(
+                "{}: cannot read the checkpoint: {error}; check its permissions",
+                file.display()
+            ))
+            .into());
+        }
+    };
+    let resumed = tracer.resume(&checkpoint);
+    resumed.map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
+    tracing::info!("going on after {} samples", tracer.samples());
+    Ok(())
+}
+
+/// Makes the first Ctrl-C a wish to stop, and the second the end.
+fn stop_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
+    let is_stopped = Arc::new(AtomicBool::new(false));
+    let seen = is_stopped.clone();
+    ctrlc::set_handler(move || {
+        if seen.swap(true, Ordering::Relaxed) {
+            // The code that shells expect of a program that was interrupted.
+            std::process::exit(130);
+        }
+    })?;
+    Ok(is_stopped)
+}
+
+fn write(layers: &ReferenceLayers, gpu: &Gpu, file: &Path) -> anyhow::Result<()> {
+    match ImageFormat::from_path(file)? {
+        ImageFormat::Exr => layers.write_exr(file)?,
+        ImageFormat::Png => {
+            let hdr = layers.picture();
+            let (exposure, curve) = (Exposure::Auto, ToneMap::default());
+            let picture = Picture::develop(gpu, layers.size, hdr, exposure, curve);
+            pollster::block_on(picture)?.write(file)?;
+        }
+    }
+    Ok(())
+}
+
+/// The noise of each layer: the root of the mean variance over the mean, in per cent; none where it is black or
+/// there is one sample.
+#[derive(Clone, Debug, Serialize)]
+struct Noise {
+    radiance: Option<f64>,
+    direct: Option<f64>,
+    one_bounce: Option<f64>,
+    full: Option<f64>,
+}
+
+impl Noise {
+    fn of(layers: &ReferenceLayers) -> Self {
+        Self {
+            radiance: noise_percent(&layers.radiance, &layers.radiance_variance),
+            direct: noise_percent(&layers.direct, &layers.direct_variance),
+            one_bounce: noise_percent(&layers.one_bounce, &layers.one_bounce_variance),
+            full: noise_percent(&layers.full, &layers.full_variance),
+        }
+    }
+}
+
+fn noise_percent(pixels: &[[f32; 3]], variances: &[f32]) -> Option<f64> {
+    let count = pixels.len() as f64;
+    // ITU-R BT.709-6, section 3.2.
+    let luminance = |[r, g, b]: &[f32; 3]| {
+        0.2126 * f64::from(*r) + 0.7152 * f64::from(*g) + 0.0722 * f64::from(*b)
+    };
+    let mean = pixels.iter().map(luminance).sum::<f64>() / count;
+    let variance = variances.iter().map(|variance| f64::from(*variance)).sum::<f64>() / count;
+    (mean > 0.0 && variance.is_finite()).then(|| 100.0 * variance.sqrt() / mean)
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Report {
+    file: String,
+    size: [u32; 2],
+    scene: SceneCounts,
+    camera: String,
+    /// Of each pixel.
+    samples: u32,
+    /// Of those, from the checkpoint.
+    samples_before: u32,
+    /// Whether all samples are there that were asked for.
+    is_complete: bool,
+    noise_percent: Noise,
+    seconds: f64,
+    adapter: AdapterReport,
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let [width, height] = self.size;
+        let stopped = if self.is_complete { "" } else { " (stopped early)" };
+        let noise =
+            |name: &str, value: Option<f64>| value.map(|value| format!("{name} {value:.2} %"));
+        let noises: Vec<String> = [
+            noise("picture", self.noise_percent.radiance),
+            noise("one bounce", self.noise_percent.one_bounce),
+            noise("all bounces", self.noise_percent.full),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        let noises = if noises.is_empty() { "unknown".to_owned() } else { noises.join(", ") };
+        format!(
+            "{}: {width} x {height}, {} samples a pixel{stopped}, {:.1} s; noise: {noises}\n",
+            self.file, self.samples, self.seconds
+        )
+    }
+}

@@ -1,0 +1,44 @@
+//! A scene that is ready for a still picture: loaded, posed, lit, with its camera.
+
+use lumivox_scene::{Camera, Scene};
+
+use super::light;
+use crate::args::camera::resolve;
+use crate::cli::{SceneArg, SourceArgs, ViewArgs};
+use crate::exit::Failure;
+use crate::motion::choose;
+use crate::progress::Progress;
+
+/// Loads, poses and lights a scene, and finds its camera.
+///
+/// # Errors
+/// When the scene or a panorama cannot be read, nothing moves where a time is asked for, or there is no such
+/// camera.
+pub fn stage(
+    scene: &SceneArg,
+    sources: &SourceArgs,
+    view: &ViewArgs,
+    progress: &Progress,
+) -> anyhow::Result<(Scene, Camera)> {
+    let mut scene = scene.load(progress)?;
+    light::add(&mut scene, sources, progress)?;
+    if view.time.is_some() || view.animation.is_some() {
+        let Some(animation) = choose(view.animation.as_ref(), &scene)? else {
+            return Err(Failure::input(format!(
+                "nothing moves in the scene \"{}\": it has no animation; leave --time out",
+                scene.name
+            ))
+            .into());
+        };
+        scene.pose(animation, view.time.unwrap_or(0.0))?;
+    }
+    if scene.cameras.is_empty() && view.camera.is_none() {
+        progress.set("looking for a camera", 0, 1);
+    }
+    let aspect = view.size.x as f32 / view.size.y as f32;
+    let camera = resolve(view.camera.as_ref(), &scene, aspect)?;
+    if !sources.no_default_light && !scene.shines() {
+        light::add_default(&mut scene, &camera, progress);
+    }
+    Ok((scene, camera))
+}

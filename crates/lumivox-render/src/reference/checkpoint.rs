@@ -1,0 +1,124 @@
+//! Sums on their way, kept in a file.
+//!
+//! Little-endian: the mark, the fingerprint of what is traced, width, height and samples, all sums in f64, and a
+//! checksum of all before.
+
+use bytemuck::Zeroable as _;
+use glam::UVec2;
+
+use super::film::{Film, Sums};
+
+const MARK: &[u8; 8] = b"LUMIREF1";
+const HEADER_BYTES: usize = 8 + 8 + 3 * 4;
+
+/// Why a checkpoint cannot be gone on with.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The bytes are no checkpoint, or not all of one.
+    #[error("it is no checkpoint of a reference, or it is damaged; delete it and start anew")]
+    Damaged,
+    /// It is one of another picture size.
+    #[error(
+        "it holds {} x {} pixels, but {} x {} were asked for; ask for that size, or start anew",
+        found.x, found.y, wanted.x, wanted.y
+    )]
+    Size {
+        /// Its size in pixels.
+        found: UVec2,
+        /// The size of what is traced now.
+        wanted: UVec2,
+    },
+    /// The scene, the camera, the seed or the limit of gathers has changed.
+    #[error(
+        "it is of another scene, camera, seed or number of bounces; trace the same again, or start anew"
+    )]
+    Other,
+}
+
+pub(super) fn write(film: &Film, fingerprint: u64) -> Vec<u8> {
+    let mut bytes = MARK.to_vec();
+    bytes.extend(fingerprint.to_le_bytes());
+    for number in [film.size.x, film.size.y, film.samples] {
+        bytes.extend(number.to_le_bytes());
+    }
+    for number in bytemuck::cast_slice::<Sums, f64>(&film.sums) {
+        bytes.extend(number.to_le_bytes());
+    }
+    let checksum = fingerprint_of([&bytes[..]]);
+    bytes.extend(checksum.to_le_bytes());
+    bytes
+}
+
+pub(super) fn read(bytes: &[u8], size: UVec2, fingerprint: u64) -> Result<Film, CheckpointError> {
+    let (bytes, checksum) = bytes.split_last_chunk::<8>().ok_or(CheckpointError::Damaged)?;
+    if bytes.len() < HEADER_BYTES
+        || &bytes[..8] != MARK
+        || fingerprint_of([bytes]) != u64::from_le_bytes(*checksum)
+    {
+        return Err(CheckpointError::Damaged);
+    }
+    let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[16 + 4 * at + i]));
+    let found = UVec2::new(word(0), word(1));
+    if found != size {
+        return Err(CheckpointError::Size { found, wanted: size });
+    }
+    if bytes[8..16] != fingerprint.to_le_bytes() {
+        return Err(CheckpointError::Other);
+    }
+    let numbers = bytes[HEADER_BYTES..].chunks_exact(8);
+    let mut film = Film::new(size);
+    if numbers.len() * 8 != size_of_val(film.sums.as_slice()) {
+        return Err(CheckpointError::Damaged);
+    }
+    film.sums.fill(Sums::zeroed());
+    film.samples = word(2);
+    for (sum, number) in
+        bytemuck::cast_slice_mut::<Sums, f64>(&mut film.sums).iter_mut().zip(numbers)
+    {
+        *sum = f64::from_le_bytes(std::array::from_fn(|i| number[i]));
+    }
+    Ok(film)
+}
+
+/// FNV-1a (Fowler, Noll and Vo 1991) over 8 bytes at a time: tells what differs by accident, not by intent.
+pub(super) fn fingerprint_of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut mix =
+        |word: u64| hash = (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29);
+    for part in parts {
+        mix(part.len() as u64);
+        for chunk in part.chunks(8) {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            mix(u64::from_le_bytes(word));
+        }
+    }
+    hash
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read_and_nothing_else() {
+        let size = UVec2::new(3, 2);
+        let mut film = Film::new(size);
+        film.samples = 12;
+        film.sums[4].full = [1.5, -2.0, 1e300];
+        let bytes = write(&film, 77);
+        assert_eq!(read(&bytes, size, 77), Ok(film));
+        assert_eq!(read(&bytes, size, 78), Err(CheckpointError::Other));
+        let wanted = UVec2::new(2, 3);
+        assert_eq!(read(&bytes, wanted, 77), Err(CheckpointError::Size { found: size, wanted }));
+        for cut in [0, 5, 20, bytes.len() - 1] {
+            assert_eq!(read(&bytes[..cut], size, 77), Err(CheckpointError::Damaged));
+        }
+        for at in [0, 9, 17, 40, bytes.len() - 1] {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 4;
+            assert_eq!(read(&damaged, size, 77), Err(CheckpointError::Damaged), "{at}");
+        }
+    }
+}

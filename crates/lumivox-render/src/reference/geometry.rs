@@ -1,0 +1,215 @@
+//! The triangles of a scene as rays meet them: flat, in the world's axes, in the order of a hierarchy of boxes.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
+use lumivox_scene::{Mesh, Scene};
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+
+/// `LEAF` of `world.wgsl`.
+const LEAF: u32 = 1 << 31;
+/// `DOUBLE_SIDED` of `world.wgsl`.
+const DOUBLE_SIDED: u32 = 1 << 31;
+/// `SEE_THROUGH` of `world.wgsl`.
+const SEE_THROUGH: u32 = 1 << 30;
+/// Triangles of a leaf at most: a leaf's link has three bits for them.
+const MOST_PER_LEAF: u32 = 4;
+/// Triangles at most: a leaf's link has 28 bits for the first.
+pub(super) const MOST_TRIANGLES: usize = 1 << 28;
+
+/// `Node` of `world.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct NodeRecord {
+    pub(crate) low: [f32; 3],
+    pub(crate) link: u32,
+    pub(crate) high: [f32; 3],
+    padding: u32,
+}
+
+/// `Triangle` of `world.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct TriangleRecord {
+    pub(crate) corner: [f32; 3],
+    pub(crate) vertex_0: u32,
+    pub(crate) edge_1: [f32; 3],
+    pub(crate) vertex_1: u32,
+    pub(crate) edge_2: [f32; 3],
+    pub(crate) vertex_2: u32,
+}
+
+/// `Vertex` of `world.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct VertexRecord {
+    pub(crate) normal: [f32; 3],
+    pub(crate) material: u32,
+    pub(crate) tangent: [f32; 4],
+    pub(crate) texcoords: [f32; 4],
+    pub(crate) color: [u16; 4],
+    padding: [u32; 2],
+}
+
+/// What a material is to rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Sides {
+    /// It is nowhere.
+    pub(super) is_absent: bool,
+    pub(super) is_double_sided: bool,
+    /// Light may pass where it is not there.
+    pub(super) is_see_through: bool,
+}
+
+/// All triangles of a scene.
+#[derive(Clone, Debug)]
+pub(super) struct Triangles {
+    pub(super) nodes: Vec<NodeRecord>,
+    /// The link of the root.
+    pub(super) root: u32,
+    /// How many links wait at most while a ray descends.
+    pub(super) stack: u32,
+    pub(super) triangles: Vec<TriangleRecord>,
+    pub(super) vertices: Vec<VertexRecord>,
+    /// What the origin was moved to, m: f32 is finest near zero.
+    pub(super) origin: DVec3,
+    /// Half the diagonal of the bounds, m.
+    pub(super) radius_m: f32,
+}
+
+impl Triangles {
+    /// All triangles of a valid scene but those of materials that are nowhere.
+    pub(super) fn new(scene: &Scene, sides: &[Sides]) -> Self {
+        let bounds = scene.bounds();
+        let origin = bounds.center().as_dvec3();
+        let mut triangles = Vec::new();
+        let mut vertices = Vec::new();
+        for instance in &scene.instances {
+            let sides = sides[instance.material];
+            if sides.is_absent {
+                continue;
+            }
+            let mesh = &scene.meshes[instance.mesh];
+            let world_from_local = instance.world_from_local.as_dmat4();
+            let first = vertices.len() as u32;
+            append_vertices(&mut vertices, mesh, world_from_local, instance.material as u32);
+            let positions: Vec<Vec3> = mesh
+                .positions
+                .iter()
+                .map(|p| (world_from_local.transform_point3(p.as_dvec3()) - origin).as_vec3())
+                .collect();
+            // A mirrored front is a front still.
+            let is_mirrored = world_from_local.determinant() < 0.0;
+            let bits = if sides.is_double_sided { DOUBLE_SIDED } else { 0 }
+                | if sides.is_see_through { SEE_THROUGH } else { 0 };
+            for [a, b, c] in mesh.triangles() {
+                let [b, c] = if is_mirrored { [c, b] } else { [b, c] };
+                triangles.push(TriangleRecord {
+                    corner: positions[a].to_array(),
+                    edge_1: (positions[b] - positions[a]).to_array(),
+                    edge_2: (positions[c] - positions[a]).to_array(),
+                    vertex_0: (first + a as u32) | bits,
+                    vertex_1: first + b as u32,
+                    vertex_2: first + c as u32,
+                });
+            }
+        }
+        let bvh = build(&triangles);
+        let ordered = bvh.primitive_indices.iter().map(|&index| triangles[index as usize]);
+        let triangles: Vec<TriangleRecord> = ordered.collect();
+        let nodes: Vec<NodeRecord> = bvh
+            .nodes
+            .iter()
+            .map(|node| NodeRecord {
+                low: Vec3::from(node.aabb.min).to_array(),
+                link: link(node.prim_count, node.first_index),
+                high: Vec3::from(node.aabb.max).to_array(),
+                padding: 0,
+            })
+            .collect();
+        let stack = bvh.depth(0) as u32 + 1;
+        Self {
+            root: nodes.first().map_or(LEAF, |node| node.link),
+            // Buffers may not be empty; a triangle without area is never met.
+            triangles: or_one(triangles),
+            nodes: or_one(nodes),
+            vertices: or_one(vertices),
+            stack,
+            origin,
+            radius_m: bounds.radius_m(),
+        }
+    }
+
+    /// The material of a triangle.
+    pub(super) fn material(&self, triangle: &TriangleRecord) -> usize {
+        let vertex = triangle.vertex_0 & !(DOUBLE_SIDED | SEE_THROUGH);
+        self.vertices[vertex as usize].material as usize
+    }
+}
+
+impl TriangleRecord {
+    pub(super) fn area_m2(&self) -> f64 {
+        let [a, b] = [self.edge_1, self.edge_2].map(|edge| Vec3::from(edge).as_dvec3());
+        0.5 * a.cross(b).length()
+    }
+}
+
+fn or_one<T: Default>(records: Vec<T>) -> Vec<T> {
+    if records.is_empty() { vec![T::default()] } else { records }
+}
+
+fn link(count: u32, first: u32) -> u32 {
+    if count == 0 { first } else { LEAF | (count - 1) << 28 | first }
+}
+
+fn build(triangles: &[TriangleRecord]) -> Bvh2 {
+    let corners: Vec<obvhs::triangle::Triangle> = triangles
+        .iter()
+        .map(|triangle| {
+            let corner = Vec3::from(triangle.corner);
+            obvhs::triangle::Triangle {
+                v0: corner.into(),
+                v1: (corner + Vec3::from(triangle.edge_1)).into(),
+                v2: (corner + Vec3::from(triangle.edge_2)).into(),
+            }
+        })
+        .collect();
+    if corners.is_empty() {
+        return Bvh2::default();
+    }
+    let quality =
+        BvhBuildParams { max_prims_per_leaf: MOST_PER_LEAF, ..BvhBuildParams::medium_build() };
+    build_bvh2_from_tris(&corners, quality, &mut std::time::Duration::default())
+}
+
+fn append_vertices(
+    vertices: &mut Vec<VertexRecord>,
+    mesh: &Mesh,
+    world_from_local: DMat4,
+    material: u32,
+) {
+    let linear = glam::DMat3::from_mat4(world_from_local);
+    // With the determinant's sign: a mirror must not turn normals inwards.
+    let normal_from_local = linear.inverse().transpose();
+    vertices.extend((0..mesh.positions.len()).map(|index| {
+        let normal = mesh.normals.get(index).copied().unwrap_or(Vec3::Y);
+        let tangent = mesh.tangents.get(index).copied();
+        let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector().extend(1.0));
+        let normal = (normal_from_local * normal.as_dvec3()).normalize_or_zero().as_vec3();
+        let along = linear * tangent.truncate().as_dvec3();
+        let texcoord = mesh.uvs.get(index).copied().unwrap_or(Vec2::ZERO);
+        let texcoord_1 = mesh.uvs1.get(index).copied().unwrap_or(texcoord);
+        let color = mesh.colors.get(index).copied().unwrap_or(Vec4::ONE);
+        VertexRecord {
+            normal: normal.to_array(),
+            material,
+            tangent: along.normalize_or_zero().as_vec3().extend(tangent.w).to_array(),
+            texcoords: [texcoord.x, texcoord.y, texcoord_1.x, texcoord_1.y],
+            color: color
+                .to_array()
+                .map(|x| (x.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16),
+            padding: [0; 2],
+        }
+    }));
+}

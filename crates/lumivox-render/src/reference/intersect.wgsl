@@ -1,0 +1,116 @@
+// Rays against triangles: a descent through boxes, nearest first.
+//
+// The loop over boxes and the loop over a leaf's triangles take turns (Aila and Laine 2009, "Understanding the
+// efficiency of ray traversal on GPUs"): the lanes of a wide machine then do the same thing at the same time.
+// Triangles are met by Moeller and Trumbore's test (1997), a millionth wider than they are, so that no ray slips
+// through the edge that two of them share.
+
+import package::constants::REFERENCE_STACK;
+import package::render::reference::world::{
+    nodes, triangles, world, DOUBLE_SIDED, LEAF, SEE_THROUGH, VERTEX_INDEX,
+};
+
+struct Ray {
+    origin: vec3f,
+    // Unit length.
+    direction: vec3f,
+    reach: f32,
+}
+
+struct Hit {
+    distance: f32,
+    // NOTHING: none.
+    triangle: u32,
+    // Weights of the second and third vertex.
+    weights: vec2f,
+}
+
+const NOTHING: u32 = 0xffffffffu;
+const EDGE_TOLERANCE: f32 = 1e-6;
+
+// What rays meet: fronts, and backs of double-sided surfaces alone.
+const AS_SEEN: u32 = 0u;
+// Both sides of everything.
+const BOTH_SIDES: u32 = 1u;
+
+// Where a ray enters a box; above `reach` if it does not.
+fn entry(node: u32, origin: vec3f, inverse: vec3f, reach: f32) -> f32 {
+    let a = (nodes[node].low - origin) * inverse;
+    let b = (nodes[node].high - origin) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    let first = max(max(near.x, near.y), max(near.z, 0.0));
+    // Rounding must not lose what lies in the box's own faces.
+    let last = min(min(far.x, far.y), min(far.z, reach)) * 1.0000004;
+    return select(3.4e38, first, first <= last);
+}
+
+// The nearest triangle that a ray meets; if `stops_early`, any that lets no light pass will do.
+fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
+    // No component is zero, so that no product is undefined.
+    let tiny = abs(ray.direction) < vec3f(1e-20);
+    let inverse = 1.0 / select(ray.direction, vec3f(1e-20), tiny);
+    var hit = Hit(ray.reach, NOTHING, vec2f(0.0));
+    var stack: array<u32, REFERENCE_STACK>;
+    var depth = 0u;
+    var current = world.root;
+    var is_done = false;
+    loop {
+        while (current & LEAF) == 0u {
+            let left = entry(current, ray.origin, inverse, hit.distance);
+            let right = entry(current + 1u, ray.origin, inverse, hit.distance);
+            let nearer = select(current, current + 1u, right < left);
+            if max(left, right) < 3e38 {
+                stack[depth] = nodes[2u * current + 1u - nearer].link;
+                depth++;
+            }
+            if min(left, right) < 3e38 {
+                current = nodes[nearer].link;
+            } else if depth > 0u {
+                depth--;
+                current = stack[depth];
+            } else {
+                is_done = true;
+                break;
+            }
+        }
+        if !is_done {
+            let first = current & 0x0fffffffu;
+            let last = first + ((current >> 28u) & 7u);
+            for (var index = first; index <= last; index++) {
+                let triangle = triangles[index];
+                let p = cross(ray.direction, triangle.edge_2);
+                // Above zero: the front.
+                let determinant = dot(triangle.edge_1, p);
+                let inverse_determinant = 1.0 / determinant;
+                let from_corner = ray.origin - triangle.corner;
+                let u = dot(from_corner, p) * inverse_determinant;
+                let q = cross(from_corner, triangle.edge_1);
+                let v = dot(ray.direction, q) * inverse_determinant;
+                let distance = dot(triangle.edge_2, q) * inverse_determinant;
+                let counts = determinant > 0.0 || sides == BOTH_SIDES
+                    || (triangle.vertex_0 & DOUBLE_SIDED) != 0u;
+                // Said so that what is undefined (a determinant of zero) is no hit.
+                if counts && u >= -EDGE_TOLERANCE && v >= -EDGE_TOLERANCE && u + v <= 1.0 + EDGE_TOLERANCE
+                    && distance > 0.0 && distance < hit.distance {
+                    hit = Hit(distance, index, vec2f(u, v));
+                    is_done = is_done || (stops_early && (triangle.vertex_0 & SEE_THROUGH) == 0u);
+                }
+            }
+            is_done = is_done || depth == 0u;
+            if !is_done {
+                depth--;
+                current = stack[depth];
+            }
+        }
+        if is_done {
+            break;
+        }
+    }
+    return hit;
+}
+
+// A ray from a surface point, on the side of a normal, clear of rounding.
+fn ray_from(position: vec3f, side: vec3f, direction: vec3f, reach: f32) -> Ray {
+    return Ray(position + side * world.offset_m, direction, reach);
+}

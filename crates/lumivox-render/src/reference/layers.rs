@@ -1,0 +1,136 @@
+//! What a reference says: radiance, and the light and geometry that it is made of.
+
+use std::f64::consts::PI;
+use std::io;
+use std::path::Path;
+
+use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Text, WritableImage as _};
+use glam::UVec2;
+use lumivox_scene::write_atomically;
+
+use super::film::{Film, luminance};
+use crate::RenderError;
+
+/// The layers of a path-traced picture, each row by row from the top; where a pixel shows no surface they
+/// count as zero.
+///
+/// A variance is that of the mean over samples, of the luminance: the square of the standard deviation that the
+/// pixel is uncertain by. It is infinite below two samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceLayers {
+    /// Width and height in pixels.
+    pub size: UVec2,
+    /// Samples of each pixel.
+    pub samples: u32,
+    /// The picture: radiance in cd/m².
+    pub radiance: Vec<[f32; 3]>,
+    /// The part of it that came straight from lamps, is emitted, or is the background.
+    pub direct: Vec<[f32; 3]>,
+    /// Irradiance in lux on the visible surface, of what emits and of what lamps light directly.
+    pub one_bounce: Vec<[f32; 3]>,
+    /// Irradiance in lux on the visible surface by all light but that straight from lamps.
+    pub full: Vec<[f32; 3]>,
+    /// The share of the hemisphere, weighted by the cosine, that is open as far as occlusion reaches.
+    pub occlusion: Vec<f32>,
+    /// Diffuse albedo.
+    pub albedo: Vec<[f32; 3]>,
+    /// Shading normal, of the length of the pixel's coverage if all agree.
+    pub normal: Vec<[f32; 3]>,
+    /// Distance from the camera, m.
+    pub depth_m: Vec<f32>,
+    /// The share of the pixel that shows a surface.
+    pub coverage: Vec<f32>,
+    /// Variance of `radiance`.
+    pub radiance_variance: Vec<f32>,
+    /// Variance of `direct`.
+    pub direct_variance: Vec<f32>,
+    /// Variance of `one_bounce`.
+    pub one_bounce_variance: Vec<f32>,
+    /// Variance of `full`.
+    pub full_variance: Vec<f32>,
+    /// Variance of `occlusion`.
+    pub occlusion_variance: Vec<f32>,
+}
+
+impl ReferenceLayers {
+    pub(super) fn new(film: &Film, radiance_unit: f32) -> Self {
+        let unit = f64::from(radiance_unit);
+        let first = |colors: Vec<[f32; 3]>| colors.into_iter().map(|[x, _, _]| x).collect();
+        let scalar = |of: fn(&super::film::Sums) -> f64| first(film.mean(1.0, |s| [of(s); 3]));
+        Self {
+            size: film.size,
+            samples: film.samples,
+            radiance: film.mean(unit, |sums| sums.picture),
+            direct: film.mean(unit, |sums| sums.direct),
+            one_bounce: film.mean(PI * unit, |sums| sums.one_bounce),
+            full: film.mean(PI * unit, |sums| sums.full),
+            occlusion: scalar(|sums| sums.openness),
+            albedo: film.mean(1.0, |sums| sums.albedo),
+            normal: film.mean(1.0, |sums| sums.normal),
+            depth_m: scalar(|sums| sums.depth_m),
+            coverage: scalar(|sums| sums.coverage),
+            radiance_variance: film
+                .variance(unit, |sums| (luminance(sums.picture), sums.picture_square)),
+            direct_variance: film
+                .variance(unit, |sums| (luminance(sums.direct), sums.direct_square)),
+            one_bounce_variance: film
+                .variance(PI * unit, |sums| (luminance(sums.one_bounce), sums.one_bounce_square)),
+            full_variance: film
+                .variance(PI * unit, |sums| (luminance(sums.full), sums.full_square)),
+            occlusion_variance: film.variance(1.0, |sums| (sums.openness, sums.openness_square)),
+        }
+    }
+
+    /// The radiance with the coverage in a, as [`crate::Picture`] has it.
+    pub fn picture(&self) -> Vec<[f32; 4]> {
+        let pixels = self.radiance.iter().zip(&self.coverage);
+        pixels.map(|([r, g, b], coverage)| [*r, *g, *b, *coverage]).collect()
+    }
+
+    /// Writes all layers into one `OpenEXR` file of 32-bit floats: the radiance as `R`, `G` and `B`, the coverage as
+    /// `A`, the others as `direct.R`, `one_bounce.R`, `full.R`, `occlusion.Y`, `albedo.R`, `normal.X`, `depth.Z` and
+    /// so on, and variances as `variance.radiance`, `variance.direct`, `variance.one_bounce`, `variance.full` and
+    /// `variance.occlusion`.
+    ///
+    /// # Errors
+    /// [`RenderError::Write`] when the file cannot be written; then nothing is left behind.
+    pub fn write_exr(&self, path: &Path) -> Result<(), RenderError> {
+        let mut channels: Vec<AnyChannel<FlatSamples>> = Vec::new();
+        let mut add = |name: String, samples: Vec<f32>| {
+            channels.push(AnyChannel::new(Text::new_or_panic(&name), FlatSamples::F32(samples)));
+        };
+        for (layer, pixels) in [
+            ("", &self.radiance),
+            ("direct.", &self.direct),
+            ("one_bounce.", &self.one_bounce),
+            ("full.", &self.full),
+            ("albedo.", &self.albedo),
+            ("normal.", &self.normal),
+        ] {
+            let names = if layer == "normal." { ["X", "Y", "Z"] } else { ["R", "G", "B"] };
+            for (index, name) in names.into_iter().enumerate() {
+                add(format!("{layer}{name}"), pixels.iter().map(|pixel| pixel[index]).collect());
+            }
+        }
+        for (name, values) in [
+            ("A", &self.coverage),
+            ("occlusion.Y", &self.occlusion),
+            ("depth.Z", &self.depth_m),
+            ("variance.radiance", &self.radiance_variance),
+            ("variance.direct", &self.direct_variance),
+            ("variance.one_bounce", &self.one_bounce_variance),
+            ("variance.full", &self.full_variance),
+            ("variance.occlusion", &self.occlusion_variance),
+        ] {
+            add(name.to_owned(), values.clone());
+        }
+        let size = (self.size.x as usize, self.size.y as usize);
+        let image = exr::image::Image::from_channels(size, AnyChannels::sort(channels.into()));
+        let written =
+            write_atomically(path, |out| image.write().to_buffered(out).map_err(io::Error::other));
+        written.map_err(|error| RenderError::Write {
+            file: path.to_owned(),
+            reason: error.to_string(),
+        })
+    }
+}

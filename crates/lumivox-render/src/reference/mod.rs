@@ -1,0 +1,232 @@
+//! Ground truth: a path tracer for the same scenes, cameras, materials and lights.
+//!
+//! It is unbiased: nothing is clamped, no path is cut off but by Russian roulette. Next-event estimation asks
+//! lamps, emissive triangles and the panorama for their light, and multiple importance sampling (Veach 1997,
+//! chapter 9) joins that with directions drawn from the material. All of it is one compute kernel (`path.wgsl`)
+//! within WebGPU's default limits, over a hierarchy of boxes from the `obvhs` crate.
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `world.wgsl` | all that the kernel reads, as it lies in buffers |
+//! | `intersect.wgsl` | rays against triangles |
+//! | `surface.wgsl`, `texels.wgsl` | what a ray meets: materials and their textures |
+//! | `scatter.wgsl` | the BRDF and how directions are drawn from it |
+//! | `sources.wgsl`, `panorama.wgsl` | how light is asked for |
+//! | `path.wgsl` | the path, and which light counts for which layer |
+//!
+//! Every sample of every pixel has random numbers of its own, which follow from the seed alone. So a picture is the
+//! same to the bit on the same device, in one run or in several, and its noise is known: the variance of each pixel's
+//! mean is estimated along with it.
+
+mod atlas;
+mod checkpoint;
+mod film;
+mod geometry;
+mod layers;
+mod materials;
+mod records;
+mod surroundings;
+#[cfg(test)]
+mod tests;
+mod upload;
+
+use std::ops::ControlFlow;
+
+use glam::UVec2;
+use lumivox::gpu::{Recorder, read_buffer};
+use lumivox_scene::{Camera, Scene};
+
+pub(crate) use atlas::{TILE_CLAMP, TILE_COLOR, TILE_MIRROR, TILE_NEAREST, TILE_PRESENT};
+pub use checkpoint::CheckpointError;
+use film::Film;
+#[cfg(test)]
+pub(crate) use geometry::{NodeRecord, TriangleRecord, VertexRecord};
+pub use layers::ReferenceLayers;
+use records::PixelRecord;
+#[cfg(test)]
+pub(crate) use records::{
+    EmitterRecord, PeakRecord, PixelRecord as FilmRecord, TileRecord, TracedMaterialRecord,
+    WorldRecord,
+};
+pub(crate) use upload::Features;
+use upload::Uploaded;
+
+use crate::{Gpu, RenderError};
+
+/// Samples that the GPU sums up in f32 before they are added in f64. Interruptions fall between such batches.
+const BATCH: u32 = 4;
+/// The longest edge of a picture, px.
+const MOST_EDGE: u32 = 16_384;
+
+/// What is path-traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceSettings {
+    /// Width and height of the picture in pixels, 1 to 16 384. Default 640 x 360.
+    pub size: UVec2,
+    /// Samples of each pixel, at least 1. Noise falls with their root. Default 256.
+    pub samples: u32,
+    /// Other seeds give other noise. Default 0.
+    pub seed: u32,
+    /// How often light is gathered at most, as `bounces` of the renderer; `None`, the default, is without end.
+    pub gathers: Option<u32>,
+    /// Reach of ambient occlusion, m. Infinite by default.
+    pub occlusion_distance_m: f32,
+}
+
+impl Default for ReferenceSettings {
+    fn default() -> Self {
+        Self {
+            size: UVec2::new(640, 360),
+            samples: 256,
+            seed: 0,
+            gathers: None,
+            occlusion_distance_m: f32::INFINITY,
+        }
+    }
+}
+
+/// How far a reference is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReferenceProgress {
+    /// Samples of each pixel so far; a part of one where a picture is traced in bands.
+    pub samples: f64,
+    /// Samples in the end.
+    pub total: u32,
+}
+
+/// Traces paths through one scene.
+#[derive(Debug)]
+pub struct PathTracer {
+    gpu: Gpu,
+    settings: ReferenceSettings,
+    uploaded: Uploaded,
+    film: Film,
+}
+
+impl PathTracer {
+    /// Prepares a valid scene: flattens its instances, builds the hierarchy, uploads it all and compiles the kernel.
+    ///
+    /// The camera is the one given, else the scene's first, else one that frames all of it.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] for settings out of range, [`RenderError::Limit`] for scenes that do not fit the
+    /// device's buffers, and when the device fails.
+    pub async fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        settings: ReferenceSettings,
+    ) -> Result<Self, RenderError> {
+        validate(&settings)?;
+        let camera = camera.or(scene.cameras.first()).cloned();
+        let camera = camera.unwrap_or_else(|| {
+            scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
+        });
+        let uploaded = Uploaded::new(gpu, scene, &camera, &settings).await?;
+        let film = Film::new(settings.size);
+        Ok(Self { gpu: gpu.clone(), settings, uploaded, film })
+    }
+
+    /// Samples of each pixel that are in the layers.
+    pub fn samples(&self) -> u32 {
+        self.film.samples
+    }
+
+    /// Traces all samples that the settings ask for and are not there yet.
+    ///
+    /// `progress` is heard often; when it breaks, what is there stays and tracing can go on later. At least
+    /// one batch of four samples is finished.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render(
+        &mut self,
+        progress: &mut dyn FnMut(ReferenceProgress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
+        let total = self.settings.samples;
+        while self.film.samples < total {
+            let count = (BATCH - self.film.samples % BATCH).min(total - self.film.samples);
+            if !self.batch(count, progress).await? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Traces a batch of samples; `false` if it was broken off, and then nothing has changed.
+    async fn batch(
+        &mut self,
+        count: u32,
+        progress: &mut dyn FnMut(ReferenceProgress) -> ControlFlow<()>,
+    ) -> Result<bool, RenderError> {
+        let (size, first) = (self.settings.size, self.film.samples);
+        let mut bands = Vec::new();
+        for first_row in (0..size.y).step_by(self.uploaded.band_rows as usize) {
+            let rows = self.uploaded.band_rows.min(size.y - first_row);
+            self.uploaded.clear_film(&self.gpu);
+            for sample in first..first + count {
+                self.uploaded.set_sample(&self.gpu, first_row, rows, sample);
+                let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
+                self.uploaded.kernel.run(&mut recorder, &[&self.uploaded.group], [size.x, rows, 1]);
+                recorder.submit();
+                self.gpu.wait("tracing paths")?;
+                let of_rows = f64::from(first_row + rows) / f64::from(size.y);
+                let in_band = f64::from(sample - first + 1) * f64::from(rows) / f64::from(size.y);
+                let before = f64::from(count) * (of_rows - f64::from(rows) / f64::from(size.y));
+                let samples = f64::from(first) + before + in_band;
+                let heard = progress(ReferenceProgress { samples, total: self.settings.samples });
+                if heard.is_break() && first > 0 {
+                    return Ok(false);
+                }
+            }
+            let bytes = u64::from(size.x) * u64::from(rows) * size_of::<PixelRecord>() as u64;
+            let film = &self.uploaded.film;
+            let sums: Vec<PixelRecord> =
+                read_buffer(&self.gpu.device, &self.gpu.queue, film, 0..bytes).await?;
+            bands.push((first_row, sums));
+        }
+        for (first_row, sums) in bands {
+            self.film.add(first_row, &sums);
+        }
+        self.film.samples += count;
+        Ok(true)
+    }
+
+    /// What the samples so far amount to.
+    pub fn layers(&self) -> ReferenceLayers {
+        ReferenceLayers::new(&self.film, self.uploaded.radiance_unit)
+    }
+
+    /// All that is needed to go on later, as bytes for a file.
+    pub fn checkpoint(&self) -> Vec<u8> {
+        checkpoint::write(&self.film, self.uploaded.fingerprint)
+    }
+
+    /// Goes on where a checkpoint was taken.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] when it is none, is damaged, or is one of another scene, camera, size, seed or limit of
+    /// gathers; then nothing has changed.
+    pub fn resume(&mut self, checkpoint: &[u8]) -> Result<(), CheckpointError> {
+        self.film = checkpoint::read(checkpoint, self.settings.size, self.uploaded.fingerprint)?;
+        Ok(())
+    }
+}
+
+fn validate(settings: &ReferenceSettings) -> Result<(), RenderError> {
+    let fail =
+        |name, value: String, expected: String| Err(RenderError::Setting { name, value, expected });
+    let size = settings.size;
+    if size.min_element() == 0 || size.max_element() > MOST_EDGE {
+        let expected = format!("1 to {MOST_EDGE} pixels wide and high");
+        return fail("the picture's size", format!("{} x {}", size.x, size.y), expected);
+    }
+    if settings.samples == 0 {
+        return fail("the number of samples", "0".to_owned(), "at least 1".to_owned());
+    }
+    let reach = settings.occlusion_distance_m;
+    if reach.is_nan() || reach < 0.0 {
+        return fail("the occlusion distance", reach.to_string(), "at least 0".to_owned());
+    }
+    Ok(())
+}

@@ -1,0 +1,285 @@
+// A path tracer: unbiased, for as many bounces as the light takes, one sample of every pixel after another.
+//
+// Two paths start in each sample: one for the picture, with the materials as they are, and one for the irradiance
+// of the visible surface, for which that one surface is white and diffuse: the radiance of such a surface is its
+// irradiance / pi. Light is told apart by the way it took. Lamps and the peaks of the panorama count as *lights*;
+// what emissive surfaces and the rest of the panorama send reaches surfaces as *gathers* find it, like light that
+// was reflected. So the layers are those of the renderer: direct light is that of lights; one bounce is what one
+// gather finds.
+//
+// Where a path ends is drawn, in proportion to what it still could bring (Russian roulette: Arvo and Kirk 1990,
+// "Particle transport and image synthesis").
+
+import package::constants::{
+    REFERENCE_HAS_DISCS, REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA,
+    REFERENCE_SEE_THROUGH,
+};
+import package::render::reference::intersect::{
+    intersect, ray_from, Hit, Ray, AS_SEEN, NOTHING, BOTH_SIDES,
+};
+import package::render::reference::panorama::surroundings;
+import package::render::reference::random::{random, random_2, start_random};
+import package::render::reference::scatter::{cos_toward, draw_direction, scatter, Surface};
+import package::render::reference::sources::{
+    ask_disc, ask_emitter, ask_light, ask_panorama, brightness, power_weight, Question, NEVER,
+};
+import package::render::reference::surface::{meet, Met};
+import package::render::reference::world::{triangles, world, SEE_THROUGH};
+import package::trace::brdf::PI;
+import package::trace::coat::{below_coat, Coat};
+
+// Sums over the samples of a pixel. Squares are of luminances.
+struct Pixel {
+    picture: vec3f,
+    picture_square: f32,
+    direct: vec3f,
+    direct_square: f32,
+    one_bounce: vec3f,
+    one_bounce_square: f32,
+    full: vec3f,
+    full_square: f32,
+    albedo: vec3f,
+    coverage: f32,
+    normal: vec3f,
+    depth_m: f32,
+    openness: f32,
+    openness_square: f32,
+    padding_0: f32,
+    padding_1: f32,
+}
+
+@group(0) @binding(7) var<storage, read_write> film: array<Pixel>;
+
+const MOST_LAYERS: u32 = 64u;
+const MOST_VERTICES: u32 = 4096u;
+// Paths of fewer vertices are never ended at random.
+const SURE_VERTICES: u32 = 3u;
+
+// Two sums: all of a path's light, and the part that arrives early.
+struct Light2 {
+    all: vec3f,
+    early: vec3f,
+}
+
+fn camera_ray(pixel: vec2u, jitter: vec2f) -> Ray {
+    let place = (vec2f(pixel) + jitter) / vec2f(world.size) * 2.0 - 1.0;
+    let along = world.forward + place.x * world.right - place.y * world.up;
+    let direction = normalize(along);
+    // Like the rasterizer's, the picture begins at a plane.
+    return Ray(world.camera + world.near_m * along, direction, 3e38);
+}
+
+// The share of light that passes along a ray, by colour.
+fn transmittance(question: Question, surface: Surface) -> vec3f {
+    var ray = ray_from(surface.position, surface.geometric, question.direction, question.reach);
+    if REFERENCE_SEE_THROUGH == 0u {
+        return select(vec3f(0.0), vec3f(1.0), intersect(ray, question.sides, true).triangle == NOTHING);
+    }
+    var passing = vec3f(1.0);
+    for (var layer = 0u; layer < MOST_LAYERS; layer++) {
+        let hit = intersect(ray, question.sides, true);
+        if hit.triangle == NOTHING {
+            break;
+        }
+        if (triangles[hit.triangle].vertex_0 & SEE_THROUGH) == 0u {
+            return vec3f(0.0);
+        }
+        let met = meet(ray, hit, false);
+        passing *= (1.0 - met.coverage) * met.tint;
+        if all(passing <= vec3f(0.0)) {
+            break;
+        }
+        let left = ray.reach - hit.distance;
+        ray = ray_from(met.surface.position, -met.surface.geometric, ray.direction, left);
+    }
+    return passing;
+}
+
+struct Traced {
+    light: Light2,
+    // Of the first vertex.
+    is_surface: bool,
+    albedo: vec3f,
+    normal: vec3f,
+    depth_m: f32,
+    // Whether the second segment met nothing within the reach of occlusion.
+    is_open: bool,
+}
+
+fn trace(start: Ray, is_picture: bool) -> Traced {
+    var traced: Traced;
+    traced.is_open = false;
+    var ray = start;
+    var throughput = vec3f(1.0);
+    // Density with which the ray's direction was drawn.
+    var density = 0.0;
+    // Whether the ray gathers what emitters and the surroundings send; after the last gather it meets peaks alone.
+    var gathers = true;
+    for (var vertex = 0u; vertex < MOST_VERTICES; vertex++) {
+        // What the ray meets, past what it does not.
+        var travelled = 0.0;
+        var hit: Hit;
+        var met: Met;
+        for (var layer = 0u; layer < MOST_LAYERS; layer++) {
+            hit = intersect(ray, AS_SEEN, false);
+            if hit.triangle == NOTHING {
+                break;
+            }
+            met = meet(ray, hit, vertex == 0u);
+            travelled += hit.distance;
+            if REFERENCE_SEE_THROUGH == 0u || random() < met.coverage {
+                break;
+            }
+            throughput *= met.tint;
+            ray = ray_from(met.surface.position, -met.surface.geometric, ray.direction, 3e38);
+        }
+        let is_surface = hit.triangle != NOTHING;
+        if vertex == 1u {
+            traced.is_open = !is_surface || travelled > world.occlusion_distance_m;
+        }
+
+        // What shines at the ray's end. The camera sees it, and so do gathers.
+        var shining = vec3f(0.0);
+        var peaks = vec3f(0.0);
+        var other = 0.0;
+        if is_surface {
+            if !gathers {
+                break;
+            }
+            let cosine = cos_toward(met.surface);
+            shining = met.emission * below_coat(met.surface.coat, cosine);
+            let facing = abs(dot(met.surface.geometric, ray.direction));
+            if REFERENCE_HAS_EMITTERS != 0u {
+                other = met.emitter_density * travelled * travelled / max(facing, 1e-8);
+            }
+        } else {
+            let seen = surroundings(ray.direction);
+            shining = select(vec3f(0.0), seen.soft, gathers);
+            peaks = seen.peaks;
+            if REFERENCE_HAS_PANORAMA != 0u {
+                other = seen.density;
+            }
+        }
+        // Nothing but the camera's ray itself asks along the camera's ray.
+        let weight = select(power_weight(density, other), 1.0, vertex == 0u);
+        if is_picture {
+            traced.light.all += throughput * weight * (shining + peaks);
+            traced.light.early += select(vec3f(0.0), throughput * weight * (shining + peaks), vertex == 0u)
+                + select(vec3f(0.0), throughput * weight * peaks, vertex == 1u);
+        } else if vertex > 0u {
+            // The panorama's peaks shine on the visible surface directly, and on others for the gathers.
+            let arriving = throughput * weight * (shining + select(peaks, vec3f(0.0), vertex == 1u));
+            traced.light.all += arriving;
+            traced.light.early += select(vec3f(0.0), arriving, vertex == 1u)
+                + select(vec3f(0.0), throughput * weight * peaks, vertex == 2u);
+        }
+        if vertex == 0u {
+            traced.is_surface = is_surface;
+            if is_surface {
+                traced.albedo = met.surface.diffuse;
+                traced.normal = met.surface.shading;
+                traced.depth_m = distance(met.surface.position, world.camera);
+            }
+        }
+        if !is_surface {
+            break;
+        }
+        var surface = met.surface;
+        if vertex == 0u && !is_picture {
+            surface.diffuse = vec3f(1.0);
+            surface.f0 = vec3f(0.0);
+            surface.phong_exponent = 0.0;
+            surface.coat = Coat(0.0, 1.0);
+        }
+        // The last vertex reflects the light of lights alone, as a voxel does before any bounce.
+        gathers = vertex < world.most_gathers;
+
+        let direction = draw_direction(surface);
+        let scattered = scatter(surface, direction);
+        let drawn_weight = select(
+            vec3f(0.0), scattered.value / scattered.density, scattered.density > 0.0);
+        for (var kind = 0u; kind < 4u; kind++) {
+            var question = NEVER;
+            if kind == 0u && REFERENCE_HAS_LIGHTS != 0u {
+                question = ask_light(surface);
+            }
+            if kind == 1u && REFERENCE_HAS_EMITTERS != 0u && gathers {
+                question = ask_emitter(surface);
+            }
+            if kind == 2u && REFERENCE_HAS_PANORAMA != 0u {
+                question = ask_panorama(surface);
+                question.from_surroundings *= select(0.0, 1.0, gathers);
+            }
+            if kind == 3u && REFERENCE_HAS_DISCS != 0u && any(drawn_weight > vec3f(0.0)) {
+                question = ask_disc(surface, direction, drawn_weight, scattered.density);
+            }
+            if !is_picture && vertex == 0u {
+                question.from_lights = vec3f(0.0);
+            }
+            let is_dark = all(question.from_lights + question.from_surroundings <= vec3f(0.0));
+            if is_dark {
+                continue;
+            }
+            let passing = throughput * transmittance(question, surface);
+            let lights = passing * question.from_lights;
+            let rest = passing * question.from_surroundings;
+            traced.light.all += lights + rest;
+            let early_vertex = select(1u, 0u, is_picture);
+            traced.light.early += select(vec3f(0.0), lights, vertex == early_vertex)
+                + select(vec3f(0.0), rest, vertex == 0u && !is_picture);
+        }
+
+        throughput *= drawn_weight;
+        density = scattered.density;
+        if all(throughput <= vec3f(0.0)) || (!gathers && REFERENCE_HAS_PANORAMA == 0u) {
+            break;
+        }
+        if vertex >= SURE_VERTICES {
+            let survival = clamp(max(throughput.r, max(throughput.g, throughput.b)), 0.02, 0.98);
+            if random() >= survival {
+                break;
+            }
+            throughput /= survival;
+        }
+        ray = ray_from(surface.position, surface.geometric, direction, 3e38);
+    }
+    return traced;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = vec2u(invocation.x, world.first_row + invocation.y);
+    if invocation.y >= world.row_count || any(pixel >= world.size) {
+        return;
+    }
+    let place = invocation.y * world.size.x + invocation.x;
+    for (var index = 0u; index < world.sample_count; index++) {
+        start_random(world.seed, pixel.y * world.size.x + pixel.x, world.first_sample + index);
+        let start = camera_ray(pixel, random_2());
+        for (var which = 0u; which < 2u; which++) {
+            let traced = trace(start, which == 0u);
+            let all_luminance = brightness(traced.light.all);
+            let early_luminance = brightness(traced.light.early);
+            if which == 0u {
+                film[place].picture += traced.light.all;
+                film[place].picture_square += all_luminance * all_luminance;
+                film[place].direct += traced.light.early;
+                film[place].direct_square += early_luminance * early_luminance;
+                if traced.is_surface {
+                    film[place].albedo += traced.albedo;
+                    film[place].coverage += 1.0;
+                    film[place].normal += traced.normal;
+                    film[place].depth_m += traced.depth_m;
+                }
+            } else {
+                film[place].full += traced.light.all;
+                film[place].full_square += all_luminance * all_luminance;
+                film[place].one_bounce += traced.light.early;
+                film[place].one_bounce_square += early_luminance * early_luminance;
+                let openness = select(0.0, 1.0, traced.is_surface && traced.is_open);
+                film[place].openness += openness;
+                film[place].openness_square += openness;
+            }
+        }
+    }
+}

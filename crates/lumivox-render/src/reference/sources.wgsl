@@ -1,0 +1,196 @@
+// Next-event estimation: light is asked for where it comes from, and each way of asking counts by how likely it
+// was to find that light, among all ways (multiple importance sampling: Veach 1997, section 9.2, the power
+// heuristic).
+
+import package::constants::REFERENCE_HAS_LAYERS;
+import package::light::lights::{incident_light, is_parallel, Incident, Light};
+import package::render::material::TEXTURE_EMISSION;
+import package::render::reference::intersect::{Hit, Ray, AS_SEEN, BOTH_SIDES};
+import package::render::reference::panorama::{draw_surroundings, surroundings};
+import package::render::reference::random::{random, random_2};
+import package::render::reference::scatter::{cos_toward, scatter, Surface};
+import package::render::reference::surface::{meet, texture_at};
+import package::render::reference::world::{
+    emitters, lights, materials, triangles, vertices, world, DOUBLE_SIDED, VERTEX_INDEX,
+};
+import package::trace::brdf::PI;
+import package::trace::coat::below_coat;
+import package::trace::hemisphere::basis;
+
+// A question to the scene: does light come along a ray?
+struct Question {
+    direction: vec3f,
+    reach: f32,
+    sides: u32,
+    // What is reflected towards the path if nothing is in the way: light of lamps and of the panorama's peaks, ...
+    from_lights: vec3f,
+    // ... and that of emitters and the rest of the panorama.
+    from_surroundings: vec3f,
+}
+
+const NEVER: Question = Question(vec3f(0.0), 0.0, 0u, vec3f(0.0), vec3f(0.0));
+
+fn brightness(color: vec3f) -> f32 {
+    // ITU-R BT.709-6, section 3.2.
+    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// The weight of a technique of density `own` where another has density `other`.
+fn power_weight(own: f32, other: f32) -> f32 {
+    // As a ratio: squares of densities overflow.
+    let ratio = other / own;
+    return 1.0 / (1.0 + ratio * ratio);
+}
+
+// The square of the sine of the angle under which half of a light is seen; 0: it is a point.
+fn light_spread(light: Light, incident: Incident) -> f32 {
+    let squared = light.radius * light.radius;
+    if is_parallel(light) {
+        return squared / (1.0 + squared);
+    }
+    return min(squared / (incident.distance_m * incident.distance_m), 1.0);
+}
+
+// 1 - cos of an angle, from the square of its sine.
+fn cap_height(spread: f32) -> f32 {
+    return spread / (1.0 + sqrt(1.0 - spread));
+}
+
+fn light_reach(light: Light, incident: Incident) -> f32 {
+    return select(max(incident.distance_m - light.radius, 0.0), 3e38, is_parallel(light));
+}
+
+// Sum of what all lights could give a surface that faces them.
+fn all_lights(position: vec3f) -> f32 {
+    var sum = 0.0;
+    for (var index = 0u; index < world.light_count; index++) {
+        sum += brightness(incident_light(lights[index], position).irradiance);
+    }
+    return sum;
+}
+
+// One of the lights, in proportion to what it could give, and a point of it.
+fn ask_light(surface: Surface) -> Question {
+    var sum = 0.0;
+    var chosen = 0u;
+    var chosen_brightness = 0.0;
+    for (var index = 0u; index < world.light_count; index++) {
+        let bright = brightness(incident_light(lights[index], surface.position).irradiance);
+        sum += bright;
+        // A reservoir of one (Chao 1982).
+        if random() * sum < bright {
+            chosen = index;
+            chosen_brightness = bright;
+        }
+    }
+    let place = random_2();
+    if chosen_brightness <= 0.0 {
+        return NEVER;
+    }
+    let probability = chosen_brightness / sum;
+    let light = lights[chosen];
+    let incident = incident_light(light, surface.position);
+    let spread = light_spread(light, incident);
+    let cosine = 1.0 - place.x * cap_height(spread);
+    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    let turn = 2.0 * PI * place.y;
+    let drawn = basis(incident.direction) * vec3f(sine * cos(turn), sine * sin(turn), cosine);
+    let direction = select(incident.direction, drawn, spread > 0.0);
+    let scattered = scatter(surface, direction);
+    // The disc is even, and gives a surface that faces it the light's irradiance: pi sin^2 times its radiance.
+    var weight = 1.0 / probability;
+    if spread > 0.0 {
+        let density = probability / (2.0 * PI * cap_height(spread));
+        weight = power_weight(density, scattered.density) / (PI * spread * density);
+    }
+    let reflected = scattered.value * incident.irradiance * weight;
+    return Question(direction, light_reach(light, incident), BOTH_SIDES, reflected, vec3f(0.0));
+}
+
+// The light whose disc a drawn direction meets; `weight` is BRDF times cosine over density.
+fn ask_disc(surface: Surface, direction: vec3f, weight: vec3f, own_density: f32) -> Question {
+    let sum = all_lights(surface.position);
+    var count = 0.0;
+    var question = NEVER;
+    for (var index = 0u; index < world.light_count; index++) {
+        let light = lights[index];
+        let incident = incident_light(light, surface.position);
+        let spread = light_spread(light, incident);
+        let is_met = spread > 0.0 && 1.0 - dot(direction, incident.direction) <= cap_height(spread);
+        if is_met {
+            count += 1.0;
+            if random() * count < 1.0 {
+                let probability = brightness(incident.irradiance) / sum;
+                let density = probability / (2.0 * PI * cap_height(spread));
+                let radiance = incident.irradiance / (PI * spread);
+                let reflected = weight * radiance * power_weight(own_density, density);
+                question = Question(
+                    direction, light_reach(light, incident), BOTH_SIDES, reflected, vec3f(0.0));
+            }
+        }
+    }
+    question.from_lights *= count;
+    return question;
+}
+
+// What a point of a triangle sends along a direction.
+fn emitted(triangle: u32, weights: vec2f, direction: vec3f) -> vec3f {
+    if REFERENCE_HAS_LAYERS != 0u {
+        let met = meet(Ray(vec3f(0.0), -direction, 0.0), Hit(0.0, triangle, weights), false);
+        return met.coverage * met.emission * below_coat(met.surface.coat, cos_toward(met.surface));
+    }
+    let corners = triangles[triangle];
+    let first = corners.vertex_0 & VERTEX_INDEX;
+    let texcoords = (1.0 - weights.x - weights.y) * vertices[first].texcoords
+        + weights.x * vertices[corners.vertex_1].texcoords
+        + weights.y * vertices[corners.vertex_2].texcoords;
+    let material = vertices[first].material;
+    return materials[material].shown.emission * texture_at(material, TEXTURE_EMISSION, texcoords).rgb;
+}
+
+// A point of an emitter, in proportion to area times mean radiance.
+fn ask_emitter(surface: Surface) -> Question {
+    let choice = random();
+    let place = random_2();
+    var index = 0u;
+    var last = world.emitter_count - 1u;
+    while index < last {
+        let middle = (index + last) / 2u;
+        let is_above = emitters[middle].cumulated > choice;
+        last = select(last, middle, is_above);
+        index = select(middle + 1u, index, is_above);
+    }
+    let triangle = emitters[index].triangle;
+    // Even over the triangle (Turk 1990, "Generating random points in triangles").
+    let root = sqrt(place.x);
+    let weights = vec2f(root * (1.0 - place.y), root * place.y);
+    let corners = triangles[triangle];
+    let point = corners.corner + weights.x * corners.edge_1 + weights.y * corners.edge_2;
+    let away = point - (surface.position + surface.geometric * world.offset_m);
+    let distance = length(away);
+    let direction = away / distance;
+    let facing = -dot(direction, normalize(cross(corners.edge_1, corners.edge_2)));
+    let is_front = facing > 0.0 || (corners.vertex_0 & DOUBLE_SIDED) != 0u;
+    if !is_front || distance <= 0.0 {
+        return NEVER;
+    }
+    let scattered = scatter(surface, direction);
+    let first = corners.vertex_0 & VERTEX_INDEX;
+    let per_area = materials[vertices[first].material].emitter_density;
+    let density = per_area * distance * distance / max(abs(facing), 1e-8);
+    let reflected = scattered.value * emitted(triangle, weights, -direction)
+        * (power_weight(density, scattered.density) / density);
+    // Up to the emitter, which must not hide itself.
+    return Question(direction, distance * 0.9999, AS_SEEN, vec3f(0.0), reflected);
+}
+
+fn ask_panorama(surface: Surface) -> Question {
+    let direction = draw_surroundings();
+    let seen = surroundings(direction);
+    let scattered = scatter(surface, direction);
+    if seen.density <= 0.0 {
+        return NEVER;
+    }
+    let reflected = scattered.value * (power_weight(seen.density, scattered.density) / seen.density);
+    return Question(direction, 3e38, AS_SEEN, reflected * seen.peaks, reflected * seen.soft);
+}

@@ -1,0 +1,350 @@
+//! A scene on the GPU as paths need it: group 0 of `path.wgsl`, and the kernel compiled for it.
+
+use bytemuck::{Pod, Zeroable as _};
+use glam::{DVec3, UVec2, Vec3};
+use lumivox::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, ShaderLibrary, storage_buffer, upload,
+};
+use lumivox::shaders::library_with_volume;
+use lumivox::{Directionality, Light, LightSource};
+use lumivox_scene::{Camera, Scene};
+
+use super::ReferenceSettings;
+use super::checkpoint::fingerprint_of;
+use super::geometry::{MOST_TRIANGLES, Triangles};
+use super::materials::Materials;
+use super::records::{MOST_PEAKS, PeakRecord, PixelRecord, WorldRecord};
+use super::surroundings::Surroundings;
+use crate::upload::{Lighting, SHEEN_EDGE, radiance_unit, sheen_table};
+use crate::{Gpu, RenderError};
+
+/// Pixels that are traced at once, so that the GPU answers in between.
+const MOST_PIXELS: u64 = 1 << 20;
+/// How far rays start from their surface, over half the diagonal of the scene: sixteen times what f32 resolves
+/// there.
+const OFFSET: f32 = 1.0 / (1 << 18) as f32;
+
+/// What a path tracer holds on the GPU.
+#[derive(Debug)]
+pub(super) struct Uploaded {
+    pub(super) kernel: Kernel,
+    pub(super) group: wgpu::BindGroup,
+    /// Sums of the pixels of a band.
+    pub(super) film: wgpu::Buffer,
+    /// Rows that are traced at once.
+    pub(super) band_rows: u32,
+    /// What radiances are multiples of, in cd/m².
+    pub(super) radiance_unit: f32,
+    /// Tells apart what is traced.
+    pub(super) fingerprint: u64,
+    world: WorldRecord,
+    world_buffer: wgpu::Buffer,
+}
+
+impl Uploaded {
+    pub(super) async fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &ReferenceSettings,
+    ) -> Result<Self, RenderError> {
+        let lighting = Lighting::of(scene);
+        let unit = radiance_unit(scene, &lighting);
+        let count = scene.triangle_count();
+        if count > MOST_TRIANGLES {
+            return Err(too_large(gpu, "the triangles", count as u64 * 48));
+        }
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let mut materials = Materials::new(gpu, scene, &lighting, unit)?;
+        let triangles = Triangles::new(scene, &materials.sides);
+        let emitters = materials.emitters(scene, &triangles);
+        let surroundings = match &lighting.environment.map {
+            Some(map) => Surroundings::of_map(map)?,
+            None => Surroundings::even(),
+        };
+        let lights = lights_around(&lighting, unit, triangles.origin);
+        check_sizes(gpu, &triangles)?;
+
+        let world = world(scene, camera, settings, &triangles, unit, &surroundings);
+        let world = WorldRecord {
+            light_count: lights.len() as u32,
+            emitter_count: emitters.len() as u32,
+            ..world
+        };
+        let textures = scene.textures.iter().map(|texture| texture.rgba8.as_slice());
+        let parts = [
+            bytemuck::bytes_of(&world),
+            bytemuck::cast_slice(&triangles.triangles),
+            bytemuck::cast_slice(&triangles.vertices),
+            bytemuck::cast_slice(&materials.records),
+            bytemuck::cast_slice(&surroundings.texels),
+        ];
+        let light_words = format!("{lights:?}");
+        let fingerprint =
+            fingerprint_of(parts.into_iter().chain(textures).chain([light_words.as_bytes()]));
+
+        let device = &gpu.device;
+        let band_rows = band_rows(gpu, settings.size);
+        let pixels = u64::from(band_rows) * u64::from(settings.size.x);
+        let film = storage_buffer(device, "film", pixels * size_of::<PixelRecord>() as u64);
+        let world_buffer = upload(device, "world", &[world]);
+        let buffers = [
+            upload(device, "boxes", &triangles.nodes),
+            upload(device, "triangles", &triangles.triangles),
+            upload(device, "vertices", &triangles.vertices),
+            upload(device, "materials", &or_one(&materials.records)),
+            Light::buffer(device, &lights),
+            upload(device, "emitters", &or_one(&emitters)),
+        ];
+        let rgba = wgpu::TextureFormat::Rgba32Float;
+        let panorama = float_texture(gpu, surroundings.size, rgba, &surroundings.texels);
+        let row_format = wgpu::TextureFormat::R32Float;
+        let rows = float_texture(gpu, [1, surroundings.size[1]], row_format, &surroundings.rows);
+        let sheen: Vec<f32> = if materials.has_sheen {
+            sheen_table().into_iter().map(|byte| f32::from(byte) / 255.0).collect()
+        } else {
+            vec![0.0; (SHEEN_EDGE * SHEEN_EDGE) as usize]
+        };
+        let sheen = float_texture(gpu, [SHEEN_EDGE; 2], row_format, &sheen);
+
+        let layout = layout(device);
+        let builder = BindGroupBuilder::new(&layout).buffer(&world_buffer);
+        let group = buffers
+            .iter()
+            .fold(builder, BindGroupBuilder::buffer)
+            .buffer(&film)
+            .view(&materials.atlas.view)
+            .view(&panorama)
+            .view(&rows)
+            .view(&sheen)
+            .build(device, "world");
+        let is_disc = |light: &Light| match light.source {
+            LightSource::Directional { angular_radius_rad: radius, .. }
+            | LightSource::Environment { angular_radius_rad: radius, .. }
+            | LightSource::Point { radius_m: radius, .. }
+            | LightSource::Spot { radius_m: radius, .. } => radius > 0.0,
+        };
+        let features = Features {
+            stack: triangles.stack,
+            has_textures: materials.has_textures,
+            has_layers: materials.has_layers,
+            is_see_through: materials.sides.iter().any(|sides| sides.is_see_through),
+            has_lights: !lights.is_empty(),
+            has_discs: lights.iter().any(is_disc),
+            has_emitters: !emitters.is_empty(),
+            has_panorama: lighting.environment.map.is_some(),
+        };
+        let mut shaders = crate::shaders::library(&library_with_volume(Directionality::default()));
+        features.set(&mut shaders);
+        let kernel = Kernel::new(device, &shaders, "render::reference::path", "main", &[&layout])?;
+        if scope.pop().await.is_some() {
+            let bytes = size_of_val(triangles.triangles.as_slice())
+                + size_of_val(triangles.vertices.as_slice())
+                + size_of_val(triangles.nodes.as_slice());
+            return Err(RenderError::OutOfMemory {
+                what: "the path tracer's copy of the scene".to_owned(),
+                needed_mib: bytes as u64 >> 20,
+                remedy: "load the scene with smaller textures (--texture-memory)".to_owned(),
+            });
+        }
+        gpu.check("uploading the scene for the path tracer")?;
+        Ok(Self {
+            kernel,
+            group,
+            film,
+            band_rows,
+            radiance_unit: unit,
+            fingerprint,
+            world,
+            world_buffer,
+        })
+    }
+
+    /// Empties the sums.
+    pub(super) fn clear_film(&self, gpu: &Gpu) {
+        let mut encoder =
+            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.clear_buffer(&self.film, 0, None);
+        gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Says what the next dispatch traces.
+    pub(super) fn set_sample(&self, gpu: &Gpu, first_row: u32, row_count: u32, sample: u32) {
+        let world = WorldRecord {
+            first_row,
+            row_count,
+            first_sample: sample,
+            sample_count: 1,
+            ..self.world
+        };
+        gpu.queue.write_buffer(&self.world_buffer, 0, bytemuck::bytes_of(&world));
+    }
+}
+
+/// What the kernel is compiled for: software GPUs run both sides of every branch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Features {
+    pub(crate) stack: u32,
+    pub(crate) has_textures: bool,
+    pub(crate) has_layers: bool,
+    pub(crate) is_see_through: bool,
+    pub(crate) has_lights: bool,
+    pub(crate) has_discs: bool,
+    pub(crate) has_emitters: bool,
+    pub(crate) has_panorama: bool,
+}
+
+impl Features {
+    /// All that there is.
+    pub(crate) const ALL: Self = Self {
+        stack: 64,
+        has_textures: true,
+        has_layers: true,
+        is_see_through: true,
+        has_lights: true,
+        has_discs: true,
+        has_emitters: true,
+        has_panorama: true,
+    };
+
+    pub(crate) fn set(self, shaders: &mut ShaderLibrary) {
+        shaders
+            .constant_u32("REFERENCE_STACK", self.stack)
+            .constant_u32("REFERENCE_HAS_TEXTURES", self.has_textures.into())
+            .constant_u32("REFERENCE_HAS_LAYERS", self.has_layers.into())
+            .constant_u32("REFERENCE_SEE_THROUGH", self.is_see_through.into())
+            .constant_u32("REFERENCE_HAS_LIGHTS", self.has_lights.into())
+            .constant_u32("REFERENCE_HAS_DISCS", self.has_discs.into())
+            .constant_u32("REFERENCE_HAS_EMITTERS", self.has_emitters.into())
+            .constant_u32("REFERENCE_HAS_PANORAMA", self.has_panorama.into());
+    }
+}
+
+/// The layout of group 0: the eight storage buffers that WebGPU grants, and textures.
+pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let texels = wgpu::TextureSampleType::Float { filterable: false };
+    (0..7)
+        .fold(LayoutBuilder::compute(), |layout, _| layout.storage())
+        .storage_mut()
+        .texture(wgpu::TextureViewDimension::D2Array, texels)
+        .texture_2d_unfilterable()
+        .texture_2d_unfilterable()
+        .texture_2d_unfilterable()
+        .build(device, "path tracer")
+}
+
+fn world(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &ReferenceSettings,
+    triangles: &Triangles,
+    radiance_unit: f32,
+    surroundings: &Surroundings,
+) -> WorldRecord {
+    let size = settings.size.as_vec2();
+    let half_height = (0.5 * camera.vertical_fov_rad).tan();
+    let world_from_camera = camera.world_from_camera();
+    let axis = |column: usize| world_from_camera.col(column).truncate();
+    let position = (camera.position.as_dvec3() - triangles.origin).as_vec3();
+    let environment = &scene.environment;
+    let mut peaks = [PeakRecord::zeroed(); MOST_PEAKS];
+    peaks[..surroundings.peaks.len()].copy_from_slice(&surroundings.peaks);
+    WorldRecord {
+        camera: position.to_array(),
+        near_m: camera.near_m,
+        forward: (-axis(2)).to_array(),
+        right: (axis(0) * half_height * size.x / size.y).to_array(),
+        up: (axis(1) * half_height).to_array(),
+        seed: settings.seed,
+        size: settings.size.to_array(),
+        environment: (environment.radiance / radiance_unit).to_array(),
+        most_gathers: settings.gathers.unwrap_or(u32::MAX),
+        environment_turn: [environment.rotation_rad.cos(), environment.rotation_rad.sin()],
+        peak_count: surroundings.peaks.len() as u32,
+        occlusion_distance_m: settings.occlusion_distance_m,
+        root: triangles.root,
+        offset_m: (triangles.radius_m * OFFSET).max(f32::MIN_POSITIVE),
+        peaks,
+        ..WorldRecord::zeroed()
+    }
+}
+
+/// The lights, seen from the middle of the scene.
+fn lights_around(lighting: &Lighting, radiance_unit: f32, origin: DVec3) -> Vec<Light> {
+    let moved = |position: &mut Vec3| *position = (position.as_dvec3() - origin).as_vec3();
+    let mut lights = lighting.to_gpu(radiance_unit);
+    for light in &mut lights {
+        match &mut light.source {
+            LightSource::Point { position, .. } | LightSource::Spot { position, .. } => {
+                moved(position);
+            }
+            LightSource::Directional { .. } | LightSource::Environment { .. } => {}
+        }
+    }
+    lights
+}
+
+fn band_rows(gpu: &Gpu, size: UVec2) -> u32 {
+    let binding = gpu.device.limits().max_storage_buffer_binding_size;
+    let pixels = (binding / size_of::<PixelRecord>() as u64).min(MOST_PIXELS);
+    ((pixels / u64::from(size.x)) as u32).clamp(1, size.y)
+}
+
+fn check_sizes(gpu: &Gpu, triangles: &Triangles) -> Result<(), RenderError> {
+    let most = gpu.device.limits().max_storage_buffer_binding_size;
+    for (what, bytes) in [
+        ("the triangles", size_of_val(triangles.triangles.as_slice())),
+        ("the vertices", size_of_val(triangles.vertices.as_slice())),
+        ("the hierarchy of boxes", size_of_val(triangles.nodes.as_slice())),
+    ] {
+        if bytes as u64 > most {
+            return Err(too_large(gpu, what, bytes as u64));
+        }
+    }
+    Ok(())
+}
+
+fn too_large(gpu: &Gpu, what: &str, bytes: u64) -> RenderError {
+    RenderError::Limit {
+        what: format!("{what} of the scene, with all instances, for the path tracer"),
+        needed: bytes,
+        unit: "bytes",
+        limit: "max_storage_buffer_binding_size",
+        available: gpu.device.limits().max_storage_buffer_binding_size,
+        remedy: "trace a simpler scene or a part of it, or choose another adapter".to_owned(),
+    }
+}
+
+fn or_one<T: Pod>(records: &[T]) -> Vec<T> {
+    if records.is_empty() { vec![T::zeroed()] } else { records.to_vec() }
+}
+
+fn float_texture<T: Pod>(
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    texels: &[T],
+) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("numbers for the path tracer"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    gpu.queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(texels),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(width * size_of::<T>() as u32),
+            rows_per_image: None,
+        },
+        size,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}

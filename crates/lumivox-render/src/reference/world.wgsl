@@ -1,0 +1,123 @@
+// What the path tracer knows of a scene: group 0, and how it lies there.
+//
+// Everything is in the world's axes with the middle of the scene as origin, where f32 is finest, in metres and in
+// multiples of the renderer's unit of radiance.
+
+import package::light::lights::Light;
+import package::render::material::Material;
+
+// A box of the hierarchy. The children of an inner box stand side by side.
+struct Node {
+    low: vec3f,
+    // Inner: the first child. Leaf: LEAF, the number of triangles less one in the three bits below, the first.
+    link: u32,
+    high: vec3f,
+    padding: u32,
+}
+
+struct Triangle {
+    corner: vec3f,
+    // The first vertex, with DOUBLE_SIDED and SEE_THROUGH in the highest bits.
+    vertex_0: u32,
+    edge_1: vec3f,
+    vertex_1: u32,
+    edge_2: vec3f,
+    vertex_2: u32,
+}
+
+struct Vertex {
+    normal: vec3f,
+    material: u32,
+    tangent: vec4f,
+    // Two sets of texture coordinates.
+    texcoords: vec4f,
+    // Four times 16 bits.
+    color: vec2u,
+    padding: vec2u,
+}
+
+// Where a texture lies in the atlas; its bits are TILE_...
+struct Tile {
+    origin: vec2u,
+    size: vec2u,
+    layer: u32,
+    bits: u32,
+    padding: vec2u,
+}
+
+struct TracedMaterial {
+    shown: Material,
+    // By TEXTURE_...
+    tiles: array<Tile, 8>,
+    // The density, per m2, with which next-event estimation picks a point of this emitter.
+    emitter_density: f32,
+    // Exponent of a Phong lobe; 0: microfacets.
+    phong_exponent: f32,
+    padding: vec2u,
+}
+
+// A triangle that shines.
+struct Emitter {
+    triangle: u32,
+    // The probability of this emitter or one before it.
+    cumulated: f32,
+}
+
+// A compact bright part of the panorama: within the cap all that is above `around`.
+struct Peak {
+    direction: vec3f,
+    cos_cap: f32,
+    around: vec3f,
+    padding: f32,
+}
+
+struct World {
+    camera: vec3f,
+    near_m: f32,
+    forward: vec3f,
+    light_count: u32,
+    // As long as half the picture at a distance of one.
+    right: vec3f,
+    emitter_count: u32,
+    up: vec3f,
+    seed: u32,
+    size: vec2u,
+    // The rows that the film holds.
+    first_row: u32,
+    row_count: u32,
+    // What the panorama is multiplied by.
+    environment: vec3f,
+    // The most segments behind the visible surface.
+    most_gathers: u32,
+    // Cosine and sine of the panorama's rotation about y.
+    environment_turn: vec2f,
+    peak_count: u32,
+    occlusion_distance_m: f32,
+    // The link of the hierarchy's root.
+    root: u32,
+    // How far rays start from their surface.
+    offset_m: f32,
+    first_sample: u32,
+    sample_count: u32,
+    peaks: array<Peak, 4>,
+}
+
+const LEAF: u32 = 0x80000000u;
+const DOUBLE_SIDED: u32 = 0x80000000u;
+// Alpha or glass: light may pass.
+const SEE_THROUGH: u32 = 0x40000000u;
+const VERTEX_INDEX: u32 = 0x3fffffffu;
+
+@group(0) @binding(0) var<storage, read> world: World;
+@group(0) @binding(1) var<storage, read> nodes: array<Node>;
+@group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
+@group(0) @binding(3) var<storage, read> vertices: array<Vertex>;
+@group(0) @binding(4) var<storage, read> materials: array<TracedMaterial>;
+@group(0) @binding(5) var<storage, read> lights: array<Light>;
+@group(0) @binding(6) var<storage, read> emitters: array<Emitter>;
+// 8 bits a channel, as in the files.
+@group(0) @binding(8) var atlas: texture_2d_array<f32>;
+// Radiance; in a the probability of this texel of its row or one before it.
+@group(0) @binding(9) var panorama: texture_2d<f32>;
+// One column: the probability of this row or one above it.
+@group(0) @binding(10) var panorama_rows: texture_2d<f32>;
