@@ -249,7 +249,7 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
         found.irradiance = weighted.iter().map(|(_, flux, _)| flux).sum();
         found.radius_rad = radius(found.center, &weighted, found.irradiance);
         // Four times the circle of half the light, 2.8 times the disc.
-        let next = (4.0 * found.radius_rad / 2.0_f64.sqrt()).clamp(2.5 * texel_rad, CAP_RAD);
+        let next = (4.0 * found.radius_rad / 2.0_f64.sqrt()).max(2.5 * texel_rad).min(CAP_RAD);
         // Within a cap of another centre there may be more of it: an end of a tube is no lamp.
         let has_settled = next > 0.9 * found.cap_rad && moved_rad < 0.1 * found.cap_rad;
         if has_settled {
