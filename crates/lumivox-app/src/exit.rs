@@ -96,7 +96,9 @@ fn of_render_error(error: &RenderError) -> Exit {
         | RenderError::NoDevice { .. }
         | RenderError::Limit { .. }
         | RenderError::OutOfMemory { .. } => Exit::Gpu,
-        RenderError::Setting { .. } | RenderError::UnknownFormat { .. } => Exit::Input,
+        RenderError::Setting { .. }
+        | RenderError::UnknownFormat { .. }
+        | RenderError::Reference { .. } => Exit::Input,
         RenderError::Write { .. } => Exit::Output,
         RenderError::Gi(error) => of_gi_error(error),
         _ => Exit::Internal,

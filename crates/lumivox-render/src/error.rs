@@ -96,6 +96,14 @@ pub enum RenderError {
         /// What the system said.
         reason: String,
     },
+    /// A reference cannot be read.
+    #[error("{}: cannot read the reference: {reason}; trace it anew", file.display())]
+    Reference {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Global illumination failed.
     #[error(transparent)]
     Gi(#[from] GiError),

@@ -324,6 +324,24 @@ impl Renderer {
         }
     }
 
+    /// Lights the voxels again with another number of bounces; the mean starts anew.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] when there are too many, and when the device fails.
+    pub async fn set_bounces(&mut self, bounces: u32) -> Result<(), RenderError> {
+        let settings = RenderSettings { bounces, ..self.settings.clone() };
+        settings.validate(&self.gpu.device.limits())?;
+        self.settings = settings;
+        let mut recorder =
+            Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
+        recorder.stage("light");
+        self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
+        self.times.add(recorder.finish().await?);
+        self.gpu.wait("lighting the voxels")?;
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
     /// Moves the camera; the mean starts anew.
     pub fn set_camera(&mut self, camera: Camera) {
         self.camera = camera;

@@ -1,15 +1,10 @@
 //! What a reference says: radiance, and the light and geometry that it is made of.
 
 use std::f64::consts::PI;
-use std::io;
-use std::path::Path;
 
-use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Text, WritableImage as _};
 use glam::UVec2;
-use lumivox_scene::write_atomically;
 
 use super::film::{Film, luminance};
-use crate::RenderError;
 
 /// The layers of a path-traced picture, each row by row from the top; where a pixel shows no surface they
 /// count as zero.
@@ -22,6 +17,8 @@ pub struct ReferenceLayers {
     pub size: UVec2,
     /// Samples of each pixel.
     pub samples: u32,
+    /// Tells apart what was traced ([`super::PathTracer::fingerprint`]).
+    pub fingerprint: u64,
     /// The picture: radiance in cd/m².
     pub radiance: Vec<[f32; 3]>,
     /// The part of it that came straight from lamps, is emitted, or is the background.
@@ -53,13 +50,14 @@ pub struct ReferenceLayers {
 }
 
 impl ReferenceLayers {
-    pub(super) fn new(film: &Film, radiance_unit: f32) -> Self {
+    pub(super) fn new(film: &Film, radiance_unit: f32, fingerprint: u64) -> Self {
         let unit = f64::from(radiance_unit);
         let first = |colors: Vec<[f32; 3]>| colors.into_iter().map(|[x, _, _]| x).collect();
         let scalar = |of: fn(&super::film::Sums) -> f64| first(film.mean(1.0, |s| [of(s); 3]));
         Self {
             size: film.size,
             samples: film.samples,
+            fingerprint,
             radiance: film.mean(unit, |sums| sums.picture),
             direct: film.mean(unit, |sums| sums.direct),
             one_bounce: film.mean(PI * unit, |sums| sums.one_bounce),
@@ -85,52 +83,5 @@ impl ReferenceLayers {
     pub fn picture(&self) -> Vec<[f32; 4]> {
         let pixels = self.radiance.iter().zip(&self.coverage);
         pixels.map(|([r, g, b], coverage)| [*r, *g, *b, *coverage]).collect()
-    }
-
-    /// Writes all layers into one `OpenEXR` file of 32-bit floats: the radiance as `R`, `G` and `B`, the coverage as
-    /// `A`, the others as `direct.R`, `one_bounce.R`, `full.R`, `occlusion.Y`, `albedo.R`, `normal.X`, `depth.Z` and
-    /// so on, and variances as `variance.radiance`, `variance.direct`, `variance.one_bounce`, `variance.full` and
-    /// `variance.occlusion`.
-    ///
-    /// # Errors
-    /// [`RenderError::Write`] when the file cannot be written; then nothing is left behind.
-    pub fn write_exr(&self, path: &Path) -> Result<(), RenderError> {
-        let mut channels: Vec<AnyChannel<FlatSamples>> = Vec::new();
-        let mut add = |name: String, samples: Vec<f32>| {
-            channels.push(AnyChannel::new(Text::new_or_panic(&name), FlatSamples::F32(samples)));
-        };
-        for (layer, pixels) in [
-            ("", &self.radiance),
-            ("direct.", &self.direct),
-            ("one_bounce.", &self.one_bounce),
-            ("full.", &self.full),
-            ("albedo.", &self.albedo),
-            ("normal.", &self.normal),
-        ] {
-            let names = if layer == "normal." { ["X", "Y", "Z"] } else { ["R", "G", "B"] };
-            for (index, name) in names.into_iter().enumerate() {
-                add(format!("{layer}{name}"), pixels.iter().map(|pixel| pixel[index]).collect());
-            }
-        }
-        for (name, values) in [
-            ("A", &self.coverage),
-            ("occlusion.Y", &self.occlusion),
-            ("depth.Z", &self.depth_m),
-            ("variance.radiance", &self.radiance_variance),
-            ("variance.direct", &self.direct_variance),
-            ("variance.one_bounce", &self.one_bounce_variance),
-            ("variance.full", &self.full_variance),
-            ("variance.occlusion", &self.occlusion_variance),
-        ] {
-            add(name.to_owned(), values.clone());
-        }
-        let size = (self.size.x as usize, self.size.y as usize);
-        let image = exr::image::Image::from_channels(size, AnyChannels::sort(channels.into()));
-        let written =
-            write_atomically(path, |out| image.write().to_buffered(out).map_err(io::Error::other));
-        written.map_err(|error| RenderError::Write {
-            file: path.to_owned(),
-            reason: error.to_string(),
-        })
     }
 }

@@ -20,6 +20,7 @@
 
 mod atlas;
 mod checkpoint;
+mod file;
 mod film;
 mod geometry;
 mod layers;
@@ -194,12 +195,12 @@ impl PathTracer {
 
     /// What the samples so far amount to.
     pub fn layers(&self) -> ReferenceLayers {
-        ReferenceLayers::new(&self.film, self.uploaded.radiance_unit)
+        ReferenceLayers::new(&self.film, self.uploaded.radiance_unit, self.uploaded.fingerprint)
     }
 
     /// All that is needed to go on later, as bytes for a file.
     pub fn checkpoint(&self) -> Vec<u8> {
-        checkpoint::write(&self.film, self.uploaded.fingerprint)
+        checkpoint::write(&self.film, self.seeded_fingerprint())
     }
 
     /// Goes on where a checkpoint was taken.
@@ -208,8 +209,20 @@ impl PathTracer {
     /// [`CheckpointError`] when it is none, is damaged, or is one of another scene, camera, size, seed or limit of
     /// gathers; then nothing has changed.
     pub fn resume(&mut self, checkpoint: &[u8]) -> Result<(), CheckpointError> {
-        self.film = checkpoint::read(checkpoint, self.settings.size, self.uploaded.fingerprint)?;
+        self.film = checkpoint::read(checkpoint, self.settings.size, self.seeded_fingerprint())?;
         Ok(())
+    }
+
+    /// Tells apart what is traced: scene, camera, size and limit of gathers, whatever the seed. It is kept with the
+    /// layers.
+    pub fn fingerprint(&self) -> u64 {
+        self.uploaded.fingerprint
+    }
+
+    fn seeded_fingerprint(&self) -> u64 {
+        let parts =
+            [self.uploaded.fingerprint.to_le_bytes(), u64::from(self.settings.seed).to_le_bytes()];
+        checkpoint::fingerprint_of(parts.iter().map(<[u8; 8]>::as_slice))
     }
 }
 
