@@ -179,19 +179,14 @@ fn the_path_tracers_structs_lie_in_memory_alike() {
         "Pixel",
         FilmRecord {
             picture,
-            picture_square,
-            direct,
-            direct_square,
-            one_bounce,
-            one_bounce_square,
-            full,
-            full_square,
-            albedo,
             coverage,
-            normal,
+            direct,
             depth_m,
+            one_bounce,
             openness,
-            openness_square,
+            full,
+            albedo,
+            normal,
         }
     );
 }

@@ -52,6 +52,7 @@ pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
         .constant_u32("ENCODE_COLOR", crate::tone_map::ENCODE_COLOR)
         .constant_u32("ENCODE_DATA", crate::tone_map::ENCODE_DATA)
         .constant_u32("ENCODE_HEAT", crate::tone_map::ENCODE_HEAT)
+        .constant_u32("REFERENCE_BATCH", reference::BATCH)
         .constant_u32("TILE_CLAMP", reference::TILE_CLAMP)
         .constant_u32("TILE_MIRROR", reference::TILE_MIRROR)
         .constant_u32("TILE_NEAREST", reference::TILE_NEAREST)

@@ -87,32 +87,35 @@ fn trace(
     progress: &Progress,
     is_stopped: &AtomicBool,
 ) -> anyhow::Result<()> {
-    loop {
-        let slice = Instant::now();
-        let mut hear = |step: ReferenceProgress| {
-            let share = step.samples.fract();
-            progress.set_within("sample", step.samples as u32, step.total, share);
-            let is_due = args.checkpoint.is_some() && slice.elapsed() >= CHECKPOINT_EVERY;
-            if is_due || is_stopped.load(Ordering::Relaxed) {
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        };
-        pollster::block_on(tracer.render(&mut hear))?;
-        if let Some(file) = &args.checkpoint {
-            let sums = tracer.checkpoint();
-            let written = write_atomically(file, |out| std::io::Write::write_all(out, &sums));
-            written.map_err(|error| {
-                Failure::output(format!(
-                    "{}: cannot write the checkpoint: {error}; check the folder and its permissions",
-                    file.display()
-                ))
-            })?;
+    let mut written = Instant::now();
+    let mut hear = |step: ReferenceProgress| {
+        progress.set_within("sample", step.samples as u32, step.total, step.samples.fract());
+        match is_stopped.load(Ordering::Relaxed) && step.samples >= 1.0 {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
         }
-        if tracer.samples() >= args.samples || is_stopped.load(Ordering::Relaxed) {
+    };
+    loop {
+        let goes_on = pollster::block_on(tracer.render_batch(&mut hear))?;
+        if let Some(file) = &args.checkpoint
+            && (!goes_on || written.elapsed() >= CHECKPOINT_EVERY)
+        {
+            keep(tracer, file)?;
+            written = Instant::now();
+        }
+        if !goes_on {
             return Ok(());
         }
     }
+}
+
+fn keep(tracer: &PathTracer, file: &Path) -> anyhow::Result<()> {
+    let sums = tracer.checkpoint();
+    let written = write_atomically(file, |out| std::io::Write::write_all(out, &sums));
+    written.map_err(|error| {
+        let reason = format!("{}: cannot write the checkpoint: {error}", file.display());
+        Failure::output(reason + "; check the folder and its permissions").into()
+    })
 }
 
 fn resume(tracer: &mut PathTracer, file: &Path) -> anyhow::Result<()> {
@@ -181,13 +184,10 @@ impl Noise {
 }
 
 fn noise_percent(pixels: &[[f32; 3]], variances: &[f32]) -> Option<f64> {
-    let count = pixels.len() as f64;
-    // ITU-R BT.709-6, section 3.2.
-    let luminance = |[r, g, b]: &[f32; 3]| {
-        0.2126 * f64::from(*r) + 0.7152 * f64::from(*g) + 0.0722 * f64::from(*b)
-    };
-    let mean = pixels.iter().map(luminance).sum::<f64>() / count;
-    let variance = variances.iter().map(|variance| f64::from(*variance)).sum::<f64>() / count;
+    let channels = pixels.as_flattened();
+    let mean = channels.iter().copied().map(f64::from).sum::<f64>() / channels.len() as f64;
+    let sum: f64 = variances.iter().copied().map(f64::from).sum();
+    let variance = sum / variances.len() as f64;
     (mean > 0.0 && variance.is_finite()).then(|| 100.0 * variance.sqrt() / mean)
 }
 

@@ -1,6 +1,6 @@
 //! Sums on their way, kept in a file.
 //!
-//! Little-endian: the mark, the fingerprint of what is traced, width, height and samples, all sums in f64, and a
+//! Little-endian: the mark, the fingerprint of what is traced, width, height, samples and batches, all sums in f64, and a
 //! checksum of all before.
 
 use bytemuck::Zeroable as _;
@@ -8,8 +8,8 @@ use glam::UVec2;
 
 use super::film::{Film, Sums};
 
-const MARK: &[u8; 8] = b"LUMIREF1";
-const HEADER_BYTES: usize = 8 + 8 + 3 * 4;
+const MARK: &[u8; 8] = b"LUMIREF2";
+const HEADER_BYTES: usize = 8 + 8 + 4 * 4;
 
 /// Why a checkpoint cannot be gone on with.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -39,7 +39,7 @@ pub enum CheckpointError {
 pub(super) fn write(film: &Film, fingerprint: u64) -> Vec<u8> {
     let mut bytes = MARK.to_vec();
     bytes.extend(fingerprint.to_le_bytes());
-    for number in [film.size.x, film.size.y, film.samples] {
+    for number in [film.size.x, film.size.y, film.samples, film.batches] {
         bytes.extend(number.to_le_bytes());
     }
     for number in bytemuck::cast_slice::<Sums, f64>(&film.sums) {
@@ -73,6 +73,7 @@ pub(super) fn read(bytes: &[u8], size: UVec2, fingerprint: u64) -> Result<Film, 
     }
     film.sums.fill(Sums::zeroed());
     film.samples = word(2);
+    film.batches = word(3);
     for (sum, number) in
         bytemuck::cast_slice_mut::<Sums, f64>(&mut film.sums).iter_mut().zip(numbers)
     {
@@ -106,6 +107,7 @@ mod tests {
         let size = UVec2::new(3, 2);
         let mut film = Film::new(size);
         film.samples = 12;
+        film.batches = 3;
         film.sums[4].full = [1.5, -2.0, 1e300];
         let bytes = write(&film, 77);
         assert_eq!(read(&bytes, size, 77), Ok(film));

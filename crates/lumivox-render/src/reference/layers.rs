@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use glam::UVec2;
 
-use super::film::{Film, luminance};
+use super::film::{Film, Sums};
 
 /// The layers of a path-traced picture, each row by row from the top; where a pixel shows no surface they
 /// count as zero.
 ///
-/// A variance is that of the mean over samples, of the luminance: the square of the standard deviation that the
-/// pixel is uncertain by. It is infinite below two samples.
+/// A variance is that of the mean over samples, averaged over the channels: the square of the standard deviation
+/// that the pixel is uncertain by. It is infinite below 17 samples, which are two batches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceLayers {
     /// Width and height in pixels.
@@ -53,7 +53,7 @@ impl ReferenceLayers {
     pub(super) fn new(film: &Film, radiance_unit: f32, fingerprint: u64) -> Self {
         let unit = f64::from(radiance_unit);
         let first = |colors: Vec<[f32; 3]>| colors.into_iter().map(|[x, _, _]| x).collect();
-        let scalar = |of: fn(&super::film::Sums) -> f64| first(film.mean(1.0, |s| [of(s); 3]));
+        let scalar = |of: fn(&Sums) -> f64| first(film.mean(1.0, |s| [of(s); 3]));
         Self {
             size: film.size,
             samples: film.samples,
@@ -67,15 +67,13 @@ impl ReferenceLayers {
             normal: film.mean(1.0, |sums| sums.normal),
             depth_m: scalar(|sums| sums.depth_m),
             coverage: scalar(|sums| sums.coverage),
-            radiance_variance: film
-                .variance(unit, |sums| (luminance(sums.picture), sums.picture_square)),
-            direct_variance: film
-                .variance(unit, |sums| (luminance(sums.direct), sums.direct_square)),
+            radiance_variance: film.variance(unit, |sums| (sums.picture, sums.picture_square)),
+            direct_variance: film.variance(unit, |sums| (sums.direct, sums.direct_square)),
             one_bounce_variance: film
-                .variance(PI * unit, |sums| (luminance(sums.one_bounce), sums.one_bounce_square)),
-            full_variance: film
-                .variance(PI * unit, |sums| (luminance(sums.full), sums.full_square)),
-            occlusion_variance: film.variance(1.0, |sums| (sums.openness, sums.openness_square)),
+                .variance(PI * unit, |sums| (sums.one_bounce, sums.one_bounce_square)),
+            full_variance: film.variance(PI * unit, |sums| (sums.full, sums.full_square)),
+            occlusion_variance: film
+                .variance(1.0, |sums| ([sums.openness; 3], sums.openness_square)),
         }
     }
 

@@ -54,8 +54,8 @@ use upload::Uploaded;
 
 use crate::{Gpu, RenderError};
 
-/// Samples that the GPU sums up in f32 before they are added in f64. Interruptions fall between such batches.
-const BATCH: u32 = 4;
+/// Samples that are spread evenly together, and that the GPU sums up in f32 before they are added in f64.
+pub(crate) const BATCH: u32 = 16;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
 
@@ -135,8 +135,7 @@ impl PathTracer {
 
     /// Traces all samples that the settings ask for and are not there yet.
     ///
-    /// `progress` is heard often; when it breaks, what is there stays and tracing can go on later. At least
-    /// one batch of four samples is finished.
+    /// `progress` is heard often; when it breaks, what is there stays, and tracing can go on later.
     ///
     /// # Errors
     /// When the device fails.
@@ -144,53 +143,55 @@ impl PathTracer {
         &mut self,
         progress: &mut dyn FnMut(ReferenceProgress) -> ControlFlow<()>,
     ) -> Result<(), RenderError> {
-        let total = self.settings.samples;
-        while self.film.samples < total {
-            let count = (BATCH - self.film.samples % BATCH).min(total - self.film.samples);
-            if !self.batch(count, progress).await? {
-                break;
-            }
-        }
+        while self.render_batch(progress).await? {}
         Ok(())
     }
 
-    /// Traces a batch of samples; `false` if it was broken off, and then nothing has changed.
-    async fn batch(
+    /// Traces the next samples of those that are not there yet, up to a whole number of batches of 16; `false`
+    /// once nothing is left to do or `progress` broke it off.
+    ///
+    /// Between batches a checkpoint can be gone on with to the same bits as if nothing had happened. Within one, what
+    /// is there stays as well if all pixels have it; it differs from an unbroken run by rounding.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render_batch(
         &mut self,
-        count: u32,
         progress: &mut dyn FnMut(ReferenceProgress) -> ControlFlow<()>,
     ) -> Result<bool, RenderError> {
-        let (size, first) = (self.settings.size, self.film.samples);
+        let (size, first, total) = (self.settings.size, self.film.samples, self.settings.samples);
+        let count = (BATCH - first % BATCH).min(total.saturating_sub(first));
+        let mut done = count;
         let mut bands = Vec::new();
         for first_row in (0..size.y).step_by(self.uploaded.band_rows as usize) {
             let rows = self.uploaded.band_rows.min(size.y - first_row);
             self.uploaded.clear_film(&self.gpu);
-            for sample in first..first + count {
-                self.uploaded.set_sample(&self.gpu, first_row, rows, sample);
+            for sample in 0..count {
+                self.uploaded.set_sample(&self.gpu, first_row, rows, first + sample);
                 let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
                 self.uploaded.kernel.run(&mut recorder, &[&self.uploaded.group], [size.x, rows, 1]);
                 recorder.submit();
                 self.gpu.wait("tracing paths")?;
-                let of_rows = f64::from(first_row + rows) / f64::from(size.y);
-                let in_band = f64::from(sample - first + 1) * f64::from(rows) / f64::from(size.y);
-                let before = f64::from(count) * (of_rows - f64::from(rows) / f64::from(size.y));
-                let samples = f64::from(first) + before + in_band;
-                let heard = progress(ReferenceProgress { samples, total: self.settings.samples });
-                if heard.is_break() && first > 0 {
-                    return Ok(false);
+                let rows_before = f64::from(count) * f64::from(first_row);
+                let rows_done = rows_before + f64::from(sample + 1) * f64::from(rows);
+                let samples = f64::from(first) + rows_done / f64::from(size.y);
+                if progress(ReferenceProgress { samples, total }).is_break() {
+                    if rows < size.y {
+                        return Ok(false);
+                    }
+                    done = sample + 1;
+                    break;
                 }
             }
             let bytes = u64::from(size.x) * u64::from(rows) * size_of::<PixelRecord>() as u64;
             let film = &self.uploaded.film;
-            let sums: Vec<PixelRecord> =
-                read_buffer(&self.gpu.device, &self.gpu.queue, film, 0..bytes).await?;
+            let sums = read_buffer(&self.gpu.device, &self.gpu.queue, film, 0..bytes).await?;
             bands.push((first_row, sums));
         }
-        for (first_row, sums) in bands {
-            self.film.add(first_row, &sums);
+        if done > 0 {
+            self.film.add(done, &bands);
         }
-        self.film.samples += count;
-        Ok(true)
+        Ok(done == count && self.film.samples < total)
     }
 
     /// What the samples so far amount to.

@@ -21,31 +21,27 @@ import package::render::reference::panorama::surroundings;
 import package::render::reference::random::{random, random_2, start_random};
 import package::render::reference::scatter::{cos_toward, draw_direction, scatter, Surface};
 import package::render::reference::sources::{
-    ask_disc, ask_emitter, ask_light, ask_panorama, brightness, power_weight, Question, NEVER,
+    ask_disc, ask_emitter, ask_light, ask_panorama, power_weight, Question, NEVER,
 };
 import package::render::reference::surface::{meet, Met};
 import package::render::reference::world::{triangles, world, SEE_THROUGH};
 import package::trace::brdf::PI;
 import package::trace::coat::{below_coat, Coat};
 
-// Sums over the samples of a pixel. Squares are of luminances.
+// Sums over the samples of a pixel.
 struct Pixel {
     picture: vec3f,
-    picture_square: f32,
-    direct: vec3f,
-    direct_square: f32,
-    one_bounce: vec3f,
-    one_bounce_square: f32,
-    full: vec3f,
-    full_square: f32,
-    albedo: vec3f,
     coverage: f32,
-    normal: vec3f,
+    direct: vec3f,
     depth_m: f32,
+    one_bounce: vec3f,
     openness: f32,
-    openness_square: f32,
+    full: vec3f,
     padding_0: f32,
+    albedo: vec3f,
     padding_1: f32,
+    normal: vec3f,
+    padding_2: f32,
 }
 
 @group(0) @binding(7) var<storage, read_write> film: array<Pixel>;
@@ -258,13 +254,9 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let start = camera_ray(pixel, random_2());
         for (var which = 0u; which < 2u; which++) {
             let traced = trace(start, which == 0u);
-            let all_luminance = brightness(traced.light.all);
-            let early_luminance = brightness(traced.light.early);
             if which == 0u {
                 film[place].picture += traced.light.all;
-                film[place].picture_square += all_luminance * all_luminance;
                 film[place].direct += traced.light.early;
-                film[place].direct_square += early_luminance * early_luminance;
                 if traced.is_surface {
                     film[place].albedo += traced.albedo;
                     film[place].coverage += 1.0;
@@ -273,12 +265,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
                 }
             } else {
                 film[place].full += traced.light.all;
-                film[place].full_square += all_luminance * all_luminance;
                 film[place].one_bounce += traced.light.early;
-                film[place].one_bounce_square += early_luminance * early_luminance;
-                let openness = select(0.0, 1.0, traced.is_surface && traced.is_open);
-                film[place].openness += openness;
-                film[place].openness_square += openness;
+                film[place].openness += select(0.0, 1.0, traced.is_surface && traced.is_open);
             }
         }
     }
