@@ -17,12 +17,13 @@
 //! A frame is a row of passes, each in its own module with its shader beside it: the G-buffer
 //! ([`gbuffer_pass`]), direct light ([`direct`]) with shadow maps ([`shadow_maps`]), the cones of
 //! `lumivox`, and the [`composite`], which [`accumulate`] averages over frames and [`tone_map`] brings
-//! to a screen.
+//! to a screen. [`compare`] tells how far a picture is from a reference; it needs no GPU.
 
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
 pub mod accumulate;
+pub mod compare;
 pub mod composite;
 pub mod direct;
 mod error;
@@ -37,6 +38,7 @@ mod renderer;
 mod settings;
 pub mod shaders;
 pub mod shadow_maps;
+mod srgb;
 mod targets;
 mod textures;
 mod times;
