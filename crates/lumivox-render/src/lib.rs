@@ -17,12 +17,14 @@
 //! A frame is a row of passes, each in its own module with its shader beside it: the G-buffer
 //! ([`gbuffer_pass`]), direct light ([`direct`]) with shadow maps ([`shadow_maps`]), the cones of
 //! `lumivox`, and the [`composite`], which [`accumulate`] averages over frames and [`tone_map`] brings
-//! to a screen. The truth that all this is measured by is a path tracer: [`reference`].
+//! to a screen. The truth that all this is measured by is a path tracer ([`reference`]), and [`compare`] tells how
+//! far a picture is from it.
 
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
 pub mod accumulate;
+pub mod compare;
 pub mod composite;
 mod develop;
 pub mod direct;
@@ -39,6 +41,7 @@ mod renderer;
 mod settings;
 pub mod shaders;
 pub mod shadow_maps;
+mod srgb;
 mod targets;
 mod textures;
 mod times;

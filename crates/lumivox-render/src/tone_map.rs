@@ -3,6 +3,8 @@
 //! Colours are multiplied by 2 to the power of the exposure's stops, bent by a curve, and encoded for
 //! a screen (sRGB, IEC 61966-2-1). Data is scaled alone, or shown as colours of a heat map.
 
+mod curve;
+
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use lumivox::gpu::{
@@ -142,13 +144,16 @@ impl Exposure {
 }
 
 /// ITU-R BT.709-6, section 3.2.
-fn luminance([r, g, b, _]: [f32; 4]) -> f64 {
+pub(crate) fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
 /// The geometric mean of luminance over the pixels that show a surface.
 fn geometric_mean(picture: &[[f32; 4]]) -> Option<f64> {
-    let surfaces = || picture.iter().filter(|pixel| pixel[3] >= 0.5).map(|pixel| luminance(*pixel));
+    let surfaces = || {
+        let shown = picture.iter().filter(|pixel| pixel[3] >= 0.5);
+        shown.map(|&[r, g, b, _]| luminance([r, g, b]))
+    };
     let count = surfaces().count();
     let mean = surfaces().sum::<f64>() / count as f64;
     if count == 0 || !mean.is_finite() || mean <= 0.0 {

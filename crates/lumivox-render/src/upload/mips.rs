@@ -9,6 +9,8 @@ use glam::{Vec4, Vec4Swizzles as _};
 use lumivox_scene::Texture;
 use rayon::prelude::*;
 
+use crate::srgb::{srgb_decode, srgb_encode};
+
 /// What the bytes of an image mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
@@ -138,16 +140,6 @@ fn decoding_table(encoding: Encoding) -> [f32; 256] {
             Encoding::Data => code,
         }
     })
-}
-
-/// IEC 61966-2-1:1999, section 5.2.
-fn srgb_decode(code: f32) -> f32 {
-    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
-}
-
-/// The inverse of [`srgb_decode`].
-fn srgb_encode(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

@@ -1,0 +1,76 @@
+//! Why pictures cannot be compared.
+
+use std::path::PathBuf;
+
+use glam::UVec2;
+
+/// An error of a comparison. Every message says what stands in the way and what would help.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompareError {
+    /// The pictures have different sizes.
+    #[error(
+        "the reference has {}x{} pixels, the other picture {}x{}; render both at the same size",
+        reference.x, reference.y, ours.x, ours.y
+    )]
+    Size {
+        /// Width and height of the reference.
+        reference: UVec2,
+        /// Width and height of the picture that is compared with it.
+        ours: UVec2,
+    },
+    /// A picture's pixels are not as many as its size says, or it has none.
+    #[error("{picture} has {pixels} pixels for a size of {}x{}; give width times height, at least one", size.x, size.y)]
+    Pixels {
+        /// Which picture: "the reference", "the other picture" or "the variance".
+        picture: &'static str,
+        /// The number of its pixels.
+        pixels: usize,
+        /// The width and height that it shall have.
+        size: UVec2,
+    },
+    /// A value is infinite, not a number, or a variance below 0.
+    #[error(
+        "{picture} is {value} at pixel {x},{y} (counted from 0, from the top left), which cannot be \
+         compared; find out what made it"
+    )]
+    Value {
+        /// Which picture: "the reference", "the other picture" or "the variance".
+        picture: &'static str,
+        /// Column, from 0 at the left.
+        x: u32,
+        /// Row, from 0 at the top.
+        y: u32,
+        /// What is there.
+        value: String,
+    },
+    /// The mean of the reference is not above 0, so nothing can be told as a share of it.
+    #[error(
+        "the reference is black (its mean is {mean}), so errors cannot be told as a share of it; \
+         give a reference that shows light"
+    )]
+    Black {
+        /// Its mean over pixels and channels.
+        mean: f64,
+    },
+    /// A picture's file cannot be read.
+    #[error("{}: cannot read the picture: {reason}; {remedy}", file.display())]
+    Read {
+        /// The file asked for.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+        /// What would help.
+        remedy: &'static str,
+    },
+    /// An `OpenEXR` file has no layer of that name.
+    #[error("{}: it has no layer \"{layer}\" with red, green and blue; there are: {known}", file.display())]
+    Layer {
+        /// The file asked for.
+        file: PathBuf,
+        /// The layer asked for.
+        layer: String,
+        /// The names of its layers.
+        known: String,
+    },
+}

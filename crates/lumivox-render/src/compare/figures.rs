@@ -1,0 +1,132 @@
+//! The figures of a comparison.
+
+use serde::Serialize;
+
+use super::picture::check_values;
+use super::{CompareError, LinearPicture};
+
+/// A pixel's error is told as a share of its luminance, or of this share of the reference's mean
+/// luminance where the pixel is darker.
+pub const DARKEST_SHARE: f64 = 0.1;
+
+/// How far a picture is from its reference. Percentages are of the reference's mean unless they say
+/// otherwise; 0 is a perfect match.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorFigures {
+    /// The mean over pixels and channels less the reference's, in percent. Negative: too dark.
+    pub bias_percent: f64,
+    /// The root of the mean squared difference over pixels and channels, in percent.
+    pub rmse_percent: f64,
+    /// In luminance, what is left of the root of the mean squared difference when the noise of the
+    /// reference is taken out: `sqrt(mse - mean variance)`, or 0 where noise explains all. Its square is
+    /// an unbiased estimate (but for the cut at 0). None where the variance is not known.
+    pub rmse_above_noise_percent: Option<f64>,
+    /// Of the absolute relative errors of the pixels ([`relative_errors`]), the smallest that at least
+    /// 95 % do not exceed, in percent of the pixels' own luminance.
+    pub p95_percent: f64,
+    /// Mean FLIP error for screens, 0 to 1 (Andersson et al. 2020), of both pictures with the automatic
+    /// exposure of the reference and the curve [`ToneMap::Neutral`](crate::ToneMap::Neutral), at
+    /// 67 pixels a degree. None without the feature `flip`.
+    pub flip: Option<f64>,
+    /// The noise of the reference itself in luminance: the root of the mean variance of its pixels, in
+    /// percent. None where the variance is not known.
+    pub noise_percent: Option<f64>,
+}
+
+impl ErrorFigures {
+    /// Compares `ours` with `reference`. `variance` has, for each pixel, the variance of the
+    /// reference's luminance: of the mean over all of its samples, not of a single one.
+    ///
+    /// # Errors
+    /// [`CompareError`] when sizes differ, a value is not finite, or the reference is black.
+    pub fn new(
+        reference: &LinearPicture,
+        variance: Option<&[f32]>,
+        ours: &LinearPicture,
+    ) -> Result<Self, CompareError> {
+        check_pair(reference, ours)?;
+        reference.check_reference()?;
+        if let Some(variance) = variance {
+            let is_good = |value: &f32| value.is_finite() && *value >= 0.0;
+            check_values("the variance", reference.size, variance, is_good)?;
+        }
+        let percent = |value: f64, whole: f64| 100.0 * value / whole;
+        let mean = reference.mean();
+        let mean_luminance = reference.mean_luminance();
+        let channels = reference.rgb.as_flattened().iter().zip(ours.rgb.as_flattened());
+        let rmse = mean_square(channels.map(|(&r, &x)| f64::from(x) - f64::from(r))).sqrt();
+
+        let noise = variance.map(|variance| {
+            variance.iter().copied().map(f64::from).sum::<f64>() / variance.len() as f64
+        });
+        let luminances = reference.luminances().zip(ours.luminances());
+        let luminance_mse = mean_square(luminances.map(|(r, x)| x - r));
+        let above_noise = noise.map(|noise| (luminance_mse - noise).max(0.0).sqrt());
+        Ok(Self {
+            bias_percent: percent(ours.mean() - mean, mean),
+            rmse_percent: percent(rmse, mean),
+            rmse_above_noise_percent: above_noise.map(|rmse| percent(rmse, mean_luminance)),
+            p95_percent: 100.0 * percentile_95(errors(reference, ours)),
+            flip: flip(reference, ours),
+            noise_percent: noise.map(|noise| percent(noise.sqrt(), mean_luminance)),
+        })
+    }
+}
+
+/// The signed relative error of each pixel, row by row from the top: the difference of luminance, as a
+/// share of the reference's luminance or of [`DARKEST_SHARE`] times its mean, whichever is more.
+/// Negative: too dark.
+///
+/// # Errors
+/// As [`ErrorFigures::new`].
+pub fn relative_errors(
+    reference: &LinearPicture,
+    ours: &LinearPicture,
+) -> Result<Vec<f64>, CompareError> {
+    check_pair(reference, ours)?;
+    reference.check_reference()?;
+    Ok(errors(reference, ours))
+}
+
+fn errors(reference: &LinearPicture, ours: &LinearPicture) -> Vec<f64> {
+    let darkest = DARKEST_SHARE * reference.mean_luminance();
+    let both = reference.luminances().zip(ours.luminances());
+    both.map(|(reference, ours)| (ours - reference) / reference.max(darkest)).collect()
+}
+
+/// Checks that both are sound and of one size.
+pub(super) fn check_pair(
+    reference: &LinearPicture,
+    ours: &LinearPicture,
+) -> Result<(), CompareError> {
+    if reference.size != ours.size {
+        return Err(CompareError::Size { reference: reference.size, ours: ours.size });
+    }
+    reference.check("the reference")?;
+    ours.check("the other picture")
+}
+
+fn mean_square(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = values.fold((0_u64, 0.0), |(n, sum), value| (n + 1, sum + value * value));
+    sum / count as f64
+}
+
+/// By the nearest rank: of n values in order, number ceil(0.95 n), counted from 1.
+fn percentile_95(errors: Vec<f64>) -> f64 {
+    let mut errors: Vec<f64> = errors.into_iter().map(f64::abs).collect();
+    let rank = (errors.len() * 95).div_ceil(100);
+    *errors.select_nth_unstable_by(rank - 1, f64::total_cmp).1
+}
+
+#[cfg(feature = "flip")]
+fn flip(reference: &LinearPicture, ours: &LinearPicture) -> Option<f64> {
+    Some(super::flip::mean_flip(reference, ours))
+}
+
+#[cfg(not(feature = "flip"))]
+fn flip(_: &LinearPicture, _: &LinearPicture) -> Option<f64> {
+    None
+}
+
+#[cfg(test)]
+mod tests;

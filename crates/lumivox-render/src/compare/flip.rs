@@ -1,0 +1,21 @@
+//! FLIP, the difference that a viewer sees (Andersson et al. 2020, "FLIP: A difference evaluator for
+//! alternating images", the variant for screens).
+
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
+
+use super::LinearPicture;
+
+/// Pixels in a degree of the viewer's sight: 67.02, a screen of 3840 pixels and 0.7 m in width, 0.7 m
+/// away (Andersson et al. 2020, section 6). Fewer forgive less, as if the viewer came closer.
+pub const FLIP_PIXELS_PER_DEGREE: f32 = DEFAULT_PIXELS_PER_DEGREE;
+
+/// The mean over pixels, 0 (the same) to 1. Both are shown with the exposure of the reference.
+pub(super) fn mean_flip(reference: &LinearPicture, ours: &LinearPicture) -> f64 {
+    let stops = reference.exposure_stops();
+    let [reference, ours] = [reference, ours].map(|picture| {
+        let screen = picture.to_screen(stops);
+        FlipImageRgb8::with_data(picture.size.x, picture.size.y, screen.as_flattened())
+    });
+    let errors = nv_flip::flip(reference, ours, FLIP_PIXELS_PER_DEGREE);
+    FlipPool::from_image(&errors).mean().into()
+}

@@ -1,0 +1,61 @@
+//! Light that passes through walls.
+
+use super::figures::check_pair;
+use super::{CompareError, LinearPicture};
+
+/// Light that a dark room gets through its walls, in percent of the light next door.
+///
+/// It is the mean over pixels of what the dark room's picture has too much of luminance,
+/// `max(0, Y ours - Y reference)`, as a share of the mean luminance of the reference in the lit room.
+/// Noise in the dark reference counts as light where it is too low, so let it converge.
+///
+/// # Errors
+/// [`CompareError`] when the two dark pictures differ in size, a value is not finite, or the lit room is
+/// black. The dark reference may be.
+pub fn leak_percent(
+    dark_reference: &LinearPicture,
+    dark_ours: &LinearPicture,
+    lit_reference: &LinearPicture,
+) -> Result<f64, CompareError> {
+    check_pair(dark_reference, dark_ours)?;
+    lit_reference.check_reference()?;
+    let excess = dark_reference.luminances().zip(dark_ours.luminances());
+    let excess: f64 = excess.map(|(reference, ours)| (ours - reference).max(0.0)).sum();
+    let mean = excess / dark_reference.rgb.len() as f64;
+    Ok(100.0 * mean / lit_reference.mean_luminance())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec2;
+
+    use super::*;
+
+    fn grey<const N: usize>(values: [f32; N]) -> LinearPicture {
+        LinearPicture { size: UVec2::new(N as u32, 1), rgb: values.map(|v| [v; 3]).into() }
+    }
+
+    #[test]
+    fn only_what_is_too_bright_leaks() {
+        let lit = grey([5.0, 15.0, 10.0]);
+        // 0.4 too much in one of four pixels is 0.1 in the mean, of 10.
+        let percent = leak_percent(
+            &grey([0.0, 0.0, 0.5, 1.0]),
+            &grey([0.0, 0.4, 0.5, 0.2]), //
+            &lit,
+        );
+        let percent = percent.expect("a share");
+        assert!((percent - 1.0).abs() < 1e-6, "{percent}");
+        let dark = grey([0.0, 0.0]);
+        assert_eq!(leak_percent(&dark, &dark, &lit).expect("a share"), 0.0);
+    }
+
+    #[test]
+    fn the_lit_room_must_be_lit() {
+        let dark = grey([0.0]);
+        let error = leak_percent(&dark, &dark, &dark).expect_err("no light to leak");
+        assert!(matches!(error, CompareError::Black { .. }), "{error}");
+        let error = leak_percent(&dark, &grey([0.0, 0.0]), &grey([1.0])).expect_err("other sizes");
+        assert!(matches!(error, CompareError::Size { .. }), "{error}");
+    }
+}

@@ -1,0 +1,91 @@
+//! Pictures as they are compared.
+
+use glam::{UVec2, Vec3};
+
+use super::CompareError;
+use crate::tone_map::luminance;
+use crate::{Exposure, Picture, ToneMap};
+
+/// A picture of linear RGB with BT.709 primaries, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearPicture {
+    /// Width and height in pixels.
+    pub size: UVec2,
+    /// Red, green and blue, in any unit that both pictures of a comparison share.
+    pub rgb: Vec<[f32; 3]>,
+}
+
+impl From<&Picture> for LinearPicture {
+    fn from(picture: &Picture) -> Self {
+        Self {
+            size: picture.size,
+            rgb: picture.hdr.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
+        }
+    }
+}
+
+impl LinearPicture {
+    /// The stops of automatic exposure, [`Exposure::Auto`]; every pixel counts as a surface.
+    pub fn exposure_stops(&self) -> f32 {
+        let opaque: Vec<_> = self.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        Exposure::Auto.stops(&opaque)
+    }
+
+    /// What a screen shows with this exposure in stops and the curve [`ToneMap::Neutral`]: sRGB codes.
+    pub fn to_screen(&self, stops: f32) -> Vec<[u8; 3]> {
+        let scale = stops.exp2();
+        let shown = |&rgb: &[f32; 3]| {
+            let code = ToneMap::Neutral.encode(Vec3::from_array(rgb) * scale) * 255.0;
+            code.to_array().map(|channel| channel.round() as u8)
+        };
+        self.rgb.iter().map(shown).collect()
+    }
+
+    /// The luminances (ITU-R BT.709-6, section 3.2).
+    pub(super) fn luminances(&self) -> impl Iterator<Item = f64> {
+        self.rgb.iter().map(|&rgb| luminance(rgb))
+    }
+
+    /// The mean luminance.
+    pub(super) fn mean_luminance(&self) -> f64 {
+        self.luminances().sum::<f64>() / self.rgb.len() as f64
+    }
+
+    /// The mean over pixels and channels.
+    pub(super) fn mean(&self) -> f64 {
+        let sum: f64 = self.rgb.as_flattened().iter().copied().map(f64::from).sum();
+        sum / (3 * self.rgb.len()) as f64
+    }
+
+    /// Checks that there are pixels, as many as the size says, and that all are finite.
+    pub(super) fn check(&self, picture: &'static str) -> Result<(), CompareError> {
+        check_values(picture, self.size, &self.rgb, |rgb| rgb.iter().all(|value| value.is_finite()))
+    }
+
+    /// Checks that it is a reference: sound, and not black.
+    pub(super) fn check_reference(&self) -> Result<(), CompareError> {
+        self.check("the reference")?;
+        let mean = self.mean();
+        // Negative channels may leave one of the two above 0.
+        if mean > 0.0 && self.mean_luminance() > 0.0 {
+            return Ok(());
+        }
+        Err(CompareError::Black { mean })
+    }
+}
+
+/// Checks that there are values, one for each pixel, and all of them good.
+pub(super) fn check_values<T: std::fmt::Debug>(
+    picture: &'static str,
+    size: UVec2,
+    values: &[T],
+    is_good: impl Fn(&T) -> bool,
+) -> Result<(), CompareError> {
+    let wanted = u64::from(size.x) * u64::from(size.y);
+    if wanted == 0 || values.len() as u64 != wanted {
+        return Err(CompareError::Pixels { picture, pixels: values.len(), size });
+    }
+    let Some(index) = values.iter().position(|value| !is_good(value)) else { return Ok(()) };
+    let (x, y) = (index as u32 % size.x, index as u32 / size.x);
+    Err(CompareError::Value { picture, x, y, value: format!("{:?}", values[index]) })
+}
