@@ -11,7 +11,7 @@ pub const DARKEST_SHARE: f64 = 0.1;
 
 /// How far a picture is from its reference. Percentages are of the reference's mean unless they say
 /// otherwise; 0 is a perfect match.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorFigures {
     /// The mean over pixels and channels less the reference's, in percent. Negative: too dark.
     pub bias_percent: f64,
@@ -62,12 +62,16 @@ impl ErrorFigures {
         let luminances = reference.luminances().zip(ours.luminances());
         let luminance_mse = mean_square(luminances.map(|(r, x)| x - r));
         let above_noise = noise.map(|noise| (luminance_mse - noise).max(0.0).sqrt());
+        #[cfg(feature = "flip")]
+        let flip = Some(super::flip::mean_flip(reference, ours));
+        #[cfg(not(feature = "flip"))]
+        let flip = None;
         Ok(Self {
             bias_percent: percent(ours.mean() - mean, mean),
             rmse_percent: percent(rmse, mean),
             rmse_above_noise_percent: above_noise.map(|rmse| percent(rmse, mean_luminance)),
             p95_percent: 100.0 * percentile_95(errors(reference, ours)),
-            flip: flip(reference, ours),
+            flip,
             noise_percent: noise.map(|noise| percent(noise.sqrt(), mean_luminance)),
         })
     }
@@ -116,16 +120,6 @@ fn percentile_95(errors: Vec<f64>) -> f64 {
     let mut errors: Vec<f64> = errors.into_iter().map(f64::abs).collect();
     let rank = (errors.len() * 95).div_ceil(100);
     *errors.select_nth_unstable_by(rank - 1, f64::total_cmp).1
-}
-
-#[cfg(feature = "flip")]
-fn flip(reference: &LinearPicture, ours: &LinearPicture) -> Option<f64> {
-    Some(super::flip::mean_flip(reference, ours))
-}
-
-#[cfg(not(feature = "flip"))]
-fn flip(_: &LinearPicture, _: &LinearPicture) -> Option<f64> {
-    None
 }
 
 #[cfg(test)]
