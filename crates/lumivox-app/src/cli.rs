@@ -2,6 +2,7 @@
 //!
 //! Each option states its unit, range and default; the tests below hold it to that.
 
+mod compare;
 mod light;
 mod load;
 mod motion;
@@ -16,6 +17,7 @@ use lumivox::{Directionality, MAX_RESOLUTION};
 use lumivox_render::{ToneMap, View};
 
 pub use light::{LightArgs, SourceArgs};
+pub use compare::CompareArgs;
 pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;
 pub use reference::ReferenceArgs;
@@ -112,6 +114,9 @@ pub enum Command {
                             convert robot.glb --animation walk --time 1.5 -o pose.glb"
     )]
     Convert(ConvertArgs),
+    /// Tell how far a picture is from a reference: bias, RMSE, 95th percentile, FLIP
+    #[command(after_help = compare::EXAMPLES)]
+    Compare(CompareArgs),
     /// List the built-in scenes
     Scenes,
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use lumivox::GiError;
 use lumivox_render::RenderError;
+use lumivox_render::compare::CompareError;
 use lumivox_scene::SceneError;
 
 use crate::args::Refused;
@@ -82,6 +83,9 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
         }
         if let Some(error) = cause.downcast_ref::<RenderError>() {
             return of_render_error(error);
+        }
+        if cause.is::<CompareError>() {
+            return Exit::Input;
         }
         if let Some(error) = cause.downcast_ref::<GiError>() {
             return of_gi_error(error);

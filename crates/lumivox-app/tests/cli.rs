@@ -30,7 +30,7 @@ fn without_arguments_it_shows_the_help() {
 #[test]
 fn every_command_has_help() {
     let folder = folder();
-    for command in ["render", "info", "voxels", "convert", "scenes"] {
+    for command in ["render", "info", "voxels", "convert", "compare", "scenes"] {
         let long = lumivox(folder.path(), &format!("{command} --help")).expect_ok();
         let asked = lumivox(folder.path(), &format!("help {command}")).expect_ok();
         assert_eq!(long.stdout, asked.stdout);

@@ -19,6 +19,18 @@ pub fn check(file: &Path) -> anyhow::Result<()> {
     check_folder(file, &folder_of(file))
 }
 
+/// Checks that `file` ends in `.EXTENSION`, as `rule` demands, and can be written.
+///
+/// # Errors
+/// A [`Failure`] that names the file and what stands in the way.
+pub fn check_kind(file: &Path, extension: &str, rule: &str) -> anyhow::Result<()> {
+    if !file.extension().unwrap_or_default().eq_ignore_ascii_case(extension) {
+        let name = file.display();
+        bail!(Failure::input(format!("{name}: {rule}; end the name in .{extension}")));
+    }
+    check_folder(file, &folder_of(file))
+}
+
 /// Checks that `what`, a file or a folder to be made, can be made in `folder`.
 ///
 /// # Errors

@@ -1,7 +1,5 @@
 //! `lumivox convert`: a scene as one GLB file.
 
-use std::path::Path;
-
 use indicatif::MultiProgress;
 use serde::Serialize;
 
@@ -17,7 +15,7 @@ use crate::report::{SceneCounts, bytes, counted, print, print_json};
 /// # Errors
 /// When the scene cannot be read or posed, or the file cannot be written; the message says what.
 pub fn run(args: &ConvertArgs, bars: &MultiProgress) -> anyhow::Result<()> {
-    check_output(&args.output)?;
+    output::check_kind(&args.output, "glb", "scenes are written as GLB")?;
     args.scene.scene.check()?;
     let progress = Progress::start(bars, "loading");
     let mut scene = args.scene.load(&progress)?;
@@ -59,16 +57,4 @@ struct Report {
     /// Its length.
     bytes: u64,
     scene: SceneCounts,
-}
-
-fn check_output(file: &Path) -> anyhow::Result<()> {
-    let extension = file.extension().unwrap_or_default();
-    if !extension.eq_ignore_ascii_case("glb") {
-        return Err(Failure::input(format!(
-            "{}: scenes are written as GLB; end the name in .glb",
-            file.display()
-        ))
-        .into());
-    }
-    output::check_folder(file, &output::folder_of(file))
 }

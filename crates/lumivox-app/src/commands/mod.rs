@@ -1,5 +1,6 @@
 //! The commands, one module each.
 
+pub mod compare;
 pub mod convert;
 pub mod info;
 mod light;

@@ -11,16 +11,17 @@ pub const DARKEST_SHARE: f64 = 0.1;
 
 /// How far a picture is from its reference. Percentages are of the reference's mean unless they say
 /// otherwise; 0 is a perfect match.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorFigures {
     /// The mean over pixels and channels less the reference's, in percent. Negative: too dark.
     pub bias_percent: f64,
-    /// The root of the mean squared difference over pixels and channels, in percent.
+    /// The root of the mean squared difference over pixels and channels from the truth, in percent: the
+    /// reference's own noise is taken out, `sqrt(mse - mean variance)`, or 0 where noise explains all. Its
+    /// square is an unbiased estimate (but for the cut at 0). Where the variance is not known it is the
+    /// difference from the reference as it is.
     pub rmse_percent: f64,
-    /// In luminance, what is left of the root of the mean squared difference when the noise of the
-    /// reference is taken out: `sqrt(mse - mean variance)`, or 0 where noise explains all. Its square is
-    /// an unbiased estimate (but for the cut at 0). None where the variance is not known.
-    pub rmse_above_noise_percent: Option<f64>,
+    /// The root of the mean squared difference from the reference as it is, in percent.
+    pub rmse_with_noise_percent: f64,
     /// Of the absolute relative errors of the pixels ([`relative_errors`]), the smallest that at least
     /// 95 % do not exceed, in percent of the pixels' own luminance.
     pub p95_percent: f64,
@@ -28,14 +29,14 @@ pub struct ErrorFigures {
     /// exposure of the reference and the curve [`ToneMap::Neutral`](crate::ToneMap::Neutral), at
     /// 67 pixels a degree. None without the feature `flip`.
     pub flip: Option<f64>,
-    /// The noise of the reference itself in luminance: the root of the mean variance of its pixels, in
-    /// percent. None where the variance is not known.
+    /// The noise of the reference itself: the root of the mean variance of its pixels, in percent. None
+    /// where the variance is not known.
     pub noise_percent: Option<f64>,
 }
 
 impl ErrorFigures {
     /// Compares `ours` with `reference`. `variance` has, for each pixel, the variance of the
-    /// reference's luminance: of the mean over all of its samples, not of a single one.
+    /// reference, averaged over the channels: of the mean over all of its samples, not of a single one.
     ///
     /// # Errors
     /// [`CompareError`] when sizes differ, a value is not finite, or the reference is black.
@@ -52,23 +53,43 @@ impl ErrorFigures {
         }
         let percent = |value: f64, whole: f64| 100.0 * value / whole;
         let mean = reference.mean();
-        let mean_luminance = reference.mean_luminance();
         let channels = reference.rgb.as_flattened().iter().zip(ours.rgb.as_flattened());
-        let rmse = mean_square(channels.map(|(&r, &x)| f64::from(x) - f64::from(r))).sqrt();
-
+        let mse = mean_square(channels.map(|(&r, &x)| f64::from(x) - f64::from(r)));
         let noise = variance.map(|variance| {
             variance.iter().copied().map(f64::from).sum::<f64>() / variance.len() as f64
         });
-        let luminances = reference.luminances().zip(ours.luminances());
-        let luminance_mse = mean_square(luminances.map(|(r, x)| x - r));
-        let above_noise = noise.map(|noise| (luminance_mse - noise).max(0.0).sqrt());
+        #[cfg(feature = "flip")]
+        let flip = Some(super::flip::mean_flip(reference, ours));
+        #[cfg(not(feature = "flip"))]
+        let flip = None;
         Ok(Self {
             bias_percent: percent(ours.mean() - mean, mean),
-            rmse_percent: percent(rmse, mean),
-            rmse_above_noise_percent: above_noise.map(|rmse| percent(rmse, mean_luminance)),
+            rmse_percent: percent((mse - noise.unwrap_or(0.0)).max(0.0).sqrt(), mean),
+            rmse_with_noise_percent: percent(mse.sqrt(), mean),
             p95_percent: 100.0 * percentile_95(errors(reference, ours)),
-            flip: flip(reference, ours),
-            noise_percent: noise.map(|noise| percent(noise.sqrt(), mean_luminance)),
+            flip,
+            noise_percent: noise.map(|noise| percent(noise.sqrt(), mean)),
+        })
+    }
+}
+
+impl ErrorFigures {
+    /// The mean of figures of the same reference; none of none.
+    pub fn mean(figures: &[Self]) -> Option<Self> {
+        let mean = |of: fn(&Self) -> f64| {
+            figures.iter().map(of).sum::<f64>() / figures.len() as f64
+        };
+        let known = |of: fn(&Self) -> Option<f64>| {
+            let values: Option<Vec<f64>> = figures.iter().map(of).collect();
+            values.map(|values| values.iter().sum::<f64>() / values.len() as f64)
+        };
+        (!figures.is_empty()).then(|| Self {
+            bias_percent: mean(|figures| figures.bias_percent),
+            rmse_percent: mean(|figures| figures.rmse_percent),
+            rmse_with_noise_percent: mean(|figures| figures.rmse_with_noise_percent),
+            p95_percent: mean(|figures| figures.p95_percent),
+            flip: known(|figures| figures.flip),
+            noise_percent: known(|figures| figures.noise_percent),
         })
     }
 }
@@ -116,16 +137,6 @@ fn percentile_95(errors: Vec<f64>) -> f64 {
     let mut errors: Vec<f64> = errors.into_iter().map(f64::abs).collect();
     let rank = (errors.len() * 95).div_ceil(100);
     *errors.select_nth_unstable_by(rank - 1, f64::total_cmp).1
-}
-
-#[cfg(feature = "flip")]
-fn flip(reference: &LinearPicture, ours: &LinearPicture) -> Option<f64> {
-    Some(super::flip::mean_flip(reference, ours))
-}
-
-#[cfg(not(feature = "flip"))]
-fn flip(_: &LinearPicture, _: &LinearPicture) -> Option<f64> {
-    None
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ fn figures_are_those_of_pen_and_paper() {
     // Rank 4 of 4: the first pixel is wrong by all of its own luminance.
     assert_close(figures.p95_percent, 100.0);
     assert_eq!(figures.noise_percent, None);
-    assert_eq!(figures.rmse_above_noise_percent, None);
+    assert_eq!(figures.rmse_with_noise_percent, figures.rmse_percent);
     assert_eq!(figures.flip.is_some(), cfg!(feature = "flip"));
 }
 
@@ -75,9 +75,10 @@ fn noise_is_taken_out() {
     // The mean squared error is 1, the mean variance 0.36: 0.8 of 4 is left.
     let figures = with([0.6, 0.12]);
     assert_close(figures.noise_percent.expect("noise"), 15.0);
-    assert_close(figures.rmse_above_noise_percent.expect("a rest"), 20.0);
+    assert_close(figures.rmse_percent, 20.0);
+    assert_close(figures.rmse_with_noise_percent, 25.0);
     // What noise explains is no error.
-    assert_eq!(with([1.0, 2.0]).rmse_above_noise_percent, Some(0.0));
+    assert_eq!(with([1.0, 2.0]).rmse_percent, 0.0);
 }
 
 #[test]
@@ -167,7 +168,7 @@ proptest! {
         prop_assert_eq!(plain.rmse_percent, other.rmse_percent);
         prop_assert_eq!(plain.p95_percent, other.p95_percent);
         prop_assert_eq!(plain.noise_percent, other.noise_percent);
-        prop_assert_eq!(plain.rmse_above_noise_percent, other.rmse_above_noise_percent);
+        prop_assert_eq!(plain.rmse_with_noise_percent, other.rmse_with_noise_percent);
         // Stops are rounded, so a code of 8 bits may change.
         let change = plain.flip.unwrap_or(0.0) - other.flip.unwrap_or(0.0);
         prop_assert!(change.abs() < 0.02, "{plain:?} {other:?}");

@@ -1,0 +1,117 @@
+//! A scene rendered and held against its reference.
+
+use std::time::Instant;
+
+use indicatif::MultiProgress;
+use lumivox_render::reference::ReferenceSettings;
+use serde::Serialize;
+
+use super::write_strip;
+use crate::args::output;
+use crate::args::scene::SceneSource;
+use crate::cli::CompareArgs;
+use crate::commands::settings::{SettingsReport, still};
+use crate::commands::staged::stage;
+use crate::commands::{light, open_gpu};
+use crate::progress::Progress;
+use crate::quality::{Comparison, Measured, Subject, reference, strip};
+use crate::report::{AdapterReport, print, print_json};
+
+/// Renders, traces, compares, reports.
+///
+/// # Errors
+/// When the scene cannot be read or rendered, or a file cannot be written.
+pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    let settings = still(args.view.size, args.frames, &args.voxels, &args.light, &args.cones);
+    settings.trace.validate()?;
+    if let Some(file) = &args.reference {
+        output::check_kind(file, "exr", "references are written as OpenEXR")?;
+    }
+    source.check()?;
+    light::check(&args.light.sources)?;
+    let start = Instant::now();
+    let progress = Progress::start(bars, "loading");
+    let gpu = open_gpu(&args.gpu)?;
+    settings.validate(&gpu.device.limits())?;
+    let (scene, camera) =
+        stage(source, &args.load, &args.light.sources, &args.view, &progress)?;
+    let subject = Subject { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
+    let truth = ReferenceSettings {
+        size: args.view.size,
+        samples: args.samples,
+        occlusion_distance_m: settings.trace.occlusion_distance_m,
+        ..ReferenceSettings::default()
+    };
+    let truth = reference(&subject, truth, args.reference.as_deref())?;
+    let measured = Measured::new(&subject, &truth, &settings, args.offsets)?;
+    let figures = &measured.figures;
+    let comparison = Comparison {
+        scene: Some(scene.name.clone()),
+        size: args.view.size.to_array(),
+        one_bounce: figures.one_bounce,
+        full: figures.full,
+        final_picture: figures.picture,
+        leak_percent: measured.leak.map(|leak| leak.one_bounce_percent),
+        leak_full_percent: measured.leak.map(|leak| leak.full_percent),
+        ..Comparison::default()
+    };
+    if let Some(file) = &args.output {
+        progress.set("drawing", 0, 1);
+        let title = format!("{}, camera {}", scene.name, camera.name);
+        write_strip(file, &strip(&title, &measured.rows(&truth))?)?;
+    }
+    drop(progress);
+    let report = Report {
+        comparison,
+        camera: camera.name.clone(),
+        samples: truth.samples,
+        grid_offsets: args.offsets,
+        frame_ms: measured.cost.frame_ms,
+        samples_per_pixel: measured.cost.samples_per_pixel,
+        settings: SettingsReport::new(&settings),
+        seconds: start.elapsed().as_secs_f64(),
+        adapter: AdapterReport::new(&gpu.adapter_info),
+    };
+    if args.json { print_json(&report) } else { print(&report.text(args)) }
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    #[serde(flatten)]
+    comparison: Comparison,
+    camera: String,
+    /// Of the reference, a pixel.
+    samples: u32,
+    /// Places of the grid that the figures are the mean of.
+    grid_offsets: u32,
+    /// Of the rendering, by the clock on the wall, without what is done once.
+    frame_ms: f64,
+    /// Cone samples of a frame.
+    samples_per_pixel: f64,
+    settings: SettingsReport,
+    seconds: f64,
+    adapter: AdapterReport,
+}
+
+impl Report {
+    fn text(&self, args: &CompareArgs) -> String {
+        let [width, height] = self.comparison.size;
+        let scene = self.comparison.scene.as_deref().unwrap_or_default();
+        let mut text = format!(
+            "{scene}, camera {}, {width}x{height}; reference of {} samples a pixel; mean of {} places of the \
+             grid\n\n{}",
+            self.camera,
+            self.samples,
+            self.grid_offsets,
+            self.comparison.table()
+        );
+        text += &format!(
+            "\n  {:.1} ms a frame, {:.0} cone samples a pixel\n",
+            self.frame_ms, self.samples_per_pixel
+        );
+        if let Some(file) = &args.output {
+            text += &format!("\n{}: reference, ours, error\n", file.display());
+        }
+        text
+    }
+}

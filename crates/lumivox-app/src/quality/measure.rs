@@ -1,0 +1,158 @@
+//! A scene's errors: its reference, traced or read, and renderings held against it.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use glam::Vec3;
+use lumivox_render::compare::{
+    Cost, LayerFigures, LinearPicture, RenderedLayers, leak_percent, render_layers,
+};
+use lumivox_render::reference::{
+    PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
+};
+use lumivox_render::{Gpu, RenderSettings};
+use lumivox_scene::{Camera, Scene};
+
+use super::Row;
+use crate::exit::Failure;
+use crate::progress::Progress;
+
+/// Cameras by these names are in two rooms between which light may leak.
+const DARK_ROOM: &str = "dark room";
+const LIT_ROOM: &str = "lit room";
+/// Samples a pixel for the mean of the lit room.
+const LIT_SAMPLES: u32 = 64;
+
+/// What is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    pub gpu: &'a Gpu,
+    pub scene: &'a Scene,
+    pub camera: &'a Camera,
+    pub progress: &'a Progress,
+}
+
+/// How a rendering differs from the truth.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// The mean over places of the grid.
+    pub figures: LayerFigures,
+    /// Light through walls, where the scene has two rooms.
+    pub leak: Option<Leak>,
+    /// Of the first place of the grid.
+    pub cost: Cost,
+    /// The same.
+    pub layers: RenderedLayers,
+    first: LayerFigures,
+}
+
+/// Light in a dark room that came through its walls, in percent of the light next door.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Leak {
+    pub one_bounce_percent: f64,
+    pub full_percent: f64,
+}
+
+/// The reference of a scene: read from `file` if it is there, else traced, and written there.
+///
+/// # Errors
+/// When the file is of something else or has fewer samples, and when tracing or writing fails.
+pub fn reference(
+    subject: &Subject<'_>,
+    settings: ReferenceSettings,
+    file: Option<&Path>,
+) -> anyhow::Result<ReferenceLayers> {
+    let Subject { gpu, scene, camera, progress } = *subject;
+    progress.set("preparing the reference", 0, 1);
+    let samples = settings.samples;
+    let mut tracer = pollster::block_on(PathTracer::new(gpu, scene, Some(camera), settings))?;
+    if let Some(file) = file.filter(|file| file.exists()) {
+        let layers = ReferenceLayers::read_exr(file)?;
+        let problem = if layers.fingerprint != tracer.fingerprint() {
+            Some("it shows another scene, another camera or another size".to_owned())
+        } else if layers.samples < samples {
+            Some(format!("it has {} samples a pixel, not {samples}", layers.samples))
+        } else {
+            None
+        };
+        return match problem {
+            None => Ok(layers),
+            Some(problem) => Err(Failure::input(format!(
+                "{}: {problem}; delete it to have it traced anew, or name another file",
+                file.display()
+            ))
+            .into()),
+        };
+    }
+    let mut hear = |step: ReferenceProgress| {
+        progress.set_within("path sample", step.samples as u32, step.total, step.samples.fract());
+        ControlFlow::Continue(())
+    };
+    pollster::block_on(tracer.render(&mut hear))?;
+    let layers = tracer.layers();
+    if let Some(file) = file {
+        layers.write_exr(file)?;
+    }
+    Ok(layers)
+}
+
+impl Measured {
+    /// Renders the subject with the grid in several places, and holds it against its reference.
+    ///
+    /// # Errors
+    /// When rendering fails or a value is not finite.
+    pub fn new(
+        subject: &Subject<'_>,
+        truth: &ReferenceLayers,
+        settings: &RenderSettings,
+        offsets: u32,
+    ) -> anyhow::Result<Self> {
+        let mut figures = Vec::new();
+        let mut leaks = Vec::new();
+        let mut first: Option<RenderedLayers> = None;
+        let rooms = Rooms::of(subject, truth, settings)?;
+        for index in 0..offsets {
+            let settings = RenderSettings {
+                grid_offset: offset(settings.grid_offset, index),
+                ..settings.clone()
+            };
+            let ours = subject.render(subject.camera, &settings)?;
+            figures.push(LayerFigures::new(truth, &ours)?);
+            if let Some(rooms) = &rooms {
+                leaks.push(rooms.leak(subject, truth, &ours, &settings)?);
+            }
+            first.get_or_insert(ours);
+        }
+        let layers = first.ok_or_else(|| Failure::input("at least one place of the grid"))?;
+        let mean = |of: fn(&Leak) -> f64| leaks.iter().map(of).sum::<f64>() / leaks.len() as f64;
+        Ok(Self {
+            first: figures[0].clone(),
+            figures: LayerFigures::mean(&figures),
+            leak: (!leaks.is_empty()).then(|| Leak {
+                one_bounce_percent: mean(|leak| leak.one_bounce_percent),
+                full_percent: mean(|leak| leak.full_percent),
+            }),
+            cost: layers.cost,
+            layers,
+        })
+    }
+
+    /// Pictures of the first place of the grid, with its own figures, for a strip.
+    pub fn rows<'a>(&'a self, truth: &'a Truth) -> Vec<Row<'a>> {
+        let rows = [
+            ("one bounce", &truth.one_bounce, &self.layers.one_bounce, &self.first.one_bounce),
+            ("all bounces", &truth.full, &self.layers.full, &self.first.full),
+            ("picture", &truth.picture, &self.layers.picture, &self.first.picture),
+        ];
+        let row = |(label, reference, ours, figures): (
+            &'a str,
+            &'a LinearPicture,
+            &'a LinearPicture,
+            &'a Option<_>,
+        )| {
+            let figures = figures.as_ref()?;
+            Some(Row { label, reference, ours, figures })
+        };
+        rows.into_iter().filter_map(row).collect()
+    }
+}
