@@ -1,6 +1,10 @@
 //! `lumivox compare --images`: figures and strips of any two pictures.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "in a test a panic is the message, and zero is exact"
+)]
 
 mod common;
 

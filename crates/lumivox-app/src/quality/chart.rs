@@ -195,8 +195,8 @@ fn draw_panel(
         .axis_style(DIM)
         .label_style(font(15.0, DIM))
         .axis_desc_style(font(16.0, INK))
-        .x_label_formatter(&short)
-        .y_label_formatter(&short)
+        .x_label_formatter(&|value| short(*value))
+        .y_label_formatter(&|value| short(*value))
         .x_desc(cost.name)
         .y_desc("error, % of the mean")
         .draw()?;
@@ -234,7 +234,7 @@ fn ticks(left: f64, right: f64) -> Vec<f64> {
 }
 
 /// A number without the dust of its arithmetic.
-fn short(value: &f64) -> String {
+fn short(value: f64) -> String {
     format!("{}", (value * 1e3).round() / 1e3)
 }
 
@@ -290,8 +290,8 @@ mod tests {
     fn ticks_are_round() {
         assert_eq!(ticks(18.0, 53.0), [20.0, 50.0]);
         assert_eq!(ticks(0.9, 10.5), [1.0, 2.0, 5.0, 10.0]);
-        assert_eq!(short(&0.300_000_000_04), "0.3");
-        assert_eq!(short(&1000.0), "1000");
+        assert_eq!(short(0.300_000_000_04), "0.3");
+        assert_eq!(short(1000.0), "1000");
     }
 
     #[test]

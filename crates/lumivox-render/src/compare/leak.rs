@@ -39,11 +39,8 @@ mod tests {
     fn only_what_is_too_bright_leaks() {
         let lit = grey([5.0, 15.0, 10.0]);
         // 0.4 too much in one of four pixels is 0.1 in the mean, of 10.
-        let percent = leak_percent(
-            &grey([0.0, 0.0, 0.5, 1.0]),
-            &grey([0.0, 0.4, 0.5, 0.2]), //
-            &lit,
-        );
+        let (reference, ours) = (grey([0.0, 0.0, 0.5, 1.0]), grey([0.0, 0.4, 0.5, 0.2]));
+        let percent = leak_percent(&reference, &ours, &lit);
         let percent = percent.expect("a share");
         assert!((percent - 1.0).abs() < 1e-6, "{percent}");
         let dark = grey([0.0, 0.0]);
