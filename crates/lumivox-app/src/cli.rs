@@ -16,8 +16,8 @@ use glam::{UVec2, Vec3};
 use lumivox::{Directionality, MAX_RESOLUTION};
 use lumivox_render::{ToneMap, View};
 
-pub use light::{LightArgs, SourceArgs};
 pub use compare::CompareArgs;
+pub use light::{LightArgs, SourceArgs};
 pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;
 pub use reference::ReferenceArgs;
@@ -116,7 +116,7 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Tell how far a picture is from a reference: bias, RMSE, 95th percentile, FLIP
     #[command(after_help = compare::EXAMPLES)]
-    Compare(CompareArgs),
+    Compare(Box<CompareArgs>),
     /// List the built-in scenes
     Scenes,
 }

@@ -50,7 +50,7 @@ fn run() -> Exit {
         Some(Command::Info(args)) => commands::info::run(args, &bars),
         Some(Command::Voxels(args)) => commands::voxels::run(args, &bars),
         Some(Command::Convert(args)) => commands::convert::run(args, &bars),
-        Some(Command::Compare(args)) => commands::compare::run(args),
+        Some(Command::Compare(args)) => commands::compare::run(args, &bars),
         Some(Command::Scenes) => commands::scenes::run(),
     };
     match done {

@@ -105,6 +105,17 @@ impl Shared {
     }
 }
 
+/// A stage of the renderer as the progress names it.
+pub fn words(stage: &'static str) -> &'static str {
+    match stage {
+        "upload" => "uploading",
+        "voxelize" => "voxelizing",
+        "light" => "lighting the voxels",
+        "render" => "frame",
+        other => other,
+    }
+}
+
 /// The thread: waits, looks, shows.
 fn show(shared: &Shared, bars: &MultiProgress) {
     let start = Instant::now();

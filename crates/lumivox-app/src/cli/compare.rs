@@ -3,10 +3,19 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use glam::UVec2;
+
+use super::load::scene_source;
+use super::{GpuArgs, LightArgs, LoadArgs, ViewArgs, VoxelArgs};
+use crate::args::cones::ConeArgs;
+use crate::args::scene::SceneSource;
+use crate::args::{number, size};
 
 /// Examples for the help.
 pub const EXAMPLES: &str = "\
 Examples:
+  lumivox compare builtin:cornell -o cornell.png
+  lumivox compare hall.glb --reference hall.exr --samples 2048 --preset high --json
   lumivox compare --images reference.exr ours.exr
   lumivox compare --images reference.exr ours.exr -o strip.png --json
 ";
@@ -14,13 +23,18 @@ Examples:
 /// What is compared, and how it is told.
 #[derive(Args, Debug)]
 pub struct CompareArgs {
+    /// The scene that is rendered and path-traced: a glTF, OBJ, PLY or STL file, or builtin:NAME
+    /// [required, unless there are --images]
+    #[arg(value_name = "SCENE", value_parser = scene_source())]
+    pub scene: Option<SceneSource>,
+
     /// Two picture files of one size: the reference, and the one that is held against it (.exr, .hdr,
     /// .png or .jpg) [required]
     ///
     /// OpenEXR and Radiance hold linear light. PNG and JPEG are decoded from sRGB; they hold what a
     /// screen shows, so both must have been made with the same exposure and curve.
-    #[arg(long, num_args = 2, value_names = ["REFERENCE", "OURS"], required = true)]
-    #[arg(help_heading = "Pictures")]
+    #[arg(long, num_args = 2, value_names = ["REFERENCE", "OURS"], conflicts_with = "scene")]
+    #[arg(help_heading = "Pictures", required_unless_present = "scene")]
     pub images: Vec<PathBuf>,
 
     /// Name of the layer to take from OpenEXR files that name their layers [default: the one without
@@ -36,6 +50,62 @@ pub struct CompareArgs {
     /// Small pictures are enlarged. A file of that name is replaced.
     #[arg(short, long, value_name = "FILE", help_heading = "Pictures")]
     pub output: Option<PathBuf>,
+
+    /// File that keeps the scene's reference, .exr: read if it is there, else traced and written
+    /// [default: none, trace it anew]
+    #[arg(long, value_name = "FILE", conflicts_with = "images", help_heading = "Reference")]
+    pub reference: Option<PathBuf>,
+
+    /// Samples of each pixel of the reference, 1 to 16777216
+    ///
+    /// Noise falls with their root. It is told beside the errors, and taken out of the RMSE.
+    #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
+    #[arg(value_parser = number::whole(1..=1 << 24), help_heading = "Reference")]
+    #[arg(default_value = "256", allow_negative_numbers = true)]
+    pub samples: u32,
+
+    /// Frames that are averaged, 1 to 65536
+    #[arg(long, value_name = "FRAMES", value_parser = number::whole(1..=65_536))]
+    #[arg(help_heading = "Rendering", default_value = "32", allow_negative_numbers = true)]
+    pub frames: u32,
+
+    /// Places of the grid that the errors are the mean of, 1 to 64
+    ///
+    /// The first is --grid-offset. Errors of voxels depend on where walls fall in the grid.
+    #[arg(long, value_name = "COUNT", value_parser = number::whole(1..=64))]
+    #[arg(help_heading = "Rendering", default_value = "2", allow_negative_numbers = true)]
+    pub offsets: u32,
+
+    /// Width and height in pixels, each from 1 to 16384
+    ///
+    /// Errors hardly depend on it; time goes with the number of pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, help_heading = "Picture")]
+    #[arg(default_value = "160x90", allow_hyphen_values = true)]
+    pub size: UVec2,
+
+    /// What it shows.
+    #[command(flatten)]
+    pub view: ViewArgs,
+
+    /// How the scene's file is read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+
+    /// The voxels.
+    #[command(flatten)]
+    pub voxels: VoxelArgs,
+
+    /// What shines.
+    #[command(flatten)]
+    pub light: LightArgs,
+
+    /// The cones.
+    #[command(flatten)]
+    pub cones: ConeArgs,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
 
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use glam::UVec2;
 
 use super::{GpuArgs, SceneArg, SourceArgs, ViewArgs};
-use crate::args::number;
+use crate::args::{number, size};
 
 /// The arguments of `reference`.
 #[derive(Args, Debug)]
@@ -22,6 +23,11 @@ pub struct ReferenceArgs {
     /// replaced once the picture is complete, never half. Ctrl-C writes what is there so far.
     #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
     pub output: PathBuf,
+
+    /// Width and height in pixels, each from 1 to 16384
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, help_heading = "Picture")]
+    #[arg(default_value = "640x360", allow_hyphen_values = true)]
+    pub size: UVec2,
 
     /// What it shows.
     #[command(flatten)]

@@ -1,21 +1,15 @@
 //! What a still picture shows of a scene.
 
 use clap::Args;
-use glam::UVec2;
 
 use crate::args::camera::{self, CameraChoice};
-use crate::args::{number, size};
+use crate::args::number;
 use crate::motion::{AnimationName, animation};
 
-/// A still picture's size, camera and moment.
+/// A still picture's camera and moment.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Picture")]
 pub struct ViewArgs {
-    /// Width and height in pixels, each from 1 to 16384
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size)]
-    #[arg(default_value = "640x360", allow_hyphen_values = true)]
-    pub size: UVec2,
-
     /// Where from: a camera's name or number, or position and target in metres [default: the
     /// scene's first camera, else `framing`, the view that shows it best]
     ///

@@ -7,6 +7,7 @@ mod light;
 pub mod reference;
 pub mod render;
 pub mod scenes;
+mod settings;
 mod staged;
 pub mod voxels;
 

@@ -39,11 +39,18 @@ pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let start = Instant::now();
     let progress = Progress::start(bars, "loading");
     let gpu = open_gpu(&args.gpu)?;
-    let (scene, camera) = stage(&args.scene, &args.sources, &args.view, &progress)?;
+    let (scene, camera) = stage(
+        &args.scene.scene,
+        &args.scene.load,
+        &args.sources,
+        &args.view,
+        args.size,
+        &progress,
+    )?;
 
     progress.set("preparing", 0, 1);
     let settings = ReferenceSettings {
-        size: args.view.size,
+        size: args.size,
         samples: args.samples,
         seed: args.seed,
         gathers: args.bounces,

@@ -1,10 +1,12 @@
 //! A scene that is ready for a still picture: loaded, posed, lit, with its camera.
 
+use glam::UVec2;
 use lumivox_scene::{Camera, Scene};
 
 use super::light;
 use crate::args::camera::resolve;
-use crate::cli::{SceneArg, SourceArgs, ViewArgs};
+use crate::args::scene::SceneSource;
+use crate::cli::{LoadArgs, SourceArgs, ViewArgs};
 use crate::exit::Failure;
 use crate::motion::choose;
 use crate::progress::Progress;
@@ -15,12 +17,14 @@ use crate::progress::Progress;
 /// When the scene or a panorama cannot be read, nothing moves where a time is asked for, or there is no such
 /// camera.
 pub fn stage(
-    scene: &SceneArg,
+    source: &SceneSource,
+    load: &LoadArgs,
     sources: &SourceArgs,
     view: &ViewArgs,
+    size: UVec2,
     progress: &Progress,
 ) -> anyhow::Result<(Scene, Camera)> {
-    let mut scene = scene.load(progress)?;
+    let mut scene = source.load(load, progress)?;
     light::add(&mut scene, sources, progress)?;
     if view.time.is_some() || view.animation.is_some() {
         let Some(animation) = choose(view.animation.as_ref(), &scene)? else {
@@ -35,7 +39,7 @@ pub fn stage(
     if scene.cameras.is_empty() && view.camera.is_none() {
         progress.set("looking for a camera", 0, 1);
     }
-    let aspect = view.size.x as f32 / view.size.y as f32;
+    let aspect = size.x as f32 / size.y as f32;
     let camera = resolve(view.camera.as_ref(), &scene, aspect)?;
     if !sources.no_default_light && !scene.shines() {
         light::add_default(&mut scene, &camera, progress);

@@ -15,7 +15,7 @@ use lumivox_scene::{Camera, Scene};
 
 use super::Row;
 use crate::exit::Failure;
-use crate::progress::Progress;
+use crate::progress::{Progress, words};
 
 /// Cameras by these names are in two rooms between which light may leak.
 const DARK_ROOM: &str = "dark room";
@@ -53,6 +53,15 @@ pub struct Leak {
     pub full_percent: f64,
 }
 
+/// A reference, as pictures.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    pub layers: ReferenceLayers,
+    one_bounce: LinearPicture,
+    full: LinearPicture,
+    picture: LinearPicture,
+}
+
 /// The reference of a scene: read from `file` if it is there, else traced, and written there.
 ///
 /// # Errors
@@ -61,7 +70,7 @@ pub fn reference(
     subject: &Subject<'_>,
     settings: ReferenceSettings,
     file: Option<&Path>,
-) -> anyhow::Result<ReferenceLayers> {
+) -> anyhow::Result<Truth> {
     let Subject { gpu, scene, camera, progress } = *subject;
     progress.set("preparing the reference", 0, 1);
     let samples = settings.samples;
@@ -76,7 +85,7 @@ pub fn reference(
             None
         };
         return match problem {
-            None => Ok(layers),
+            None => Ok(Truth::new(layers)),
             Some(problem) => Err(Failure::input(format!(
                 "{}: {problem}; delete it to have it traced anew, or name another file",
                 file.display()
@@ -93,7 +102,85 @@ pub fn reference(
     if let Some(file) = file {
         layers.write_exr(file)?;
     }
-    Ok(layers)
+    Ok(Truth::new(layers))
+}
+
+impl Truth {
+    fn new(layers: ReferenceLayers) -> Self {
+        Self {
+            one_bounce: layers.layer(&layers.one_bounce),
+            full: layers.layer(&layers.full),
+            picture: layers.layer(&layers.radiance),
+            layers,
+        }
+    }
+}
+
+impl Subject<'_> {
+    fn render(&self, settings: &RenderSettings, camera: &Camera) -> anyhow::Result<RenderedLayers> {
+        let mut tell = |step: lumivox_render::Progress| {
+            self.progress.set(words(step.stage), step.done, step.total);
+        };
+        let rendering = render_layers(self.gpu, self.scene, camera, settings, &mut tell);
+        Ok(pollster::block_on(rendering)?)
+    }
+}
+
+/// Where the grid stands for measurement number `index`: the first place is the one asked for, the others are spread
+/// evenly (the additive recurrence of the plastic number's sibling in three dimensions: Roberts 2018, "The
+/// unreasonable effectiveness of quasirandom sequences").
+fn offset(first: Vec3, index: u32) -> Vec3 {
+    (first + Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * index as f32).fract()
+}
+
+/// The cameras of two rooms between which light may leak, and what lights them.
+struct Rooms {
+    dark: Camera,
+    /// The truth of the dark room, where it is not the subject's own.
+    dark_truth: Option<Truth>,
+    lit_truth: Truth,
+}
+
+impl Rooms {
+    /// The rooms of a scene that has cameras of their names.
+    fn of(subject: &Subject<'_>, settings: ReferenceSettings) -> anyhow::Result<Option<Self>> {
+        let camera = |name| subject.scene.cameras.iter().find(|camera| camera.name == name);
+        let Some((dark, lit)) = camera(DARK_ROOM).zip(camera(LIT_ROOM)) else { return Ok(None) };
+        let lit_settings = ReferenceSettings { samples: LIT_SAMPLES, ..settings.clone() };
+        let lit_truth = reference(&Subject { camera: lit, ..*subject }, lit_settings, None)?;
+        let is_subject = dark == subject.camera;
+        let dark_truth = match is_subject {
+            true => None,
+            false => Some(reference(&Subject { camera: dark, ..*subject }, settings, None)?),
+        };
+        Ok(Some(Self { dark: dark.clone(), dark_truth, lit_truth }))
+    }
+
+    fn leak(
+        &self,
+        subject: &Subject<'_>,
+        truth: &Truth,
+        ours: &RenderedLayers,
+        settings: &RenderSettings,
+    ) -> anyhow::Result<Leak> {
+        let rendered;
+        let (dark_truth, dark_ours) = match &self.dark_truth {
+            None => (truth, ours),
+            Some(dark_truth) => {
+                rendered = subject.render(settings, &self.dark)?;
+                (dark_truth, &rendered)
+            }
+        };
+        let lit = &self.lit_truth;
+        Ok(Leak {
+            one_bounce_percent: leak_percent(
+                &dark_truth.one_bounce,
+                &dark_ours.one_bounce,
+                &lit.one_bounce,
+            )?,
+            full_percent: leak_percent(&dark_truth.full, &dark_ours.full, &lit.full)?,
+        })
+    }
 }
 
 impl Measured {
@@ -103,21 +190,28 @@ impl Measured {
     /// When rendering fails or a value is not finite.
     pub fn new(
         subject: &Subject<'_>,
-        truth: &ReferenceLayers,
+        truth: &Truth,
         settings: &RenderSettings,
         offsets: u32,
     ) -> anyhow::Result<Self> {
         let mut figures = Vec::new();
         let mut leaks = Vec::new();
         let mut first: Option<RenderedLayers> = None;
-        let rooms = Rooms::of(subject, truth, settings)?;
+        let rooms = Rooms::of(
+            subject,
+            ReferenceSettings {
+                size: truth.layers.size,
+                samples: truth.layers.samples,
+                ..ReferenceSettings::default()
+            },
+        )?;
         for index in 0..offsets {
             let settings = RenderSettings {
                 grid_offset: offset(settings.grid_offset, index),
                 ..settings.clone()
             };
-            let ours = subject.render(subject.camera, &settings)?;
-            figures.push(LayerFigures::new(truth, &ours)?);
+            let ours = subject.render(&settings, subject.camera)?;
+            figures.push(LayerFigures::new(&truth.layers, &ours)?);
             if let Some(rooms) = &rooms {
                 leaks.push(rooms.leak(subject, truth, &ours, &settings)?);
             }

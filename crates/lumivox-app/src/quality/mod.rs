@@ -7,8 +7,10 @@ mod canvas;
     expect(dead_code, reason = "the command that measures several presets will draw them")
 )]
 mod chart;
+mod measure;
 mod report;
 mod strip;
 
+pub use measure::{Measured, Subject, reference};
 pub use report::Comparison;
 pub use strip::{Row, strip};

@@ -76,9 +76,8 @@ impl ErrorFigures {
 impl ErrorFigures {
     /// The mean of figures of the same reference; none of none.
     pub fn mean(figures: &[Self]) -> Option<Self> {
-        let mean = |of: fn(&Self) -> f64| {
-            figures.iter().map(of).sum::<f64>() / figures.len() as f64
-        };
+        let mean =
+            |of: fn(&Self) -> f64| figures.iter().map(of).sum::<f64>() / figures.len() as f64;
         let known = |of: fn(&Self) -> Option<f64>| {
             let values: Option<Vec<f64>> = figures.iter().map(of).collect();
             values.map(|values| values.iter().sum::<f64>() / values.len() as f64)

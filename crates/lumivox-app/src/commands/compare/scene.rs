@@ -22,7 +22,7 @@ use crate::report::{AdapterReport, print, print_json};
 /// # Errors
 /// When the scene cannot be read or rendered, or a file cannot be written.
 pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> anyhow::Result<()> {
-    let settings = still(args.view.size, args.frames, &args.voxels, &args.light, &args.cones);
+    let settings = still(args.size, args.frames, &args.voxels, &args.light, &args.cones);
     settings.trace.validate()?;
     if let Some(file) = &args.reference {
         output::check_kind(file, "exr", "references are written as OpenEXR")?;
@@ -34,10 +34,10 @@ pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> an
     let gpu = open_gpu(&args.gpu)?;
     settings.validate(&gpu.device.limits())?;
     let (scene, camera) =
-        stage(source, &args.load, &args.light.sources, &args.view, &progress)?;
+        stage(source, &args.load, &args.light.sources, &args.view, args.size, &progress)?;
     let subject = Subject { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
     let truth = ReferenceSettings {
-        size: args.view.size,
+        size: args.size,
         samples: args.samples,
         occlusion_distance_m: settings.trace.occlusion_distance_m,
         ..ReferenceSettings::default()
@@ -47,7 +47,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> an
     let figures = &measured.figures;
     let comparison = Comparison {
         scene: Some(scene.name.clone()),
-        size: args.view.size.to_array(),
+        size: args.size.to_array(),
         one_bounce: figures.one_bounce,
         full: figures.full,
         final_picture: figures.picture,
@@ -64,7 +64,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> an
     let report = Report {
         comparison,
         camera: camera.name.clone(),
-        samples: truth.samples,
+        samples: truth.layers.samples,
         grid_offsets: args.offsets,
         frame_ms: measured.cost.frame_ms,
         samples_per_pixel: measured.cost.samples_per_pixel,

@@ -6,7 +6,6 @@
 mod clock;
 mod report;
 mod sequence;
-mod settings;
 mod still;
 
 use indicatif::MultiProgress;
@@ -14,7 +13,7 @@ use lumivox::gpu::Timing;
 use lumivox_render::{Gpu, RenderSettings};
 use lumivox_scene::Scene;
 
-use super::{light, open_gpu};
+use super::{light, open_gpu, settings};
 use crate::args::output;
 use crate::cli::RenderArgs;
 use crate::exit::Failure;
@@ -22,7 +21,6 @@ use crate::motion::{Asked, PathFile, Schedule, TimeChoice, When};
 use crate::progress::Progress;
 use crate::sequence::FrameFiles;
 use clock::Clock;
-pub use settings::settings;
 
 /// All that is ready before the first picture.
 struct Stage<'a> {
@@ -47,7 +45,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
     } else {
         output::check(&args.output)?;
     }
-    let mut settings = settings(args);
+    let mut settings = settings::of_render(args);
     settings.trace.validate()?;
     let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
     args.scene.scene.check()?;
@@ -111,16 +109,5 @@ fn asks_for_sequence(args: &RenderArgs) -> bool {
         Some(TimeChoice::Range(..)) => true,
         Some(TimeChoice::At(_)) => false,
         None => motion.orbit.is_some() || motion.camera_path.is_some(),
-    }
-}
-
-/// A stage of the renderer as the progress names it.
-fn words(stage: &'static str) -> &'static str {
-    match stage {
-        "upload" => "uploading",
-        "voxelize" => "voxelizing",
-        "light" => "lighting the voxels",
-        "render" => "frame",
-        other => other,
     }
 }

@@ -7,7 +7,7 @@ use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 
 use super::clock::Seconds;
-use super::settings::SettingsReport;
+use crate::commands::settings::SettingsReport;
 use crate::report::{
     AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
     memory_table, total_bytes,

@@ -9,12 +9,13 @@ use serde_json::{Map, Value, json};
 
 use super::clock::Seconds;
 use super::report::{CameraReport, RendererReport};
-use super::settings::SettingsReport;
-use super::{Stage, light, words};
+use super::{Stage, light};
 use crate::args::number::ExposureChoice;
 use crate::cli::RenderArgs;
+use crate::commands::settings::SettingsReport;
 use crate::motion::{Moments, PathFile, When};
 use crate::progress::Progress;
+use crate::progress::words;
 use crate::report::{
     AdapterReport, SceneCounts, bytes, count, counted, memory_table, print, print_json,
 };

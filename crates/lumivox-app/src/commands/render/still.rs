@@ -4,8 +4,9 @@ use std::path::Path;
 
 use lumivox_render::Renderer;
 
+use super::Stage;
 use super::report::Report;
-use super::{Stage, words};
+use crate::progress::words;
 use crate::report::{print, print_json};
 
 /// Renders the scene as it stands from `camera`, writes, reports.

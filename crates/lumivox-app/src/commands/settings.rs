@@ -1,31 +1,44 @@
 //! The settings of a rendering: from the command line, and back under its names.
 
-use lumivox::gpu::Timing;
+use glam::UVec2;
 use lumivox::{Directionality, TraceResolution};
 use lumivox_render::RenderSettings;
 use serde::Serialize;
 
 use crate::args::choices;
-use crate::cli::RenderArgs;
+use crate::args::cones::ConeArgs;
+use crate::cli::{LightArgs, RenderArgs, VoxelArgs};
 
-/// What the arguments ask for; times are not taken.
-pub fn settings(args: &RenderArgs) -> RenderSettings {
+/// What the arguments of `render` ask for; times are not taken.
+pub fn of_render(args: &RenderArgs) -> RenderSettings {
     RenderSettings {
-        size: args.size,
-        resolution: args.voxels.resolution,
-        grid_offset: args.voxels.grid_offset,
-        grid_bounds: None,
-        directionality: args.voxels.directionality(),
-        trace: args.cones.settings(),
-        bounces: args.light.bounces,
-        frames: args.frames,
         view: args.view,
         voxel_level: args.level,
         exposure: args.exposure.first(),
         tone_map: args.tone_map,
-        shadows: args.light.shadows,
-        shadow_resolution: args.light.shadow_resolution,
-        timing: Timing::Off,
+        ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
+    }
+}
+
+/// A picture of that size; how it is shown is left at the defaults.
+pub fn still(
+    size: UVec2,
+    frames: u32,
+    voxels: &VoxelArgs,
+    light: &LightArgs,
+    cones: &ConeArgs,
+) -> RenderSettings {
+    RenderSettings {
+        size,
+        frames,
+        resolution: voxels.resolution,
+        grid_offset: voxels.grid_offset,
+        directionality: voxels.directionality(),
+        trace: cones.settings(),
+        bounces: light.bounces,
+        shadows: light.shadows,
+        shadow_resolution: light.shadow_resolution,
+        ..RenderSettings::default()
     }
 }
 
