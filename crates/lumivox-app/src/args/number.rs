@@ -49,6 +49,15 @@ pub fn grid_offset(text: &str) -> Result<glam::Vec3, Refused> {
     Err(Refused::OutOfRange("each of the three must be at least 0 and below 1 voxel".to_owned()))
 }
 
+/// Three angles in degrees, each from -360 to 360.
+pub fn angles(text: &str) -> Result<glam::Vec3, Refused> {
+    let angles = list::<3>(text, "X,Y,Z in degrees, such as 0,30,0")?;
+    for angle in angles {
+        in_range(angle, &(-360.0..=360.0), "each angle")?;
+    }
+    Ok(angles.into())
+}
+
 /// How pictures are exposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExposureChoice {
@@ -227,6 +236,13 @@ mod tests {
         is_malformed(&grid_offset("0,0"));
         is_malformed(&grid_offset("0,0,0,0"));
         is_malformed(&grid_offset("0,,0"));
+    }
+
+    #[test]
+    fn angles_are_three_within_a_turn() {
+        assert_eq!(angles("-30,0,360"), Ok(glam::Vec3::new(-30.0, 0.0, 360.0)));
+        is_out_of_range(angles("0,361,0"), "from -360 to 360");
+        is_malformed(&angles("30"));
     }
 
     #[test]

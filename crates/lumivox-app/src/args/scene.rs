@@ -5,12 +5,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use glam::Vec3;
 use lumivox_scene::{LoadOptions, LoadProgress, Scene, SceneError, builtin};
 
 use crate::cli::LoadArgs;
 use crate::exit::Failure;
 use crate::progress::Progress;
 
+const RADIANS_PER_DEGREE: f32 = std::f32::consts::PI / 180.0;
 const PREFIX: &str = "builtin:";
 
 /// A scene, as the command line names it.
@@ -78,6 +80,14 @@ impl SceneSource {
     /// As [`Scene::load_with`] and [`builtin::scene`], and when options for files are given with a
     /// built-in scene.
     pub fn load(&self, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
+        let mut scene = self.read(args, progress)?;
+        if args.rotate != Vec3::ZERO {
+            scene.rotate(args.rotate * RADIANS_PER_DEGREE);
+        }
+        Ok(scene)
+    }
+
+    fn read(&self, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
         let file = match self {
             Self::Builtin(name) => {
                 if let Some(option) = args.option_of_files() {

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
+use glam::Vec3;
 use lumivox_scene::{LoadOptions, MemoryBudget, Scene, UpAxis};
 
 use crate::args::scene::SceneSource;
@@ -102,6 +103,15 @@ pub struct LoadArgs {
     #[arg(long, value_name = "DEGREES", value_parser = number::number(0.0..=180.0))]
     #[arg(allow_negative_numbers = true)]
     pub crease: Option<f32>,
+
+    /// Turn the scene about the centre of its bounds: degrees about x, y and z, each -360 to 360
+    ///
+    /// About z first, then y, then x. Its lights and cameras turn with it, so their pictures stay the
+    /// same; the surroundings and what other options place do not. Errors of voxels depend on how
+    /// walls lie in the grid; measurements try several angles.
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::angles, help_heading = "Scene")]
+    #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
+    pub rotate: Vec3,
 
     /// Let the scene's file name files outside of its own folder [default: off]
     ///

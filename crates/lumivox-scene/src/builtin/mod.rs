@@ -22,7 +22,7 @@ pub(crate) mod shapes;
 mod spheres;
 mod two_rooms;
 
-use glam::{EulerRot, Mat4, Quat, Vec3};
+use glam::Vec3;
 
 use crate::{Scene, SceneError};
 
@@ -78,14 +78,9 @@ pub fn scene(name: &str) -> Result<Scene, SceneError> {
     name.clone_into(&mut scene.name);
     scene.validate()?;
     if plain != name {
-        scene.transform(rotation_about(scene.bounds().center()));
+        scene.rotate(ROTATION_RAD);
     }
     Ok(scene)
-}
-
-fn rotation_about(center: Vec3) -> Mat4 {
-    let turn = Quat::from_euler(EulerRot::XYZ, ROTATION_RAD.x, ROTATION_RAD.y, ROTATION_RAD.z);
-    Mat4::from_translation(center) * Mat4::from_quat(turn) * Mat4::from_translation(-center)
 }
 
 #[cfg(test)]

@@ -194,6 +194,19 @@ fn the_cornell_box_fits_the_frame() {
 }
 
 #[test]
+fn rotation_is_intrinsic_about_the_centre() {
+    let (plain, mut turned) = (scene("cornell").unwrap(), scene("cornell").unwrap());
+    let quarter = std::f32::consts::FRAC_PI_2;
+    turned.rotate(Vec3::new(quarter, 0.0, quarter));
+    let center = plain.bounds().center();
+    let offset = plain.cameras[0].position - center;
+    // About z first: x becomes y, y becomes -x; then about x: y becomes z, z becomes -y.
+    let expected = Vec3::new(-offset.y, -offset.z, offset.x);
+    assert!((turned.cameras[0].position - center - expected).length() < 1e-5);
+    assert!((turned.bounds().center() - center).length() < 1e-5);
+}
+
+#[test]
 fn rotation_keeps_distances_to_the_lights() {
     let (plain, rotated) = (scene("cornell").unwrap(), scene("cornell-rotated").unwrap());
     let distance = |s: &Scene| {

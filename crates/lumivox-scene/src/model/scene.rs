@@ -1,6 +1,6 @@
 //! The whole.
 
-use glam::Mat4;
+use glam::{EulerRot, Mat4, Quat, Vec3};
 
 use super::{Bounds, Camera, Environment, Instance, Light, Material, Mesh, Texture};
 use crate::pose::Rig;
@@ -74,7 +74,7 @@ impl Scene {
     }
 
     /// Moves everything, lights and cameras included, by a rigid motion (rotation and translation;
-    /// scale would change distances to lights and so their meaning).
+    /// scale would change distances to lights and so their meaning). The surroundings stay.
     pub fn transform(&mut self, rigid: Mat4) {
         if let Some(rig) = &mut self.rig {
             rig.transform(rigid);
@@ -91,5 +91,16 @@ impl Scene {
             camera.forward = rigid.transform_vector3(camera.forward).normalize_or_zero();
             camera.up = rigid.transform_vector3(camera.up).normalize_or_zero();
         }
+    }
+    /// Turns everything that [`Scene::transform`] moves about the centre of the bounds: Euler angles in
+    /// radians about x, y and z (intrinsic, in that order).
+    ///
+    /// Pictures from the scene's own cameras stay the same but for the surroundings, and for how walls
+    /// fall in a voxel grid.
+    pub fn rotate(&mut self, angles_rad: Vec3) {
+        let turn = Quat::from_euler(EulerRot::XYZ, angles_rad.x, angles_rad.y, angles_rad.z);
+        let center = self.bounds().center();
+        let from_center = Mat4::from_translation(center) * Mat4::from_quat(turn);
+        self.transform(from_center * Mat4::from_translation(-center));
     }
 }

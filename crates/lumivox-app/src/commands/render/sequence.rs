@@ -219,6 +219,7 @@ fn scene_settings(args: &RenderArgs) -> Value {
         "up": if load.up == lumivox_scene::UpAxis::Z { "z" } else { "y" },
         "unit": load.unit,
         "crease": load.crease,
+        "rotate": load.rotate.to_array(),
         "texture_memory": load.texture_memory,
     })
 }
