@@ -6,6 +6,7 @@ mod compare;
 mod light;
 mod load;
 mod motion;
+mod quality;
 mod reference;
 mod view;
 
@@ -20,6 +21,7 @@ pub use compare::CompareArgs;
 pub use light::{LightArgs, SourceArgs};
 pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;
+pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
 pub use view::ViewArgs;
 
@@ -117,6 +119,9 @@ pub enum Command {
     /// Tell how far a picture is from a reference: bias, RMSE, 95th percentile, FLIP
     #[command(after_help = compare::EXAMPLES)]
     Compare(Box<CompareArgs>),
+    /// Measure the errors of built-in scenes for presets and resolutions, and write a page about them
+    #[command(after_help = quality::EXAMPLES)]
+    Quality(Box<QualityArgs>),
     /// List the built-in scenes
     Scenes,
 }

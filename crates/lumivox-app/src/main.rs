@@ -47,6 +47,7 @@ fn run() -> Exit {
         None => report::print(&format!("{}\n", Cli::command().render_help())),
         Some(Command::Render(args)) => commands::render::run(args, cli.verbose, &bars),
         Some(Command::Reference(args)) => commands::reference::run(args, &bars),
+        Some(Command::Quality(args)) => commands::quality::run(args, &bars),
         Some(Command::Info(args)) => commands::info::run(args, &bars),
         Some(Command::Voxels(args)) => commands::voxels::run(args, &bars),
         Some(Command::Convert(args)) => commands::convert::run(args, &bars),

@@ -54,7 +54,7 @@ pub fn preset() -> impl TypedValueParser<Value = Preset> {
 }
 
 /// The name of a preset, as on the command line.
-fn preset_name(preset: Preset) -> &'static str {
+pub fn preset_name(preset: Preset) -> &'static str {
     match preset {
         Preset::Fast => "fast",
         Preset::Balanced => "balanced",

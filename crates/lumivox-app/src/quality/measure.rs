@@ -12,6 +12,7 @@ use lumivox_render::reference::{
 };
 use lumivox_render::{Gpu, RenderSettings};
 use lumivox_scene::{Camera, Scene};
+use serde::{Deserialize, Serialize};
 
 use super::Row;
 use crate::exit::Failure;
@@ -47,7 +48,7 @@ pub struct Measured {
 }
 
 /// Light in a dark room that came through its walls, in percent of the light next door.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Leak {
     pub one_bounce_percent: f64,
     pub full_percent: f64,

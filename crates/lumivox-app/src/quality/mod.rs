@@ -2,15 +2,12 @@
 //! of error against cost.
 
 mod canvas;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "the command that measures several presets will draw them")
-)]
 mod chart;
 mod measure;
 mod report;
 mod strip;
 
-pub use measure::{Measured, Subject, reference};
+pub use chart::{Point, error_against_cost};
+pub use measure::{Leak, Measured, Subject, Truth, reference};
 pub use report::Comparison;
 pub use strip::{Row, strip};

@@ -1,6 +1,6 @@
 //! The figures of a comparison.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::picture::check_values;
 use super::{CompareError, LinearPicture};
@@ -11,7 +11,7 @@ pub const DARKEST_SHARE: f64 = 0.1;
 
 /// How far a picture is from its reference. Percentages are of the reference's mean unless they say
 /// otherwise; 0 is a perfect match.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct ErrorFigures {
     /// The mean over pixels and channels less the reference's, in percent. Negative: too dark.
     pub bias_percent: f64,

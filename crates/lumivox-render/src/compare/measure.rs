@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::Vec3;
 use lumivox_scene::{Camera, Scene};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{CompareError, ErrorFigures, LinearPicture};
 use crate::reference::ReferenceLayers;
@@ -27,7 +27,7 @@ pub struct RenderedLayers {
 }
 
 /// What a frame costs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Cost {
     /// Milliseconds by the clock on the wall: the mean over the picture's frames, without what is done once.
     pub frame_ms: f64,
@@ -36,7 +36,7 @@ pub struct Cost {
 }
 
 /// Figures of all layers.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct LayerFigures {
     /// Irradiance after one gather; none where the reference is black.
     pub one_bounce: Option<ErrorFigures>,

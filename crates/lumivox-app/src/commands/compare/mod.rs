@@ -30,7 +30,11 @@ pub fn run(args: &CompareArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     }
 }
 
-fn write_strip(file: &Path, image: &RgbImage) -> anyhow::Result<()> {
+/// Writes a strip as PNG, whole or not at all.
+///
+/// # Errors
+/// A [`Failure`] of output that names the file.
+pub fn write_strip(file: &Path, image: &RgbImage) -> anyhow::Result<()> {
     let written = write_atomically(file, |out| {
         image.write_with_encoder(PngEncoder::new(out)).map_err(io::Error::other)
     });

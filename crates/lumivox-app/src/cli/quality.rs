@@ -1,0 +1,72 @@
+//! The arguments of `quality`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::UVec2;
+use lumivox::Preset;
+
+use super::GpuArgs;
+use crate::args::{choices, number, size};
+
+/// Examples for the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  lumivox quality docs --cache target/quality
+  lumivox quality report cornell atrium --presets balanced,high --resolutions 128
+";
+
+/// The arguments of `quality`.
+#[derive(Args, Debug)]
+pub struct QualityArgs {
+    /// Folder that gets the page, quality.md, and its pictures, images/quality/
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+
+    /// Built-in scenes that are measured [default: all]
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+
+    /// Folder that keeps references and what is measured, so that a later run goes on where this one
+    /// stopped [default: none]
+    ///
+    /// It must be of the same version and the same machine; delete it after a change of either.
+    #[arg(long, value_name = "FOLDER", help_heading = "Measurement")]
+    pub cache: Option<PathBuf>,
+
+    /// Presets that are measured, separated by commas
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choices::preset())]
+    #[arg(default_value = "fast,balanced,high", help_heading = "Measurement")]
+    pub presets: Vec<Preset>,
+
+    /// Voxels along the scene's longest axis, separated by commas: multiples of 8 from 16 to 1024
+    ///
+    /// Turned scenes are measured at the middle one alone.
+    #[arg(long, value_name = "VOXELS", value_delimiter = ',', value_parser = number::resolution)]
+    #[arg(default_value = "64,128,256", help_heading = "Measurement")]
+    pub resolutions: Vec<u32>,
+
+    /// Width and height in pixels, each from 1 to 16384
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size)]
+    #[arg(default_value = "96x72", allow_hyphen_values = true, help_heading = "Measurement")]
+    pub size: UVec2,
+
+    /// Samples of each pixel of the references, 32 to 16777216
+    #[arg(long, value_name = "SAMPLES", value_parser = number::whole(32..=1 << 24))]
+    #[arg(default_value = "1024", allow_negative_numbers = true, help_heading = "Measurement")]
+    pub samples: u32,
+
+    /// Frames that are averaged, 1 to 65536
+    #[arg(long, value_name = "FRAMES", value_parser = number::whole(1..=65_536))]
+    #[arg(default_value = "32", allow_negative_numbers = true, help_heading = "Measurement")]
+    pub frames: u32,
+
+    /// Places of the grid that each figure is the mean of, 1 to 64
+    #[arg(long, value_name = "COUNT", value_parser = number::whole(1..=64))]
+    #[arg(default_value = "2", allow_negative_numbers = true, help_heading = "Measurement")]
+    pub offsets: u32,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+}

@@ -1,0 +1,123 @@
+//! What is measured: scenes, how they are turned, presets, resolutions.
+
+use std::fmt;
+
+use glam::Vec3;
+use lumivox::Preset;
+
+use crate::args::choices;
+
+/// How a scene is turned against the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Turn {
+    /// Degrees about x, y and z, as `--rotate` has them.
+    pub degrees: [i32; 3],
+}
+
+impl Turn {
+    pub const NONE: Self = Self { degrees: [0; 3] };
+    /// Odd angles: no wall is parallel to an axis, none lies at 45 degrees.
+    pub const ODD: [Self; 3] = [
+        Self { degrees: [29, 20, 23] },
+        Self { degrees: [11, 37, 5] },
+        Self { degrees: [52, 71, 19] },
+    ];
+
+    pub fn angles_rad(self) -> Vec3 {
+        let [x, y, z] = self.degrees.map(|degrees| (degrees as f32).to_radians());
+        Vec3::new(x, y, z)
+    }
+}
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    pub scene: String,
+    pub turn: Turn,
+    pub preset: Preset,
+    pub resolution: u32,
+}
+
+impl Case {
+    /// What tells it apart from all others.
+    pub fn key(&self) -> String {
+        let [x, y, z] = self.turn.degrees;
+        format!(
+            "{} {x},{y},{z} {} {}",
+            self.scene,
+            choices::preset_name(self.preset),
+            self.resolution
+        )
+    }
+
+    /// The file of its strip, if it has one: the best preset at the middle resolution.
+    pub fn picture(&self, resolutions: &[u32]) -> Option<String> {
+        let is_shown = self.turn == Turn::NONE
+            && self.preset == Preset::High
+            && self.resolution == middle(resolutions);
+        is_shown.then(|| format!("{}.png", self.scene))
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let preset = choices::preset_name(self.preset);
+        write!(f, "{}, {preset}, {} voxels", self.scene, self.resolution)?;
+        if self.turn != Turn::NONE {
+            let [x, y, z] = self.turn.degrees;
+            write!(f, ", turned by {x}, {y}, {z} degrees")?;
+        }
+        Ok(())
+    }
+}
+
+/// The resolution in the middle of a list.
+pub fn middle(resolutions: &[u32]) -> u32 {
+    let mut sorted = resolutions.to_vec();
+    sorted.sort_unstable();
+    sorted[sorted.len() / 2]
+}
+
+/// All measurements, scene by scene.
+pub fn cases(scenes: &[String], presets: &[Preset], resolutions: &[u32]) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for scene in scenes {
+        let mut add = |turn, preset, resolution| {
+            cases.push(Case { scene: scene.clone(), turn, preset, resolution });
+        };
+        for &resolution in resolutions {
+            for &preset in presets {
+                add(Turn::NONE, preset, resolution);
+            }
+        }
+        for turn in Turn::ODD {
+            for &preset in presets {
+                // The fast preset has no target of its own.
+                if preset != Preset::Fast {
+                    add(turn, preset, middle(resolutions));
+                }
+            }
+        }
+    }
+    cases
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_case_is_there_once() {
+        let scenes = ["a".to_owned(), "b".to_owned()];
+        let presets = [Preset::Fast, Preset::High];
+        let cases = cases(&scenes, &presets, &[64, 128, 256]);
+        // Nine combinations would be 3 x 2, and three turns of one preset.
+        assert_eq!(cases.len(), 2 * (3 * 2 + 3));
+        let mut keys: Vec<String> = cases.iter().map(Case::key).collect();
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), cases.len());
+        let shown = cases.iter().filter_map(|case| case.picture(&[64, 128, 256]));
+        assert_eq!(shown.collect::<Vec<_>>(), ["a.png", "b.png"]);
+    }
+}

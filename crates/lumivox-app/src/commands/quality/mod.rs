@@ -1,0 +1,161 @@
+//! `lumivox quality`: the page on errors, made from the program's own measurements.
+
+mod cases;
+mod glossy;
+mod page;
+mod store;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Context as _;
+use indicatif::MultiProgress;
+use lumivox::TraceSettings;
+use lumivox_render::reference::ReferenceSettings;
+use lumivox_render::{Gpu, RenderSettings, describe};
+use lumivox_scene::{Scene, builtin};
+
+use super::compare::write_strip;
+use super::open_gpu;
+use crate::args::output;
+use crate::cli::QualityArgs;
+use crate::exit::Failure;
+use crate::progress::Progress;
+use crate::quality::{Measured, Subject, Truth, reference, strip};
+use crate::report::print;
+use cases::{Case, Turn, cases};
+use store::{Entry, Store};
+
+/// Where the pictures lie, below the page's folder.
+const PICTURES: &str = "images/quality";
+
+/// Measures what is not measured yet, and writes the page.
+///
+/// # Errors
+/// When a scene is not known, something cannot be rendered, or a file cannot be written.
+pub fn run(args: &QualityArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    let names = scene_names(&args.scenes)?;
+    let pictures = args.folder.join(PICTURES);
+    for folder in [Some(&pictures), args.cache.as_ref()].into_iter().flatten() {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
+        output::check_folder(&folder.join("x"), folder)?;
+    }
+    let progress = Progress::start(bars, "starting");
+    let gpu = open_gpu(&args.gpu)?;
+    let mut store = Store::open(args.cache.as_deref(), settings_in_words(args))?;
+    let cases = cases(&names, &args.presets, &args.resolutions);
+    let mut truths: BTreeMap<String, Truth> = BTreeMap::new();
+    for (index, case) in cases.iter().enumerate() {
+        let (done, total) = (index as u32, cases.len() as u32);
+        let work = Work { args, gpu: &gpu, progress: &progress, pictures: &pictures };
+        if store.get(case).is_none() {
+            tracing::warn!("{} of {total}: {case}", done + 1);
+            let entry = work.measure(case, &mut truths).with_context(|| case.to_string())?;
+            store.put(case, entry)?;
+        }
+    }
+    let glossy = match names.iter().any(|name| name == glossy::SCENE) {
+        true => Some(glossy::measure(args, &gpu, &progress)?),
+        false => None,
+    };
+    let chart = page::chart(&cases, &store)?;
+    let machine = format!("{}, {} cores", describe(&gpu.adapter_info), cores());
+    let text = page::page(args, &machine, &cases, &store, glossy.as_deref());
+    for (file, text) in
+        [(pictures.join("error-against-cost.svg"), chart), (args.folder.join("quality.md"), text)]
+    {
+        std::fs::write(&file, text)
+            .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())))?;
+    }
+    drop(progress);
+    print(&format!("{}\n", args.folder.join("quality.md").display()))
+}
+
+/// What all measurements share.
+fn settings_in_words(args: &QualityArgs) -> String {
+    format!(
+        "{} x {} pixels, {} samples, {} frames, {} places of the grid, version {}",
+        args.size.x,
+        args.size.y,
+        args.samples,
+        args.frames,
+        args.offsets,
+        env!("CARGO_PKG_VERSION")
+    )
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, Into::into)
+}
+
+/// The plain names of the scenes; those that are turned come along with them.
+fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
+    let known: Vec<&str> =
+        builtin::names().iter().copied().filter(|name| !name.ends_with("-rotated")).collect();
+    if let Some(name) = asked.iter().find(|name| !known.contains(&name.as_str())) {
+        let known = known.join(", ");
+        return Err(Failure::input(format!(
+            "there is no built-in scene {name}; there are: {known}"
+        ))
+        .into());
+    }
+    let all = known.into_iter().map(str::to_owned).collect();
+    Ok(if asked.is_empty() { all } else { asked.to_vec() })
+}
+
+/// A turned scene; its camera turns with it, so that the picture is the same.
+fn turned(name: &str, turn: Turn) -> anyhow::Result<Scene> {
+    let mut scene = builtin::scene(name)?;
+    scene.rotate(turn.angles_rad());
+    Ok(scene)
+}
+
+/// What all measurements share.
+struct Work<'a> {
+    args: &'a QualityArgs,
+    gpu: &'a Gpu,
+    progress: &'a Progress,
+    pictures: &'a Path,
+}
+
+impl Work<'_> {
+    fn subject<'a>(&'a self, scene: &'a Scene) -> Subject<'a> {
+        // All built-in scenes have a camera.
+        let camera = &scene.cameras[0];
+        Subject { gpu: self.gpu, scene, camera, progress: self.progress }
+    }
+
+    fn measure(&self, case: &Case, truths: &mut BTreeMap<String, Truth>) -> anyhow::Result<Entry> {
+        let straight = builtin::scene(&case.scene)?;
+        let scene = turned(&case.scene, case.turn)?;
+        let subject = |scene| self.subject(scene);
+        if !truths.contains_key(&case.scene) {
+            // One scene after the other: only one reference is kept.
+            truths.clear();
+            let settings = ReferenceSettings {
+                size: self.args.size,
+                samples: self.args.samples,
+                ..ReferenceSettings::default()
+            };
+            let file =
+                self.args.cache.as_ref().map(|cache| cache.join(format!("{}.exr", case.scene)));
+            let truth = reference(&subject(&straight), settings, file.as_deref())?;
+            truths.insert(case.scene.clone(), truth);
+        }
+        let truth = &truths[&case.scene];
+        let settings = RenderSettings {
+            size: self.args.size,
+            frames: self.args.frames,
+            resolution: case.resolution,
+            trace: TraceSettings::preset(case.preset),
+            ..RenderSettings::default()
+        };
+        let measured = Measured::new(&subject(&scene), truth, &settings, self.args.offsets)?;
+        if let Some(name) = case.picture(&self.args.resolutions) {
+            let title = format!("{case}");
+            write_strip(&self.pictures.join(name), &strip(&title, &measured.rows(truth))?)?;
+        }
+        Ok(Entry { figures: measured.figures.clone(), leak: measured.leak, cost: measured.cost })
+    }
+}

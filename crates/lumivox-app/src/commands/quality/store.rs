@@ -1,0 +1,77 @@
+//! What was measured, kept in a file so that long work can go on.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use lumivox_render::compare::{Cost, LayerFigures};
+use lumivox_scene::write_atomically;
+use serde::{Deserialize, Serialize};
+
+use super::cases::Case;
+use crate::exit::Failure;
+use crate::quality::Leak;
+
+/// One measurement.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Entry {
+    pub figures: LayerFigures,
+    pub leak: Option<Leak>,
+    pub cost: Cost,
+}
+
+/// All measurements so far.
+#[derive(Debug)]
+pub struct Store {
+    file: Option<PathBuf>,
+    content: Content,
+}
+
+/// What the file holds.
+#[derive(Debug, Deserialize, Serialize)]
+struct Content {
+    /// What all measurements share, in words.
+    settings: String,
+    entries: BTreeMap<String, Entry>,
+}
+
+impl Store {
+    /// Reads what a folder keeps; `settings` says what all measurements share.
+    ///
+    /// # Errors
+    /// When the file is there and cannot be read, or was measured with other settings.
+    pub fn open(folder: Option<&Path>, settings: String) -> anyhow::Result<Self> {
+        let mut content = Content { settings, entries: BTreeMap::new() };
+        let Some(folder) = folder else { return Ok(Self { file: None, content }) };
+        let file = folder.join("measurements.json");
+        if file.exists() {
+            let refuse = |reason: String| {
+                Failure::input(format!("{}: {reason}; delete it to measure anew", file.display()))
+            };
+            let text = std::fs::read_to_string(&file).map_err(|e| refuse(e.to_string()))?;
+            let kept: Content = serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))?;
+            if kept.settings != content.settings {
+                return Err(refuse(format!("it was measured with {}", kept.settings)).into());
+            }
+            content = kept;
+        }
+        Ok(Self { file: Some(file), content })
+    }
+
+    pub fn get(&self, case: &Case) -> Option<&Entry> {
+        self.content.entries.get(&case.key())
+    }
+
+    /// Keeps a measurement.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn put(&mut self, case: &Case, entry: Entry) -> anyhow::Result<()> {
+        self.content.entries.insert(case.key(), entry);
+        let Some(file) = &self.file else { return Ok(()) };
+        let text = serde_json::to_string_pretty(&self.content)?;
+        write_atomically(file, |out| out.write_all(text.as_bytes())).map_err(|error| {
+            Failure::output(format!("{}: cannot be written: {error}", file.display())).into()
+        })
+    }
+}
