@@ -196,8 +196,8 @@ pub struct RenderSettings {
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
-    /// light alone, 1 is light over one other surface. Default: 4. Each costs one gather in the
-    /// voxels, once.
+    /// light alone, 1 is light over one other surface. Default: 8, which leaves out a^8 of the light in a
+    /// room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the voxels, once.
     pub bounces: u32,
     /// Frames that are averaged, 1 to 65 536. Default: 16. More: smoother edges and less noise, at
     /// proportional cost. A single frame has no anti-aliasing.
@@ -230,7 +230,7 @@ impl Default for RenderSettings {
             grid_bounds: None,
             directionality: Directionality::default(),
             trace: TraceSettings::default(),
-            bounces: 4,
+            bounces: 8,
             frames: 16,
             view: View::default(),
             voxel_level: 0,

@@ -73,10 +73,10 @@ pub struct LightArgs {
 
     /// Reflections of indirect light, 0 to 16
     ///
-    /// 0 is direct light alone, 1 is light by way of one other surface. Each costs one more gather
-    /// in the voxels, once.
+    /// 0 is direct light alone, 1 is light by way of one other surface. N leave out about the share
+    /// a^N of the light in a room of albedo a. Each costs one more gather in the voxels, once.
     #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=16))]
-    #[arg(default_value = "4", allow_negative_numbers = true)]
+    #[arg(default_value = "8", allow_negative_numbers = true)]
     pub bounces: u32,
 
     /// How shadows of lamps and sun are found
