@@ -12,6 +12,7 @@
 //! | `surface.wgsl`, `texels.wgsl` | what a ray meets: materials and their textures |
 //! | `scatter.wgsl` | the BRDF and how directions are drawn from it |
 //! | `sources.wgsl`, `panorama.wgsl` | how light is asked for |
+//! | `transmittance.wgsl` | what lies between |
 //! | `path.wgsl` | the path, and which light counts for which layer |
 //!
 //! Every sample of every pixel has random numbers of its own, which follow from the seed alone. So a picture is the
@@ -90,6 +91,8 @@ impl Default for ReferenceSettings {
 pub struct ReferenceProgress {
     /// Samples of each pixel so far; a part of one where a picture is traced in bands.
     pub samples: f64,
+    /// Samples of each pixel that stay if it is broken off now.
+    pub kept: u32,
     /// Samples in the end.
     pub total: u32,
 }
@@ -117,12 +120,23 @@ impl PathTracer {
         camera: Option<&Camera>,
         settings: ReferenceSettings,
     ) -> Result<Self, RenderError> {
+        Self::with_features(gpu, scene, camera, settings, |features| features).await
+    }
+
+    /// As [`Self::new`], with techniques switched off, which must not change the mean.
+    async fn with_features(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        settings: ReferenceSettings,
+        adjust: impl FnOnce(Features) -> Features,
+    ) -> Result<Self, RenderError> {
         validate(&settings)?;
         let camera = camera.or(scene.cameras.first()).cloned();
         let camera = camera.unwrap_or_else(|| {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
         });
-        let uploaded = Uploaded::new(gpu, scene, &camera, &settings).await?;
+        let uploaded = Uploaded::new(gpu, scene, &camera, &settings, adjust).await?;
         let film = Film::new(settings.size);
         Ok(Self { gpu: gpu.clone(), settings, uploaded, film })
     }
@@ -134,8 +148,8 @@ impl PathTracer {
 
     /// Traces all samples that the settings ask for and are not there yet.
     ///
-    /// `progress` is heard often; when it breaks, what is there stays and tracing can go on later. At least
-    /// one batch of four samples is finished.
+    /// `progress` is heard often; when it breaks, whole batches of four samples stay and tracing can go on later.
+    /// The first batch of all is finished in any case.
     ///
     /// # Errors
     /// When the device fails.
@@ -174,7 +188,8 @@ impl PathTracer {
                 let in_band = f64::from(sample - first + 1) * f64::from(rows) / f64::from(size.y);
                 let before = f64::from(count) * (of_rows - f64::from(rows) / f64::from(size.y));
                 let samples = f64::from(first) + before + in_band;
-                let heard = progress(ReferenceProgress { samples, total: self.settings.samples });
+                let total = self.settings.samples;
+                let heard = progress(ReferenceProgress { samples, kept: first, total });
                 if heard.is_break() && first > 0 {
                     return Ok(false);
                 }
