@@ -58,6 +58,7 @@ pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     }
     let resumed = tracer.samples();
     let is_stopped = stop_on_interrupt()?;
+    tracing::info!("tracing; Ctrl-C writes what is there");
     trace(&mut tracer, args, &progress, &is_stopped)?;
 
     progress.set("writing", 0, 1);
@@ -88,11 +89,15 @@ fn trace(
     is_stopped: &AtomicBool,
 ) -> anyhow::Result<()> {
     loop {
-        let slice = Instant::now();
+        let (slice, before) = (Instant::now(), tracer.samples());
         let mut hear = |step: ReferenceProgress| {
             let share = step.samples.fract();
             progress.set_within("sample", step.samples as u32, step.total, share);
-            let is_due = args.checkpoint.is_some() && slice.elapsed() >= CHECKPOINT_EVERY;
+            // Breaking off drops what is half done: only after something was finished, or slow pictures would
+            // stand still.
+            let is_due = args.checkpoint.is_some()
+                && step.kept > before
+                && slice.elapsed() >= CHECKPOINT_EVERY;
             if is_due || is_stopped.load(Ordering::Relaxed) {
                 return ControlFlow::Break(());
             }
