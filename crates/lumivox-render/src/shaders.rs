@@ -25,6 +25,7 @@ const MODULES: &[(&str, &str)] = &[
     ("reference::sources", include_str!("reference/sources.wgsl")),
     ("reference::surface", include_str!("reference/surface.wgsl")),
     ("reference::texels", include_str!("reference/texels.wgsl")),
+    ("reference::transmittance", include_str!("reference/transmittance.wgsl")),
     ("reference::world", include_str!("reference/world.wgsl")),
     ("screen_door", include_str!("screen_door.wgsl")),
     ("shadow_maps", include_str!("shadow_maps.wgsl")),

@@ -65,6 +65,7 @@ pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     }
     let resumed = tracer.samples();
     let is_stopped = stop_on_interrupt()?;
+    tracing::info!("tracing; Ctrl-C writes what is there");
     trace(&mut tracer, args, &progress, &is_stopped)?;
 
     progress.set("writing", 0, 1);

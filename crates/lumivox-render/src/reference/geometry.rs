@@ -15,6 +15,8 @@ const DOUBLE_SIDED: u32 = 1 << 31;
 const SEE_THROUGH: u32 = 1 << 30;
 /// Triangles of a leaf at most: a leaf's link has three bits for them.
 const MOST_PER_LEAF: u32 = 4;
+/// Height of a triangle over its longest edge: eight roundings of f32. What is flatter has no normal, and no area.
+const LEAST_SLENDERNESS: f64 = 1.0 / (1 << 20) as f64;
 /// Triangles at most: a leaf's link has 28 bits for the first.
 pub(super) const MOST_TRIANGLES: usize = 1 << 28;
 
@@ -105,14 +107,17 @@ impl Triangles {
                 | if sides.is_see_through { SEE_THROUGH } else { 0 };
             for [a, b, c] in mesh.triangles() {
                 let [b, c] = if is_mirrored { [c, b] } else { [b, c] };
-                triangles.push(TriangleRecord {
+                let triangle = TriangleRecord {
                     corner: positions[a].to_array(),
                     edge_1: (positions[b] - positions[a]).to_array(),
                     edge_2: (positions[c] - positions[a]).to_array(),
                     vertex_0: (first + a as u32) | bits,
                     vertex_1: first + b as u32,
                     vertex_2: first + c as u32,
-                });
+                };
+                if triangle.has_normal() {
+                    triangles.push(triangle);
+                }
             }
         }
         let bvh = build(&triangles);
@@ -128,7 +133,7 @@ impl Triangles {
                 padding: 0,
             })
             .collect();
-        let stack = bvh.depth(0) as u32 + 1;
+        let stack = if nodes.is_empty() { 1 } else { bvh.depth(0) as u32 + 1 };
         Self {
             root: nodes.first().map_or(LEAF, |node| node.link),
             // Buffers may not be empty; a triangle without area is never met.
@@ -149,6 +154,13 @@ impl Triangles {
 }
 
 impl TriangleRecord {
+    /// Whether it has a normal: whether it is higher than what f32 rounds its longest edge by.
+    fn has_normal(&self) -> bool {
+        let [a, b] = [self.edge_1, self.edge_2].map(|edge| Vec3::from(edge).as_dvec3());
+        let longest_squared = a.length_squared().max(b.length_squared()).max(a.distance_squared(b));
+        2.0 * self.area_m2() > LEAST_SLENDERNESS * longest_squared
+    }
+
     pub(super) fn area_m2(&self) -> f64 {
         let [a, b] = [self.edge_1, self.edge_2].map(|edge| Vec3::from(edge).as_dvec3());
         0.5 * a.cross(b).length()

@@ -12,6 +12,7 @@
 //! | `surface.wgsl`, `texels.wgsl` | what a ray meets: materials and their textures |
 //! | `scatter.wgsl` | the BRDF and how directions are drawn from it |
 //! | `sources.wgsl`, `panorama.wgsl` | how light is asked for |
+//! | `transmittance.wgsl` | what lies between |
 //! | `path.wgsl` | the path, and which light counts for which layer |
 //!
 //! Every sample of every pixel has random numbers of its own, which follow from the seed alone. So a picture is the
@@ -118,12 +119,23 @@ impl PathTracer {
         camera: Option<&Camera>,
         settings: ReferenceSettings,
     ) -> Result<Self, RenderError> {
+        Self::with_features(gpu, scene, camera, settings, |features| features).await
+    }
+
+    /// As [`Self::new`], with techniques switched off, which must not change the mean.
+    async fn with_features(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        settings: ReferenceSettings,
+        adjust: impl FnOnce(Features) -> Features,
+    ) -> Result<Self, RenderError> {
         validate(&settings)?;
         let camera = camera.or(scene.cameras.first()).cloned();
         let camera = camera.unwrap_or_else(|| {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
         });
-        let uploaded = Uploaded::new(gpu, scene, &camera, &settings).await?;
+        let uploaded = Uploaded::new(gpu, scene, &camera, &settings, adjust).await?;
         let film = Film::new(settings.size);
         Ok(Self { gpu: gpu.clone(), settings, uploaded, film })
     }

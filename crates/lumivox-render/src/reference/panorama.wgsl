@@ -36,14 +36,15 @@ fn texel_of(in_map: vec3f) -> vec2i {
     let size = vec2f(textureDimensions(panorama));
     // The middle lies in the direction -z, columns go on to +x, rows down from +y.
     let across = 0.5 + atan2(in_map.x, -in_map.z) / (2.0 * PI);
-    let down = acos(clamp(in_map.y, -1.0, 1.0)) / PI;
+    // Not acos, which tells nothing apart near the poles.
+    let down = atan2(length(in_map.xz), in_map.y) / PI;
     return clamp(vec2i(vec2f(across, down) * size), vec2i(0), vec2i(size) - 1);
 }
 
-// The cosines of the upper and lower edge of a row.
-fn row_cosines(row: i32) -> vec2f {
-    let rows = f32(textureDimensions(panorama).y);
-    return vec2f(cos(PI * f32(row) / rows), cos(PI * f32(row + 1) / rows));
+// The solid angle of a texel. The difference of two cosines, as a product that loses nothing near the poles.
+fn texel_sr(row: i32) -> f32 {
+    let size = vec2f(textureDimensions(panorama));
+    return 4.0 * PI / size.x * sin(PI * (f32(row) + 0.5) / size.y) * sin(0.5 * PI / size.y);
 }
 
 fn column_share(at: vec2i) -> f32 {
@@ -65,13 +66,10 @@ fn surroundings(direction: vec3f) -> Surroundings {
         let peak = world.peaks[index];
         soft = select(soft, min(soft, peak.around), dot(in_map, peak.direction) >= peak.cos_cap);
     }
-    let cosines = row_cosines(at.y);
-    let columns = f32(textureDimensions(panorama).x);
-    let texel_sr = 2.0 * PI / columns * max(cosines.x - cosines.y, 1e-12);
     return Surroundings(
         world.environment * soft,
         world.environment * (whole - soft),
-        column_share(at) * row_share(at.y) / texel_sr,
+        column_share(at) * row_share(at.y) / texel_sr(at.y),
     );
 }
 
@@ -97,9 +95,11 @@ fn draw_surroundings() -> vec3f {
         last = select(last, middle, is_above);
         column = select(middle + 1, column, is_above);
     }
-    let cosines = row_cosines(row);
-    let cosine = mix(cosines.x, cosines.y, inside.y);
-    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    // Even over the row is even in the cosine, 1 - 2 sin^2 of half the angle.
+    let half_sines = sin(0.5 * PI / f32(size.y) * vec2f(f32(row), f32(row + 1)));
+    let half_square = mix(half_sines.x * half_sines.x, half_sines.y * half_sines.y, inside.y);
+    let cosine = 1.0 - 2.0 * half_square;
+    let sine = 2.0 * sqrt(max(half_square * (1.0 - half_square), 0.0));
     let turn = 2.0 * PI * ((f32(column) + inside.x) / f32(size.x) - 0.5);
     return world_from_map(vec3f(sine * sin(turn), cosine, -sine * cos(turn)));
 }

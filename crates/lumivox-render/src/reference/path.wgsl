@@ -12,19 +12,18 @@
 
 import package::constants::{
     REFERENCE_HAS_DISCS, REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA,
-    REFERENCE_SEE_THROUGH,
+    REFERENCE_HAS_PEAKS, REFERENCE_SEE_THROUGH,
 };
-import package::render::reference::intersect::{
-    intersect, ray_from, Hit, Ray, AS_SEEN, NOTHING, BOTH_SIDES,
-};
+import package::render::reference::intersect::{intersect, ray_from, Hit, Ray, AS_SEEN, NOTHING};
 import package::render::reference::panorama::surroundings;
 import package::render::reference::random::{random, random_2, start_random};
 import package::render::reference::scatter::{cos_toward, draw_direction, scatter, Surface};
 import package::render::reference::sources::{
-    ask_disc, ask_emitter, ask_light, ask_panorama, power_weight, Question, NEVER,
+    ask_disc, ask_emitter, ask_light, ask_panorama, ask_peak, ask_peak_along, power_weight, NEVER,
 };
 import package::render::reference::surface::{meet, Met};
-import package::render::reference::world::{triangles, world, SEE_THROUGH};
+import package::render::reference::transmittance::{transmittance, MOST_LAYERS};
+import package::render::reference::world::world;
 import package::trace::brdf::PI;
 import package::trace::coat::{below_coat, Coat};
 
@@ -46,10 +45,11 @@ struct Pixel {
 
 @group(0) @binding(7) var<storage, read_write> film: array<Pixel>;
 
-const MOST_LAYERS: u32 = 64u;
 const MOST_VERTICES: u32 = 4096u;
 // Paths of fewer vertices are never ended at random.
 const SURE_VERTICES: u32 = 3u;
+// Kinds of questions; the last two are for peaks.
+const KINDS: u32 = 4u + 2u * REFERENCE_HAS_PEAKS;
 
 // Two sums: all of a path's light, and the part that arrives early.
 struct Light2 {
@@ -63,32 +63,6 @@ fn camera_ray(pixel: vec2u, jitter: vec2f) -> Ray {
     let direction = normalize(along);
     // Like the rasterizer's, the picture begins at a plane.
     return Ray(world.camera + world.near_m * along, direction, 3e38);
-}
-
-// The share of light that passes along a ray, by colour.
-fn transmittance(question: Question, surface: Surface) -> vec3f {
-    var ray = ray_from(surface.position, surface.geometric, question.direction, question.reach);
-    if REFERENCE_SEE_THROUGH == 0u {
-        return select(vec3f(0.0), vec3f(1.0), intersect(ray, question.sides, true).triangle == NOTHING);
-    }
-    var passing = vec3f(1.0);
-    for (var layer = 0u; layer < MOST_LAYERS; layer++) {
-        let hit = intersect(ray, question.sides, true);
-        if hit.triangle == NOTHING {
-            break;
-        }
-        if (triangles[hit.triangle].vertex_0 & SEE_THROUGH) == 0u {
-            return vec3f(0.0);
-        }
-        let met = meet(ray, hit, false);
-        passing *= (1.0 - met.coverage) * met.tint;
-        if all(passing <= vec3f(0.0)) {
-            break;
-        }
-        let left = ray.reach - hit.distance;
-        ray = ray_from(met.surface.position, -met.surface.geometric, ray.direction, left);
-    }
-    return passing;
 }
 
 struct Traced {
@@ -109,8 +83,6 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
     var throughput = vec3f(1.0);
     // Density with which the ray's direction was drawn.
     var density = 0.0;
-    // Whether the ray gathers what emitters and the surroundings send; after the last gather it meets peaks alone.
-    var gathers = true;
     for (var vertex = 0u; vertex < MOST_VERTICES; vertex++) {
         // What the ray meets, past what it does not.
         var travelled = 0.0;
@@ -134,14 +106,11 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             traced.is_open = !is_surface || travelled > world.occlusion_distance_m;
         }
 
-        // What shines at the ray's end. The camera sees it, and so do gathers.
+        // What shines at the ray's end, for gathers and for the camera, which alone sees peaks so: to others they are
+        // lights, which are asked for.
         var shining = vec3f(0.0);
-        var peaks = vec3f(0.0);
         var other = 0.0;
         if is_surface {
-            if !gathers {
-                break;
-            }
             let cosine = cos_toward(met.surface);
             shining = met.emission * below_coat(met.surface.coat, cosine);
             let facing = abs(dot(met.surface.geometric, ray.direction));
@@ -150,24 +119,18 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             }
         } else {
             let seen = surroundings(ray.direction);
-            shining = select(vec3f(0.0), seen.soft, gathers);
-            peaks = seen.peaks;
+            shining = seen.soft + select(vec3f(0.0), seen.peaks, vertex == 0u);
             if REFERENCE_HAS_PANORAMA != 0u {
                 other = seen.density;
             }
         }
         // Nothing but the camera's ray itself asks along the camera's ray.
         let weight = select(power_weight(density, other), 1.0, vertex == 0u);
-        if is_picture {
-            traced.light.all += throughput * weight * (shining + peaks);
-            traced.light.early += select(vec3f(0.0), throughput * weight * (shining + peaks), vertex == 0u)
-                + select(vec3f(0.0), throughput * weight * peaks, vertex == 1u);
-        } else if vertex > 0u {
-            // The panorama's peaks shine on the visible surface directly, and on others for the gathers.
-            let arriving = throughput * weight * (shining + select(peaks, vec3f(0.0), vertex == 1u));
+        if is_picture || vertex > 0u {
+            let arriving = throughput * weight * shining;
+            let early_end = select(1u, 0u, is_picture);
             traced.light.all += arriving;
-            traced.light.early += select(vec3f(0.0), arriving, vertex == 1u)
-                + select(vec3f(0.0), throughput * weight * peaks, vertex == 2u);
+            traced.light.early += select(vec3f(0.0), arriving, vertex == early_end);
         }
         if vertex == 0u {
             traced.is_surface = is_surface;
@@ -188,13 +151,13 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             surface.coat = Coat(0.0, 1.0);
         }
         // The last vertex reflects the light of lights alone, as a voxel does before any bounce.
-        gathers = vertex < world.most_gathers;
+        let gathers = vertex < world.most_gathers;
 
         let direction = draw_direction(surface);
         let scattered = scatter(surface, direction);
         let drawn_weight = select(
             vec3f(0.0), scattered.value / scattered.density, scattered.density > 0.0);
-        for (var kind = 0u; kind < 4u; kind++) {
+        for (var kind = 0u; kind < KINDS; kind++) {
             var question = NEVER;
             if kind == 0u && REFERENCE_HAS_LIGHTS != 0u {
                 question = ask_light(surface);
@@ -202,12 +165,17 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             if kind == 1u && REFERENCE_HAS_EMITTERS != 0u && gathers {
                 question = ask_emitter(surface);
             }
-            if kind == 2u && REFERENCE_HAS_PANORAMA != 0u {
+            if kind == 2u && REFERENCE_HAS_PANORAMA != 0u && gathers {
                 question = ask_panorama(surface);
-                question.from_surroundings *= select(0.0, 1.0, gathers);
             }
             if kind == 3u && REFERENCE_HAS_DISCS != 0u && any(drawn_weight > vec3f(0.0)) {
                 question = ask_disc(surface, direction, drawn_weight, scattered.density);
+            }
+            if kind == 4u && REFERENCE_HAS_PANORAMA != 0u {
+                question = ask_peak(surface);
+            }
+            if kind == 5u && any(drawn_weight > vec3f(0.0)) {
+                question = ask_peak_along(direction, drawn_weight, scattered.density);
             }
             if !is_picture && vertex == 0u {
                 question.from_lights = vec3f(0.0);
@@ -227,7 +195,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
 
         throughput *= drawn_weight;
         density = scattered.density;
-        if all(throughput <= vec3f(0.0)) || (!gathers && REFERENCE_HAS_PANORAMA == 0u) {
+        if all(throughput <= vec3f(0.0)) || !gathers {
             break;
         }
         if vertex >= SURE_VERTICES {

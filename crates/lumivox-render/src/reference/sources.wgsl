@@ -2,7 +2,7 @@
 // was to find that light, among all ways (multiple importance sampling: Veach 1997, section 9.2, the power
 // heuristic).
 
-import package::constants::REFERENCE_HAS_LAYERS;
+import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
 import package::render::material::TEXTURE_EMISSION;
 import package::render::reference::intersect::{Hit, Ray, AS_SEEN, BOTH_SIDES};
@@ -56,8 +56,21 @@ fn cap_height(spread: f32) -> f32 {
     return spread / (1.0 + sqrt(1.0 - spread));
 }
 
-fn light_reach(light: Light, incident: Incident) -> f32 {
-    return select(max(incident.distance_m - light.radius, 0.0), 3e38, is_parallel(light));
+// How far it is to the surface of a light in a direction; `height` is 1 - cos of the angle to its middle.
+fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
+    if is_parallel(light) {
+        return 3e38;
+    }
+    let aside = incident.distance_m * incident.distance_m * height * (2.0 - height);
+    let depth = sqrt(max(light.radius * light.radius - aside, 0.0));
+    return max(incident.distance_m * (1.0 - height) - depth, 0.0);
+}
+
+// What a light sends to a point. From within a light its middle still lies in a direction of unit length.
+fn light_at(index: u32, position: vec3f) -> Incident {
+    var incident = incident_light(lights[index], position);
+    incident.direction /= max(length(incident.direction), 1e-20);
+    return incident;
 }
 
 // Sum of what all lights could give a surface that faces them.
@@ -89,10 +102,11 @@ fn ask_light(surface: Surface) -> Question {
     }
     let probability = chosen_brightness / sum;
     let light = lights[chosen];
-    let incident = incident_light(light, surface.position);
+    let incident = light_at(chosen, surface.position);
     let spread = light_spread(light, incident);
-    let cosine = 1.0 - place.x * cap_height(spread);
-    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    let height = place.x * cap_height(spread);
+    let cosine = 1.0 - height;
+    let sine = sqrt(height * (2.0 - height));
     let turn = 2.0 * PI * place.y;
     let drawn = basis(incident.direction) * vec3f(sine * cos(turn), sine * sin(turn), cosine);
     let direction = select(incident.direction, drawn, spread > 0.0);
@@ -104,7 +118,7 @@ fn ask_light(surface: Surface) -> Question {
         weight = power_weight(density, scattered.density) / (PI * spread * density);
     }
     let reflected = scattered.value * incident.irradiance * weight;
-    return Question(direction, light_reach(light, incident), BOTH_SIDES, reflected, vec3f(0.0));
+    return Question(direction, light_reach(light, incident, height), BOTH_SIDES, reflected, vec3f(0.0));
 }
 
 // The light whose disc a drawn direction meets; `weight` is BRDF times cosine over density.
@@ -114,18 +128,20 @@ fn ask_disc(surface: Surface, direction: vec3f, weight: vec3f, own_density: f32)
     var question = NEVER;
     for (var index = 0u; index < world.light_count; index++) {
         let light = lights[index];
-        let incident = incident_light(light, surface.position);
+        let incident = light_at(index, surface.position);
         let spread = light_spread(light, incident);
-        let is_met = spread > 0.0 && 1.0 - dot(direction, incident.direction) <= cap_height(spread);
-        if is_met {
+        // From the chord: the cosine of a small angle is one.
+        let chord = direction - incident.direction;
+        let height = 0.5 * dot(chord, chord);
+        let bright = brightness(incident.irradiance);
+        if spread > 0.0 && bright > 0.0 && height <= cap_height(spread) {
             count += 1.0;
             if random() * count < 1.0 {
-                let probability = brightness(incident.irradiance) / sum;
-                let density = probability / (2.0 * PI * cap_height(spread));
+                let density = bright / sum / (2.0 * PI * cap_height(spread));
                 let radiance = incident.irradiance / (PI * spread);
                 let reflected = weight * radiance * power_weight(own_density, density);
-                question = Question(
-                    direction, light_reach(light, incident), BOTH_SIDES, reflected, vec3f(0.0));
+                let reach = light_reach(light, incident, height);
+                question = Question(direction, reach, BOTH_SIDES, reflected, vec3f(0.0));
             }
         }
     }
@@ -180,17 +196,40 @@ fn ask_emitter(surface: Surface) -> Question {
     let density = per_area * distance * distance / max(abs(facing), 1e-8);
     let reflected = scattered.value * emitted(triangle, weights, -direction)
         * (power_weight(density, scattered.density) / density);
-    // Up to the emitter, which must not hide itself.
-    return Question(direction, distance * 0.9999, AS_SEEN, vec3f(0.0), reflected);
+    // Up to the emitter, which must not hide itself: as far from it as rays start from their surface.
+    let reach = distance - world.offset_m / max(abs(facing), 1e-8);
+    return Question(direction, reach, AS_SEEN, vec3f(0.0), reflected);
 }
 
+// The panorama without its peaks.
 fn ask_panorama(surface: Surface) -> Question {
     let direction = draw_surroundings();
     let seen = surroundings(direction);
-    let scattered = scatter(surface, direction);
-    if seen.density <= 0.0 {
-        return NEVER;
+    let reflected = reflected_from(surface, direction, seen.density);
+    return Question(direction, 3e38, AS_SEEN, vec3f(0.0), reflected * seen.soft);
+}
+
+// A peak of the panorama: a light, which both sides of surfaces hide.
+fn ask_peak(surface: Surface) -> Question {
+    let direction = draw_surroundings();
+    let seen = surroundings(direction);
+    let reflected = reflected_from(surface, direction, seen.density);
+    return Question(direction, 3e38, BOTH_SIDES, reflected * seen.peaks, vec3f(0.0));
+}
+
+// The peak in a drawn direction; `weight` is BRDF times cosine over density.
+fn ask_peak_along(direction: vec3f, weight: vec3f, own_density: f32) -> Question {
+    let seen = surroundings(direction);
+    let other = select(0.0, seen.density, REFERENCE_HAS_PANORAMA != 0u);
+    let reflected = weight * seen.peaks * power_weight(own_density, other);
+    return Question(direction, 3e38, BOTH_SIDES, reflected, vec3f(0.0));
+}
+
+// What a surface reflects of light of one from a direction that was drawn from the panorama.
+fn reflected_from(surface: Surface, direction: vec3f, density: f32) -> vec3f {
+    if density <= 0.0 {
+        return vec3f(0.0);
     }
-    let reflected = scattered.value * (power_weight(seen.density, scattered.density) / seen.density);
-    return Question(direction, 3e38, AS_SEEN, reflected * seen.peaks, reflected * seen.soft);
+    let scattered = scatter(surface, direction);
+    return scattered.value * (power_weight(density, scattered.density) / density);
 }

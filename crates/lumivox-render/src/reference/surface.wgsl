@@ -101,6 +101,8 @@ fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
         );
     }
     shading = facing(side * shading, toward);
+    // Normals that cancel each other out and tangents along the normal are undefined; the triangle has its own.
+    shading = select(geometric, shading, abs(dot(shading, shading) - 1.0) < 0.01);
 
     var met: Met;
     let lit = select(0.0, 1.0, is_lit);

@@ -11,7 +11,7 @@ use lumivox_scene::{Camera, Scene};
 
 use super::ReferenceSettings;
 use super::checkpoint::fingerprint_of;
-use super::geometry::{MOST_TRIANGLES, Triangles};
+use super::geometry::{MOST_TRIANGLES, TriangleRecord, Triangles};
 use super::materials::Materials;
 use super::records::{MOST_PEAKS, PeakRecord, PixelRecord, WorldRecord};
 use super::surroundings::Surroundings;
@@ -33,6 +33,9 @@ pub(super) struct Uploaded {
     pub(super) film: wgpu::Buffer,
     /// Rows that are traced at once.
     pub(super) band_rows: u32,
+    /// Links that the kernel's stack holds.
+    #[cfg(test)]
+    pub(super) stack: u32,
     /// What radiances are multiples of, in cd/m².
     pub(super) radiance_unit: f32,
     /// Tells apart what is traced, whatever the seed.
@@ -42,17 +45,22 @@ pub(super) struct Uploaded {
 }
 
 impl Uploaded {
+    /// Uploads a scene; `adjust` may change what the kernel is compiled for.
     pub(super) async fn new(
         gpu: &Gpu,
         scene: &Scene,
         camera: &Camera,
         settings: &ReferenceSettings,
+        adjust: impl FnOnce(Features) -> Features,
     ) -> Result<Self, RenderError> {
         let lighting = Lighting::of(scene);
         let unit = radiance_unit(scene, &lighting);
+        // Before anything is built: that would take minutes and the memory of many such scenes.
         let count = scene.triangle_count();
-        if count > MOST_TRIANGLES {
-            return Err(too_large(gpu, "the triangles", count as u64 * 48));
+        let bytes = count as u64 * size_of::<TriangleRecord>() as u64;
+        let most = gpu.device.limits().max_storage_buffer_binding_size;
+        if count > MOST_TRIANGLES || bytes > most {
+            return Err(too_large(gpu, "the triangles", bytes));
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let mut materials = Materials::new(gpu, scene, &lighting, unit)?;
@@ -126,7 +134,7 @@ impl Uploaded {
             | LightSource::Point { radius_m: radius, .. }
             | LightSource::Spot { radius_m: radius, .. } => radius > 0.0,
         };
-        let features = Features {
+        let features = adjust(Features {
             stack: triangles.stack,
             has_textures: materials.has_textures,
             has_layers: materials.has_layers,
@@ -135,7 +143,8 @@ impl Uploaded {
             has_discs: lights.iter().any(is_disc),
             has_emitters: !emitters.is_empty(),
             has_panorama: lighting.environment.map.is_some(),
-        };
+            has_peaks: !surroundings.peaks.is_empty(),
+        });
         let mut shaders = crate::shaders::library(&library_with_volume(Directionality::default()));
         features.set(&mut shaders);
         let kernel = Kernel::new(device, &shaders, "render::reference::path", "main", &[&layout])?;
@@ -155,6 +164,8 @@ impl Uploaded {
             group,
             film,
             band_rows,
+            #[cfg(test)]
+            stack: triangles.stack,
             radiance_unit: unit,
             fingerprint,
             world,
@@ -194,6 +205,7 @@ pub(crate) struct Features {
     pub(crate) has_discs: bool,
     pub(crate) has_emitters: bool,
     pub(crate) has_panorama: bool,
+    pub(crate) has_peaks: bool,
 }
 
 impl Features {
@@ -207,6 +219,7 @@ impl Features {
         has_discs: true,
         has_emitters: true,
         has_panorama: true,
+        has_peaks: true,
     };
 
     pub(crate) fn set(self, shaders: &mut ShaderLibrary) {
@@ -218,7 +231,8 @@ impl Features {
             .constant_u32("REFERENCE_HAS_LIGHTS", self.has_lights.into())
             .constant_u32("REFERENCE_HAS_DISCS", self.has_discs.into())
             .constant_u32("REFERENCE_HAS_EMITTERS", self.has_emitters.into())
-            .constant_u32("REFERENCE_HAS_PANORAMA", self.has_panorama.into());
+            .constant_u32("REFERENCE_HAS_PANORAMA", self.has_panorama.into())
+            .constant_u32("REFERENCE_HAS_PEAKS", self.has_peaks.into());
     }
 }
 
@@ -295,7 +309,6 @@ fn band_rows(gpu: &Gpu, size: UVec2) -> u32 {
 fn check_sizes(gpu: &Gpu, triangles: &Triangles) -> Result<(), RenderError> {
     let most = gpu.device.limits().max_storage_buffer_binding_size;
     for (what, bytes) in [
-        ("the triangles", size_of_val(triangles.triangles.as_slice())),
         ("the vertices", size_of_val(triangles.vertices.as_slice())),
         ("the hierarchy of boxes", size_of_val(triangles.nodes.as_slice())),
     ] {
