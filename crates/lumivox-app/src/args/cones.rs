@@ -46,7 +46,7 @@ pub struct ConeArgs {
     full: bool,
 
     /// Sampled voxel's edge as a share of the cone's diameter, 0.05 to 1 [default: 0.25; preset
-    /// fast: 0.5; preset high: 0.125]
+    /// fast: 0.5; preset high: 0.0625]
     ///
     /// Finer (lower): sharper indirect light, at a higher cost.
     #[arg(long, value_name = "SHARE", value_parser = number(VOXEL_PER_DIAMETER))]

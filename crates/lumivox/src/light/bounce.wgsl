@@ -39,6 +39,8 @@ fn main(
     let start = random_pair(nodes[face.voxel].morton, hash(face.lobe));
     let gathered = gather(
         face.position_in_world, normal, normal, settings.cone_count, start, 0u, settings.cones);
-    let leaving = direct[index].rgb + face.reflectance / PI * gathered.irradiance;
+    // A few cones may sum up below zero (cone.wgsl).
+    let irradiance = max(gathered.irradiance, vec3f(0.0));
+    let leaving = direct[index].rgb + face.reflectance / PI * irradiance;
     radiance[index] = vec4f(leaving, 1.0);
 }

@@ -5,7 +5,7 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{EulerRot, Mat4, Quat, Vec3};
 
 use crate::gpu::{Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
@@ -106,6 +106,24 @@ fn furnace_converges_to_its_closed_form() {
     println!("furnace: {last}, high {high}, of 2");
     assert!((1.94..2.02).contains(&last), "the furnace glows with {last}, not 2");
     assert!((1.94..2.02).contains(&high), "with the high preset it glows with {high}, not 2");
+}
+
+/// Walls oblique to the grid leak no more than walls along it: the same box, turned. A gather of e = 1 by
+/// surfaces that reflect one half adds one half.
+#[test]
+fn a_turned_furnace_keeps_its_light() {
+    for angles in [[0.5, 0.35, 0.4], [0.17, 0.61, 0.09], [0.3, -0.58, 0.89]] {
+        let turn = Quat::from_euler(EulerRot::XYZ, angles[0], angles[1], angles[2]);
+        let corner = Vec3::splat(0.5);
+        let room = SceneBuilder::default().room(-corner, corner, &lambert(0.5, 1.0));
+        let bounds = (Vec3::splat(-0.85), Vec3::splat(0.85));
+        let room = room.transformed(Mat4::from_quat(turn));
+        let mut bench = Bench::new(bounds, 64, Vec3::ZERO, room);
+        let lit = bench.light_with(&[], Vec3::ZERO, 2, Preset::High);
+        let gathered = 2.0 * (lit.mean(|_| true) - 1.0);
+        println!("turned by {angles:?}: a gather finds {gathered} of 1");
+        assert!((gathered - 1.0).abs() < 0.05, "a gather finds {gathered}, not 1");
+    }
 }
 
 /// E = L / 2 pi * sum of (a / sqrt(1 + a^2) * atan(b / sqrt(1 + a^2)) + ...) for each quarter of a rectangle

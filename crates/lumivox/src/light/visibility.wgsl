@@ -29,7 +29,7 @@ fn shadow_cone_visibility(
     let origin = grid_from_world(position_in_world) + normal * settings.normal_offset;
     let growth = cone_growth(tan_half_angle, 1.0, settings);
     let cone = Cone(origin, incident.direction, growth, reach, 0.5);
-    return trace_cone(cone, settings).transmittance;
+    return max(trace_cone(cone, settings).transmittance, 0.0);
 }
 
 fn light_visibility(

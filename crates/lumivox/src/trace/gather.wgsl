@@ -47,6 +47,6 @@ fn gather(
         sum.openness += traced.openness;
         sum.samples += traced.samples;
     }
-    sum.openness /= f32(cone_count);
+    sum.openness = max(sum.openness / f32(cone_count), 0.0);
     return sum;
 }

@@ -10,7 +10,7 @@ pub enum Preset {
     /// 6 diffuse cones at full resolution, voxels of a quarter of the cone's diameter.
     #[default]
     Balanced,
-    /// 12 diffuse cones at full resolution, voxels of an eighth of the cone's diameter.
+    /// 12 diffuse cones at full resolution, voxels of a sixteenth of the cone's diameter.
     High,
 }
 
@@ -97,7 +97,7 @@ impl TraceSettings {
             },
             Preset::Balanced => balanced,
             Preset::High => {
-                Self { diffuse_cones: 12, voxel_per_diameter: 0.125, clearance: 0.0, ..balanced }
+                Self { diffuse_cones: 12, voxel_per_diameter: 0.0625, clearance: 0.0, ..balanced }
             }
         }
     }

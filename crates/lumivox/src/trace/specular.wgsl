@@ -82,7 +82,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     // A mirror shows the surroundings sharply, though its cone never reads the finest cells far away.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
     let outside = environment_reflection(direction, outside_width, alpha);
-    let radiance = traced.radiance + traced.transmittance * outside;
+    // A mirror looks along one ray, over which nothing evens out: no pixel of it may be darker than black.
+    let radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
     let cos_half_vector = dot(local_view, half_vector);
     let fresnel = select(

@@ -37,6 +37,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     traced[id.x] = vec4f(result.radiance, result.transmittance);
 }";
 
+/// As in `cone.wgsl`.
+const SURPLUS: f32 = 0.1;
+
 /// The volume read back.
 struct VolumeTwin {
     grid: Grid,
@@ -87,9 +90,10 @@ impl VolumeTwin {
         sum
     }
 
-    /// Whether none of the 2x2x2 cells of a look-up has a lobe that may face against the direction: one whose
+    /// None where none of the 2x2x2 cells of a look-up has a lobe that may face against the direction: one whose
     /// axis does, or a tilted one (or its opposite) where the direction leans more across the axis than along.
-    fn is_empty(&self, position: Vec3, level: u32, direction: Vec3) -> bool {
+    /// Else whether one of them is tilted.
+    fn is_oblique(&self, position: Vec3, level: u32, direction: Vec3) -> Option<bool> {
         let cells = &self.levels[level as usize];
         let dimensions = cells.dimensions.as_ivec3();
         let corner = (position / (1 << level) as f32 - 0.5).floor().as_ivec3();
@@ -107,13 +111,14 @@ impl VolumeTwin {
                 tilted[lobe / 2] |= tilt > 0.5 / 127.0;
             }
         }
-        (0..6).all(|lobe| {
+        let facing = (0..6).filter(|&lobe| {
             let axis = lobe / 2;
             let along = direction[axis];
             let across = direction.abs().element_sum() - along.abs();
             let faces = (along < 0.0) == (lobe % 2 == 0);
-            !present[lobe] || !(faces || (tilted[axis] && along.abs() < across))
-        })
+            present[lobe] && (faces || (tilted[axis] && along.abs() < across))
+        });
+        facing.map(|lobe| tilted[lobe / 2]).reduce(|a, b| a || b)
     }
 
     /// `trace_cone`, loop for loop.
@@ -124,7 +129,7 @@ impl VolumeTwin {
         let largest = (1 << (self.grid.levels - 1)) as f32;
         let reach = cone.reach.min(1.75 * side + 2.0 * largest);
         let (mut radiance, mut transmittance, mut distance) = (Vec3::ZERO, 1.0_f32, 0.0_f32);
-        let mut level = 0;
+        let (mut level, mut pays_back) = (0, false);
         while distance < reach {
             let near = (cone.growth * distance).clamp(1.0, largest);
             let wanted = (cone.growth * (distance + 0.5 * near)).clamp(1.0, largest);
@@ -136,22 +141,39 @@ impl VolumeTwin {
             if position.cmplt(Vec3::splat(-margin)).any() || position.cmpgt(extent + margin).any() {
                 break;
             }
+            let is_oblique = |level| self.is_oblique(position, level, direction);
+            let here = is_oblique(level);
+            if here.is_none() {
+                pays_back = true;
+                if transmittance.abs() <= settings.min_transmittance {
+                    break;
+                }
+            }
             let seen = self.sample(position, level, direction);
             if seen.w > 0.0 {
-                let taken = (seen.w * cell.min(reach - distance) / cell).min(transmittance);
+                let may_exceed = here == Some(true);
+                pays_back = transmittance < 0.0 && (pays_back || !may_exceed);
+                let covered = seen.w * cell.min(reach - distance) / cell;
+                let taken = if pays_back {
+                    -covered.min(-transmittance)
+                } else {
+                    covered.min(transmittance + if may_exceed { SURPLUS } else { 0.0 })
+                };
                 radiance += seen.truncate() * (taken / seen.w);
                 transmittance -= taken;
-                if transmittance < settings.min_transmittance {
-                    radiance /= 1.0 - transmittance;
-                    transmittance = 0.0;
+                pays_back |= transmittance <= -SURPLUS;
+                if transmittance.abs() <= settings.min_transmittance && (pays_back || !may_exceed) {
                     break;
                 }
             }
             distance += cell;
-            let is_empty = |level| self.is_empty(position, level, direction);
-            if wanted > level && is_empty(level) && is_empty(level + 1) {
+            if wanted > level && here.is_none() && is_oblique(level + 1).is_none() {
                 level += 1;
             }
+        }
+        if transmittance.abs() <= settings.min_transmittance {
+            radiance /= 1.0 - transmittance;
+            transmittance = 0.0;
         }
         radiance.extend(transmittance)
     }

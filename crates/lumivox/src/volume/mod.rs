@@ -2,7 +2,8 @@
 //!
 //! All volumes are filled from the same [`VoxelList`](crate::voxels::VoxelList) and stand behind one interface:
 //! in Rust the methods of [`Volume`], in shaders the module `package::volume` with `probe_volume`,
-//! `is_empty`, `sample_probe` and `load_cell`, bound as group 0. A new kind of volume is a new folder, a new variant, and nothing else.
+//! `is_empty`, `is_oblique`, `sample_probe` and `load_cell`, bound as group 0. A new kind of volume is a new
+//! folder, a new variant, and nothing else.
 
 mod dense;
 

@@ -25,6 +25,11 @@ fn is_empty(probe: Probe) -> bool {
     return probe.parts == 0u;
 }
 
+// One value a cell tells no orientation.
+fn is_oblique(probe: Probe) -> bool {
+    return false;
+}
+
 // Radiance around a probe times opacity, and the opacity; the direction does not matter.
 fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     let uvw = probe.position_in_grid / vec3f(grid.dimensions);

@@ -8,6 +8,9 @@ import package::volume::atlas::{part_of, part_texel, slab_of, NEGATIVE, PARTS, P
 import package::volume::border::border_weight;
 import package::volume::masks::parts_near;
 
+// The tilts of all axes.
+const TILTS: u32 = 0x49u;
+
 @group(0) @binding(3) var atlas: texture_3d<f32>;
 @group(0) @binding(4) var atlas_sampler: sampler;
 
@@ -68,6 +71,11 @@ fn probe_volume(position_in_grid: vec3f, level: u32, direction: vec3f) -> Probe 
 
 fn is_empty(probe: Probe) -> bool {
     return probe.parts == 0u;
+}
+
+// Whether a surface that matters lies oblique to the grid.
+fn is_oblique(probe: Probe) -> bool {
+    return (probe.parts & TILTS) != 0u;
 }
 
 // Radiance that leaves the surfaces around a probe against `direction`, times their coverage, and the coverage.
