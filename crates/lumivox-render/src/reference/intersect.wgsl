@@ -7,7 +7,7 @@
 
 import package::constants::REFERENCE_STACK;
 import package::render::reference::world::{
-    nodes, triangles, world, DOUBLE_SIDED, LEAF, SEE_THROUGH, VERTEX_INDEX,
+    nodes, triangles, world, DOUBLE_SIDED, LEAF, SEE_THROUGH,
 };
 
 struct Ray {

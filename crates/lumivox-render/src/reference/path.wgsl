@@ -17,14 +17,13 @@ import package::constants::{
 import package::render::reference::intersect::{intersect, ray_from, Hit, Ray, AS_SEEN, NOTHING};
 import package::render::reference::panorama::surroundings;
 import package::render::reference::random::{random, random_2, start_random};
-import package::render::reference::scatter::{cos_toward, draw_direction, scatter, Surface};
+import package::render::reference::scatter::{cos_toward, draw_direction, scatter};
 import package::render::reference::sources::{
     ask_disc, ask_emitter, ask_light, ask_panorama, ask_peak, ask_peak_along, power_weight, NEVER,
 };
 import package::render::reference::surface::{meet, Met};
 import package::render::reference::transmittance::{transmittance, MOST_LAYERS};
 import package::render::reference::world::world;
-import package::trace::brdf::PI;
 import package::trace::coat::{below_coat, Coat};
 
 // Sums over the samples of a pixel.
@@ -78,7 +77,8 @@ struct Traced {
 
 fn trace(start: Ray, is_picture: bool) -> Traced {
     var traced: Traced;
-    traced.is_open = false;
+    // Where light counts as early.
+    let early_vertex = select(1u, 0u, is_picture);
     var ray = start;
     var throughput = vec3f(1.0);
     // Density with which the ray's direction was drawn.
@@ -111,8 +111,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
         var shining = vec3f(0.0);
         var other = 0.0;
         if is_surface {
-            let cosine = cos_toward(met.surface);
-            shining = met.emission * below_coat(met.surface.coat, cosine);
+            shining = met.emission * below_coat(met.surface.coat, cos_toward(met.surface));
             let facing = abs(dot(met.surface.geometric, ray.direction));
             if REFERENCE_HAS_EMITTERS != 0u {
                 other = met.emitter_density * travelled * travelled / max(facing, 1e-8);
@@ -128,9 +127,8 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
         let weight = select(power_weight(density, other), 1.0, vertex == 0u);
         if is_picture || vertex > 0u {
             let arriving = throughput * weight * shining;
-            let early_end = select(1u, 0u, is_picture);
             traced.light.all += arriving;
-            traced.light.early += select(vec3f(0.0), arriving, vertex == early_end);
+            traced.light.early += select(vec3f(0.0), arriving, vertex == early_vertex);
         }
         if vertex == 0u {
             traced.is_surface = is_surface;
@@ -188,7 +186,6 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             let lights = passing * question.from_lights;
             let rest = passing * question.from_surroundings;
             traced.light.all += lights + rest;
-            let early_vertex = select(1u, 0u, is_picture);
             traced.light.early += select(vec3f(0.0), lights, vertex == early_vertex)
                 + select(vec3f(0.0), rest, vertex == 0u && !is_picture);
         }

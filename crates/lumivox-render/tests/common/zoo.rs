@@ -7,7 +7,8 @@ use lumivox_scene::{
     Wrap,
 };
 
-const RADIUS_M: f32 = 0.3;
+/// Radius of [`sphere`].
+pub const RADIUS_M: f32 = 0.3;
 
 /// The scene.
 ///
@@ -231,7 +232,8 @@ pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     }
 }
 
-fn sphere() -> Mesh {
+/// A sphere around the origin.
+pub fn sphere() -> Mesh {
     let (rings, segments) = (24_u32, 48_u32);
     let mut mesh = Mesh::default();
     for ring in 0..=rings {

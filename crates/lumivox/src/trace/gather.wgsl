@@ -1,10 +1,10 @@
 // Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, which have pi / N each, plus
 // the environment through what is left open.
 
-import package::grid::grid_from_world;
 import package::light::environment::environment_radiance;
 import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
 import package::trace::hemisphere::{basis, cell_cone, cell_jitter};
+import package::trace::start::cone_start;
 
 const PI: f32 = 3.14159265359;
 
@@ -25,7 +25,7 @@ fn gather(
     frame: u32,
     settings: ConeSettings,
 ) -> Gathered {
-    let origin = grid_from_world(position_in_world) + geometric_normal * settings.normal_offset;
+    let origin = cone_start(position_in_world, geometric_normal, settings.normal_offset);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
     // The cones of a point round their levels by numbers that are spread evenly (golden ratio).

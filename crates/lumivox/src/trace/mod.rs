@@ -34,6 +34,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("trace::hemisphere", include_str!("hemisphere.wgsl")),
     ("trace::screen", include_str!("screen.wgsl")),
     ("trace::specular", include_str!("specular.wgsl")),
+    ("trace::start", include_str!("start.wgsl")),
     ("trace::upsample", include_str!("upsample.wgsl")),
 ];
 

@@ -7,7 +7,7 @@ use crate::GiError;
 pub enum Preset {
     /// 6 diffuse cones at half resolution, voxels of half the cone's diameter.
     Fast,
-    /// 6 diffuse cones at full resolution, voxels of a quarter of the cone's diameter.
+    /// 6 diffuse cones at full resolution, voxels of an eighth of the cone's diameter.
     #[default]
     Balanced,
     /// 12 diffuse cones at full resolution, voxels of a sixteenth of the cone's diameter.
@@ -78,9 +78,9 @@ impl TraceSettings {
     pub fn preset(preset: Preset) -> Self {
         let balanced = Self {
             diffuse_cones: 6,
-            voxel_per_diameter: 0.25,
+            voxel_per_diameter: 0.125,
             clearance: 1.0 / 3.0,
-            normal_offset_voxels: 1.0,
+            normal_offset_voxels: 0.5,
             step_per_voxel: 1.0,
             min_transmittance: 0.03,
             specular: true,

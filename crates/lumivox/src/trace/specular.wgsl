@@ -9,7 +9,6 @@
 // that probability.
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
-import package::grid::grid_from_world;
 import package::light::environment::environment_reflection;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_masking, ggx_visibility,
@@ -19,6 +18,7 @@ import package::trace::coat::{below_coat, coat_fresnel, load_coat};
 import package::trace::cone::{cone_growth, trace_cone, Cone};
 import package::trace::gbuffer::{gbuffer_specular, load_surface, view};
 import package::trace::hemisphere::basis;
+import package::trace::start::cone_start;
 import package::trace::screen::{settings, traced_pixel, traced_size};
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
@@ -74,8 +74,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let cos_half = max(1.0 - solid_angle / 6.28318530718, MIN_COS_HALF_ANGLE);
     let tan_half = sqrt(1.0 - cos_half * cos_half) / cos_half;
 
-    let origin = grid_from_world(surface.position_in_world)
-        + surface.geometric_normal * settings.cones.normal_offset;
+    let origin = cone_start(
+        surface.position_in_world, surface.geometric_normal, settings.cones.normal_offset);
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
     let level_offset = fract(start.x + start.y + 0.754878 * f32(view.frame & 0xffffu));
     let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings.cones);

@@ -1,7 +1,7 @@
 //! What the path tracer says of visible surfaces is what the rasterizer says: the same materials, textures, lamps.
 
 use glam::Vec2;
-use lumivox_scene::{Filter, Sampler, Texture, TextureRef, Wrap};
+use lumivox_scene::{Filter, Shading, Wrap};
 
 use super::*;
 use crate::{Exposure, RenderSettings, Renderer, View};
@@ -61,15 +61,15 @@ fn assert_alike(what: &str, actual: &[[f32; 3]], expected: &[[f32; 4]], median: 
 #[test]
 fn guides_are_those_of_the_rasterizer() {
     for (name, scene) in [("zoo", zoo::scene()), ("cornell", builtin("cornell"))] {
-        let size = UVec2::new(64, 36);
-        let layers = traced(&scene, &ReferenceSettings { size, ..settings(1, 256) });
-        let mut renderer = renderer(&scene, size, 64);
-        // Twice what was measured on llvmpipe: 0.004 and 0.018 for the albedo of the zoo, where leaves, panes and
-        // edges alternate within a pixel.
+        let size = UVec2::new(48, 27);
+        let layers = traced(&scene, &ReferenceSettings { size, ..settings(1, 128) });
+        let mut renderer = renderer(&scene, size, 32);
+        // Half as much again as measured on llvmpipe: 0.010 and 0.029 for the albedo of the zoo, where leaves, panes
+        // and edges alternate within a pixel. With more samples and frames it is less.
         let tolerances = |view| match view {
-            View::Albedo => (0.008, 0.036),
+            View::Albedo => (0.015, 0.045),
             View::Normal => (0.001, 0.012),
-            _ => (0.005, 0.06),
+            _ => (0.008, 0.06),
         };
         let depth: Vec<[f32; 3]> = layers.depth_m.iter().map(|depth| [*depth; 3]).collect();
         let coverage: Vec<[f32; 3]> = layers.coverage.iter().map(|share| [*share; 3]).collect();
@@ -90,7 +90,7 @@ fn guides_are_those_of_the_rasterizer() {
             layers.direct.iter().map(|p| std::array::from_fn(|i| scaled(&p[i]))).collect();
         let shown: Vec<[f32; 4]> =
             shown.iter().map(|p| std::array::from_fn(|i| scaled(&p[i]))).collect();
-        assert_alike(&format!("{name}, direct light"), &direct, &shown, 0.02, 0.1);
+        assert_alike(&format!("{name}, direct light"), &direct, &shown, 0.03, 0.11);
     }
 }
 
@@ -99,26 +99,17 @@ fn guides_are_those_of_the_rasterizer() {
 fn textures_are_read_as_the_rasterizer_reads_them() {
     let mut scene = stage();
     let wraps = [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat];
-    for (row, magnify) in [Filter::Nearest, Filter::Linear].into_iter().enumerate() {
+    for (row, filter) in [Filter::Nearest, Filter::Linear].into_iter().enumerate() {
         for (column, wrap) in wraps.into_iter().enumerate() {
             let texels = (0..5 * 3_u32).flat_map(|i| {
                 [(i * 53 % 256) as u8, (i * 101 % 256) as u8, (i * 17 % 256) as u8, 255]
             });
-            scene.textures.push(Texture {
-                name: "odd".to_owned(),
-                width: 5,
-                height: 3,
-                rgba8: texels.collect(),
-                sampler: Sampler {
-                    wrap_u: wrap,
-                    wrap_v: wraps[(column + 1) % 3],
-                    magnify,
-                    minify: magnify,
-                },
-            });
+            let reference = texture(&mut scene, UVec2::new(5, 3), filter, texels.collect());
+            let sampler = &mut scene.textures[reference.texture].sampler;
+            (sampler.wrap_u, sampler.wrap_v) = (wrap, wraps[(column + 1) % 3]);
             let mut material = Material::diffuse("textured", Vec3::ONE);
-            if let lumivox_scene::Shading::MetallicRoughness(shading) = &mut material.shading {
-                shading.base_color_texture = Some(TextureRef::new(scene.textures.len() - 1));
+            if let Shading::MetallicRoughness(shading) = &mut material.shading {
+                shading.base_color_texture = Some(reference);
             }
             let center = Vec3::new(0.4 * (column as f32 - 1.0), 0.5 * row as f32 - 0.25, 0.0);
             let mut mesh = quad(center, Vec3::X * 0.19, Vec3::Y * 0.22);

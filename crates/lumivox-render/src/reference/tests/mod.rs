@@ -18,10 +18,12 @@ mod transparency;
 mod zoo;
 
 use glam::{Mat4, UVec2, Vec3};
-use lumivox_scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene};
+use lumivox_scene::{
+    Camera, Filter, Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Texture,
+    TextureRef, Wrap,
+};
 use zoo::quad;
 
-use super::film::luminance;
 use super::{Features, PathTracer, ReferenceLayers, ReferenceSettings};
 use crate::{Gpu, GpuOptions};
 
@@ -72,11 +74,17 @@ fn traced(scene: &Scene, settings: &ReferenceSettings) -> ReferenceLayers {
     finish(tracer(scene, settings))
 }
 
-/// A mean luminance, and the standard deviation that it is uncertain by.
+/// A mean over pixels and channels, and the standard deviation that it is uncertain by at most (it is less where
+/// channels differ).
 #[derive(Clone, Copy, Debug)]
 struct Estimate {
     mean: f64,
     error: f64,
+}
+
+/// The mean of the channels.
+fn mean(color: [f64; 3]) -> f64 {
+    color.iter().sum::<f64>() / 3.0
 }
 
 /// Rounding of f32 along a path, relative.
@@ -91,7 +99,7 @@ impl Estimate {
     ) -> Self {
         let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
         for pixel in pixels {
-            sum += luminance(values[pixel].map(f64::from));
+            sum += mean(values[pixel].map(f64::from));
             variance += f64::from(variances[pixel]);
             count += 1.0;
         }
@@ -152,6 +160,15 @@ fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
 /// A square before the camera of [`stage`], which fills the picture.
 fn pane(z: f32) -> Mesh {
     quad(Vec3::Z * z, Vec3::X, Vec3::Y)
+}
+
+/// A texture that repeats.
+fn texture(scene: &mut Scene, size: UVec2, filter: Filter, rgba8: Vec<u8>) -> TextureRef {
+    let sampler =
+        Sampler { wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, magnify: filter, minify: filter };
+    let (width, height) = (size.x, size.y);
+    scene.textures.push(Texture { name: String::new(), width, height, rgba8, sampler });
+    TextureRef::new(scene.textures.len() - 1)
 }
 
 /// Shows one radiance, and reflects nothing.

@@ -1,6 +1,6 @@
 //! Scenes that are hard on arithmetic leave no pixel undefined.
 
-use lumivox_scene::{AlphaMode, Shading};
+use lumivox_scene::{AlphaMode, Filter, Shading};
 
 use super::*;
 use crate::RenderError;
@@ -53,19 +53,9 @@ fn what_is_undefined_stays_finite() {
     opposed.normals = vec![Vec3::Y, Vec3::NEG_Y, Vec3::Y, Vec3::NEG_Y];
     opposed.tangents = vec![Vec3::Y.extend(1.0); 4];
     let mut material = Material::diffuse("wall", Vec3::splat(0.5));
-    scene.textures.push(lumivox_scene::Texture {
-        name: "flat".to_owned(),
-        width: 1,
-        height: 1,
-        rgba8: vec![128, 128, 255, 255],
-        sampler: lumivox_scene::Sampler {
-            wrap_u: lumivox_scene::Wrap::Repeat,
-            wrap_v: lumivox_scene::Wrap::Repeat,
-            magnify: lumivox_scene::Filter::Linear,
-            minify: lumivox_scene::Filter::Linear,
-        },
-    });
-    material.normal_texture = Some(lumivox_scene::TextureRef::new(0));
+    let flat = vec![128, 128, 255, 255];
+    let flat = texture(&mut scene, UVec2::ONE, Filter::Linear, flat);
+    material.normal_texture = Some(flat);
     add(&mut scene, opposed, material);
     scene.lights = vec![point_light(Vec3::ZERO, 1.0, 0.3), point_light(Vec3::Z * 0.1, 1.0, 0.0)];
     let layers = traced(&scene, &settings(9, 16));

@@ -12,6 +12,7 @@ use lumivox_scene::EnvironmentMap;
 use super::brdf::{Lobes, at_cosine};
 use super::*;
 use crate::reference::upload::layout;
+use crate::tone_map::luminance;
 
 const DRAWS: u32 = 1 << 16;
 
@@ -262,8 +263,7 @@ fn the_panorama_is_drawn_in_proportion_to_its_light() {
         let cosine = |edge: u32| (std::f64::consts::PI * f64::from(edge) / f64::from(height)).cos();
         (cosine(row) - cosine(row + 1)) * std::f64::consts::TAU / f64::from(width)
     };
-    let power =
-        |index: u32| luminance(map.rgb[index as usize].map(f64::from)) * texel_sr(index / width);
+    let power = |index: u32| luminance(map.rgb[index as usize]) * texel_sr(index / width);
     let whole: f64 = (0..width * height).map(power).sum();
     let expected: Vec<f64> =
         (0..width * height).map(|index| power(index) / whole * drawn.len() as f64).collect();
@@ -287,8 +287,8 @@ fn the_panorama_is_drawn_in_proportion_to_its_light() {
             let told = power(index) / whole / texel_sr(row);
             assert!((density / told - 1.0).abs() < 1e-3, "{density}, not {told}");
             let unit = f64::from(tracer.uploaded.radiance_unit);
-            let seen = map.rgb[index as usize].map(|x| f64::from(x) / unit);
-            assert!((luminance([r, g, b]) - luminance(seen)).abs() < 1e-3 * luminance(seen));
+            let seen = luminance(map.rgb[index as usize]) / unit;
+            assert!((luminance([r, g, b].map(|x| x as f32)) - seen).abs() < 1e-3 * seen);
         }
     }
     let sigmas = chi_squared_sigmas(&counts, &expected);

@@ -1,6 +1,6 @@
 //! Ways of finding the same light agree, and those that the tracer uses leave less noise.
 
-use lumivox_scene::{EnvironmentMap, MetallicRoughness, Shading, TextureRef};
+use lumivox_scene::{EnvironmentMap, Filter, MetallicRoughness, Shading};
 
 use super::*;
 
@@ -44,20 +44,10 @@ fn assert_better(what: &str, by_chance: &ReferenceLayers, asked: &ReferenceLayer
 #[test]
 fn emitters_are_found_by_chance_and_by_asking() {
     let mut scene = corner();
-    scene.textures.push(lumivox_scene::Texture {
-        name: "halves".to_owned(),
-        width: 2,
-        height: 1,
-        rgba8: vec![255, 255, 255, 255, 90, 20, 200, 255],
-        sampler: lumivox_scene::Sampler {
-            wrap_u: lumivox_scene::Wrap::Repeat,
-            wrap_v: lumivox_scene::Wrap::Repeat,
-            magnify: lumivox_scene::Filter::Nearest,
-            minify: lumivox_scene::Filter::Linear,
-        },
-    });
+    let texels = [255, 255, 255, 255, 90, 20, 200, 255];
+    let halves = texture(&mut scene, UVec2::new(2, 1), Filter::Nearest, texels.to_vec());
     let mut lamp = glowing(Vec3::splat(20.0));
-    lamp.emissive_texture = Some(TextureRef::new(0));
+    lamp.emissive_texture = Some(halves);
     add(&mut scene, quad(Vec3::new(0.0, 1.2, -0.2), Vec3::X * 0.2, Vec3::Z * 0.15), lamp);
     let both = Material { double_sided: true, ..glowing(Vec3::new(0.0, 3.0, 1.0)) };
     add(&mut scene, quad(Vec3::new(0.6, 0.3, 0.0), Vec3::Z * 0.2, Vec3::Y * 0.2), both);
@@ -90,41 +80,17 @@ fn the_panorama_is_found_by_chance_and_by_asking() {
     assert_better("panorama", &finish(by_chance), &asked, 0.7);
 }
 
-/// A sphere of two per cent fewer corners than it would take to see them.
-fn sphere(center: Vec3, radius_m: f32) -> Mesh {
-    let (rings, segments) = (24_u32, 48_u32);
-    let mut mesh = Mesh::default();
-    for ring in 0..=rings {
-        let polar = ring as f32 / rings as f32 * std::f32::consts::PI;
-        for segment in 0..=segments {
-            let azimuth = segment as f32 / segments as f32 * std::f32::consts::TAU;
-            let normal =
-                Vec3::new(polar.sin() * azimuth.cos(), polar.cos(), -polar.sin() * azimuth.sin());
-            mesh.positions.push(center + radius_m * normal);
-            mesh.normals.push(normal);
-            mesh.uvs.push(glam::Vec2::ZERO);
-            mesh.tangents.push(normal.any_orthonormal_vector().extend(1.0));
-        }
-    }
-    for ring in 0..rings {
-        for segment in 0..segments {
-            let upper = ring * (segments + 1) + segment;
-            let lower = upper + segments + 1;
-            mesh.indices.extend([upper, lower, upper + 1, upper + 1, lower, lower + 1]);
-        }
-    }
-    mesh
-}
-
 /// A lamp with a radius sends what a glowing sphere of its size and power sends: to paint and in reflections.
 #[test]
 fn a_round_lamp_is_a_glowing_sphere() {
     let mut scene = corner();
-    let (center, radius_m, radiance) = (Vec3::new(0.2, 0.8, -0.2), 0.15_f32, 10.0_f32);
-    let mesh = sphere(center, radius_m);
-    let corners = |triangle: [usize; 3]| triangle.map(|index| mesh.positions[index]);
-    let area: f32 =
-        mesh.triangles().map(corners).map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
+    let (center, radiance) = (Vec3::new(0.2, 0.8, -0.2), 10.0_f32);
+    let world_from_local = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(0.5));
+    let radius_m = 0.5 * zoo::RADIUS_M;
+    let mesh = zoo::sphere();
+    let corners = |triangle: [usize; 3]| triangle.map(|index| 0.5 * mesh.positions[index]);
+    let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
+    let area: f32 = mesh.triangles().map(corners).map(of).sum();
     // A convex body is seen with a fourth of its area in the mean (Cauchy 1841).
     let intensity_cd = radiance * area / 4.0;
     // The sphere itself is above the picture, and is not hit by light from floor to wall: one gather.
@@ -132,6 +98,7 @@ fn a_round_lamp_is_a_glowing_sphere() {
     scene.cameras = vec![Camera::look_at(Vec3::new(0.3, 1.6, 2.2), Vec3::new(0.1, 0.0, 0.0), 0.35)];
     let mut by_mesh = scene.clone();
     add(&mut by_mesh, mesh, glowing(Vec3::splat(radiance)));
+    by_mesh.instances.iter_mut().skip(2).for_each(|i| i.world_from_local = world_from_local);
     let by_mesh = traced(&by_mesh, &ReferenceSettings { gathers: Some(1), ..settings.clone() });
     scene.lights = vec![point_light(center, intensity_cd, radius_m)];
     let by_lamp = traced(&scene, &ReferenceSettings { gathers: Some(0), ..settings });

@@ -37,7 +37,12 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
         * textureSampleLevel(cells, cells_sampler, uvw, f32(probe.level));
 }
 
-// The same for one cell of a level, unfiltered.
+// One value a cell tells no orientation.
+fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
+    return vec2f(0.0);
+}
+
+// What `sample_probe` gives for one cell of a level, unfiltered.
 fn load_cell(cell: vec3u, level: u32, direction: vec3f) -> vec4f {
     return textureLoad(cells, cell, level);
 }

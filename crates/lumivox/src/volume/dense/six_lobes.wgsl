@@ -112,7 +112,14 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     return sum * border_weight(probe.position_in_grid, probe.level);
 }
 
-// The same for one cell of a level, unfiltered.
+// What the surfaces across an axis cover at the finest level: those that face along it in x, against it in y.
+fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
+    let positive = fetch(part_of(axis, POSITIVE), position_in_grid, 0u).a;
+    let negative = fetch(part_of(axis, NEGATIVE), position_in_grid, 0u).a;
+    return vec2f(positive, negative) * border_weight(position_in_grid, 0u);
+}
+
+// What `sample_probe` gives for one cell of a level, unfiltered.
 fn load_cell(cell: vec3u, level: u32, direction: vec3f) -> vec4f {
     var sum = vec4f(0.0);
     for (var axis = 0u; axis < 3u; axis++) {

@@ -1,0 +1,41 @@
+// Where cones start: above their surface, and clear of walls that are felt there and must not be.
+//
+// A wall is felt for a voxel around the middle of its cells. A cone that starts within that reach counts a part of
+// the wall wrongly:
+//
+// - of a wall beside it a part of the coverage lies behind the start, and what is beyond shines through: a floor along
+//   a wall of 5 mm was lit by the next room, up to ten times too bright;
+// - of the back of its own wall, where both sides stand in one voxel, a part lies before the start: light of the
+//   other side.
+//
+// Across a wall of full coverage the filter is a tent, so what is felt tells how far its end is.
+
+import package::grid::grid_from_world;
+import package::volume::wall_coverage;
+
+// The axis of the largest component: walls are in the lobes of that axis.
+fn main_axis(normal: vec3f) -> u32 {
+    let size = abs(normal);
+    return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
+}
+
+// In the grid's coordinates; the offset is in voxels.
+fn cone_start(position_in_world: vec3f, normal: vec3f, normal_offset: f32) -> vec3f {
+    let start = grid_from_world(position_in_world) + normal * normal_offset;
+    let own_axis = main_axis(normal);
+    var beside = vec3f(0.0);
+    var back = 0.0;
+    for (var axis = 0u; axis < 3u; axis++) {
+        let here = wall_coverage(start, axis);
+        var half_voxel = vec3f(0.0);
+        half_voxel[axis] = 0.5;
+        let above = wall_coverage(start + half_voxel, axis);
+        let below = wall_coverage(start - half_voxel, axis);
+        // Away from where more is felt.
+        let rise = max(above.x, above.y) - max(below.x, below.y);
+        beside[axis] = -sign(rise) * max(here.x, here.y);
+        let opposite = select(here.x, here.y, normal[axis] > 0.0);
+        back = select(back, opposite, axis == own_axis);
+    }
+    return start + beside - normal * dot(beside, normal) + normal * back;
+}
