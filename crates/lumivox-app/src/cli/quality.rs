@@ -53,7 +53,7 @@ pub struct QualityArgs {
 
     /// Samples of each pixel of the references, 32 to 16777216
     #[arg(long, value_name = "SAMPLES", value_parser = number::whole(32..=1 << 24))]
-    #[arg(default_value = "1024", allow_negative_numbers = true, help_heading = "Measurement")]
+    #[arg(default_value = "512", allow_negative_numbers = true, help_heading = "Measurement")]
     pub samples: u32,
 
     /// Frames that are averaged, 1 to 65536
@@ -61,7 +61,9 @@ pub struct QualityArgs {
     #[arg(default_value = "32", allow_negative_numbers = true, help_heading = "Measurement")]
     pub frames: u32,
 
-    /// Places of the grid that each figure is the mean of, 1 to 64
+    /// Places of the grid that figures at the middle resolution are the mean of, 1 to 64
+    ///
+    /// Other resolutions, and turned scenes, are measured in one.
     #[arg(long, value_name = "COUNT", value_parser = number::whole(1..=64))]
     #[arg(default_value = "2", allow_negative_numbers = true, help_heading = "Measurement")]
     pub offsets: u32,

@@ -2,7 +2,7 @@ use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use lumivox_render::{Exposure, RenderSettings, ShadowMethod};
 
 use super::*;
-use crate::commands::render::settings;
+use crate::commands::settings::of_render as settings;
 
 fn commands() -> Vec<Definition> {
     let mut root = Cli::command();

@@ -8,7 +8,7 @@ pub mod quality;
 pub mod reference;
 pub mod render;
 pub mod scenes;
-mod settings;
+pub mod settings;
 mod staged;
 pub mod voxels;
 

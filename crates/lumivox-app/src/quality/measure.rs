@@ -1,5 +1,6 @@
 //! A scene's errors: its reference, traced or read, and renderings held against it.
 
+use std::cell::OnceCell;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -61,6 +62,8 @@ pub struct Truth {
     one_bounce: LinearPicture,
     full: LinearPicture,
     picture: LinearPicture,
+    /// Traced when they are needed.
+    rooms: OnceCell<Option<Rooms>>,
 }
 
 /// The reference of a scene: read from `file` if it is there, else traced, and written there.
@@ -112,12 +115,18 @@ impl Truth {
             one_bounce: layers.layer(&layers.one_bounce),
             full: layers.layer(&layers.full),
             picture: layers.layer(&layers.radiance),
+            rooms: OnceCell::new(),
             layers,
         }
     }
 }
 
 impl Subject<'_> {
+    /// The scene's camera of that name.
+    fn camera(&self, name: &str) -> Option<&Camera> {
+        self.scene.cameras.iter().find(|camera| camera.name == name)
+    }
+
     fn render(&self, settings: &RenderSettings, camera: &Camera) -> anyhow::Result<RenderedLayers> {
         let mut tell = |step: lumivox_render::Progress| {
             self.progress.set(words(step.stage), step.done, step.total);
@@ -134,27 +143,30 @@ fn offset(first: Vec3, index: u32) -> Vec3 {
     (first + Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * index as f32).fract()
 }
 
-/// The cameras of two rooms between which light may leak, and what lights them.
+/// The truth of two rooms between which light may leak.
+#[derive(Clone, Debug)]
 struct Rooms {
-    dark: Camera,
-    /// The truth of the dark room, where it is not the subject's own.
-    dark_truth: Option<Truth>,
-    lit_truth: Truth,
+    /// Of the dark one, where it is not the subject's own.
+    dark: Option<Box<Truth>>,
+    lit: Box<Truth>,
 }
 
 impl Rooms {
     /// The rooms of a scene that has cameras of their names.
-    fn of(subject: &Subject<'_>, settings: ReferenceSettings) -> anyhow::Result<Option<Self>> {
-        let camera = |name| subject.scene.cameras.iter().find(|camera| camera.name == name);
-        let Some((dark, lit)) = camera(DARK_ROOM).zip(camera(LIT_ROOM)) else { return Ok(None) };
-        let lit_settings = ReferenceSettings { samples: LIT_SAMPLES, ..settings.clone() };
-        let lit_truth = reference(&Subject { camera: lit, ..*subject }, lit_settings, None)?;
-        let is_subject = dark == subject.camera;
-        let dark_truth = match is_subject {
-            true => None,
-            false => Some(reference(&Subject { camera: dark, ..*subject }, settings, None)?),
+    fn of(subject: &Subject<'_>, layers: &ReferenceLayers) -> anyhow::Result<Option<Self>> {
+        let Some((dark, lit)) = subject.camera(DARK_ROOM).zip(subject.camera(LIT_ROOM)) else {
+            return Ok(None);
         };
-        Ok(Some(Self { dark: dark.clone(), dark_truth, lit_truth }))
+        let trace = |camera, samples| {
+            let settings =
+                ReferenceSettings { size: layers.size, samples, ..ReferenceSettings::default() };
+            reference(&Subject { camera, ..*subject }, settings, None).map(Box::new)
+        };
+        let is_subject = dark == subject.camera;
+        Ok(Some(Self {
+            dark: if is_subject { None } else { Some(trace(dark, layers.samples)?) },
+            lit: trace(lit, LIT_SAMPLES)?,
+        }))
     }
 
     fn leak(
@@ -165,14 +177,14 @@ impl Rooms {
         settings: &RenderSettings,
     ) -> anyhow::Result<Leak> {
         let rendered;
-        let (dark_truth, dark_ours) = match &self.dark_truth {
-            None => (truth, ours),
-            Some(dark_truth) => {
-                rendered = subject.render(settings, &self.dark)?;
-                (dark_truth, &rendered)
+        let (dark_truth, dark_ours) = match (&self.dark, subject.camera(DARK_ROOM)) {
+            (Some(dark_truth), Some(camera)) => {
+                rendered = subject.render(settings, camera)?;
+                (dark_truth.as_ref(), &rendered)
             }
+            _ => (truth, ours),
         };
-        let lit = &self.lit_truth;
+        let lit = &self.lit;
         Ok(Leak {
             one_bounce_percent: leak_percent(
                 &dark_truth.one_bounce,
@@ -198,14 +210,11 @@ impl Measured {
         let mut figures = Vec::new();
         let mut leaks = Vec::new();
         let mut first: Option<RenderedLayers> = None;
-        let rooms = Rooms::of(
-            subject,
-            ReferenceSettings {
-                size: truth.layers.size,
-                samples: truth.layers.samples,
-                ..ReferenceSettings::default()
-            },
-        )?;
+        if truth.rooms.get().is_none() {
+            // Nobody else sets it meanwhile.
+            let _ = truth.rooms.set(Rooms::of(subject, &truth.layers)?);
+        }
+        let rooms = truth.rooms.get().and_then(Option::as_ref);
         for index in 0..offsets {
             let settings = RenderSettings {
                 grid_offset: offset(settings.grid_offset, index),
@@ -213,7 +222,7 @@ impl Measured {
             };
             let ours = subject.render(&settings, subject.camera)?;
             figures.push(LayerFigures::new(&truth.layers, &ours)?);
-            if let Some(rooms) = &rooms {
+            if let Some(rooms) = rooms {
                 leaks.push(rooms.leak(subject, truth, &ours, &settings)?);
             }
             first.get_or_insert(ours);

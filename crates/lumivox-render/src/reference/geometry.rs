@@ -66,6 +66,7 @@ pub(super) struct Sides {
 
 /// All triangles of a scene.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_field_names, reason = "they are what the shader calls them")]
 pub(super) struct Triangles {
     pub(super) nodes: Vec<NodeRecord>,
     /// The link of the root.

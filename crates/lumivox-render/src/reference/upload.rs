@@ -196,6 +196,7 @@ impl Uploaded {
 
 /// What the kernel is compiled for: software GPUs run both sides of every branch.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shader")]
 pub(crate) struct Features {
     pub(crate) stack: u32,
     pub(crate) has_textures: bool,

@@ -6,6 +6,7 @@ use glam::Vec3;
 use lumivox::Preset;
 
 use crate::args::choices;
+use crate::cli::QualityArgs;
 
 /// How a scene is turned against the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,8 +20,8 @@ impl Turn {
     /// Odd angles: no wall is parallel to an axis, none lies at 45 degrees.
     pub const ODD: [Self; 3] = [
         Self { degrees: [29, 20, 23] },
-        Self { degrees: [11, 37, 5] },
-        Self { degrees: [52, 71, 19] },
+        Self { degrees: [10, 35, 5] },
+        Self { degrees: [17, -33, 51] },
     ];
 
     pub fn angles_rad(self) -> Vec3 {
@@ -48,6 +49,13 @@ impl Case {
             choices::preset_name(self.preset),
             self.resolution
         )
+    }
+
+    /// Places of the grid that its figures are the mean of: what is held against goals along the grid is measured in
+    /// several.
+    pub fn offsets(&self, args: &QualityArgs) -> u32 {
+        let is_middle = self.turn == Turn::NONE && self.resolution == middle(&args.resolutions);
+        if is_middle { args.offsets } else { 1 }
     }
 
     /// The file of its strip, if it has one: the best preset at the middle resolution.

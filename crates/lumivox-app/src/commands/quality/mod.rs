@@ -151,7 +151,7 @@ impl Work<'_> {
             trace: TraceSettings::preset(case.preset),
             ..RenderSettings::default()
         };
-        let measured = Measured::new(&subject(&scene), truth, &settings, self.args.offsets)?;
+        let measured = Measured::new(&subject(&scene), truth, &settings, case.offsets(self.args))?;
         if let Some(name) = case.picture(&self.args.resolutions) {
             let title = format!("{case}");
             write_strip(&self.pictures.join(name), &strip(&title, &measured.rows(truth))?)?;

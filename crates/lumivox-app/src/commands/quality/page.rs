@@ -93,8 +93,9 @@ impl Page<'_> {
             "# How far from the truth\n\n\
              Lumivox measures itself. This page is the output of one command, `lumivox quality docs`; nothing in it \
              is written by hand. Each scene is rendered with the defaults of a preset, path-traced \
-             (`lumivox reference`), and compared (`lumivox compare`): {} x {} pixels, {} samples a pixel for the \
-             references, {} frames, the mean over {} places of the grid, on {machine}.\n\n\
+             (`lumivox reference`), and compared (`lumivox compare`): {} x {} pixels, at least {} samples a pixel \
+             for the references, {} frames, on {machine}. What is held against goals along the grid is the mean over \
+             {} places of the grid, the rest is measured in one.\n\n\
              *One bounce* is the irradiance on visible surfaces that one gather finds, *all bounces* all but what \
              comes straight from lamps, *picture* the finished picture. **Bias** is the difference of the mean, \
              **RMSE** the root of the mean squared difference, both in per cent of the reference's mean; the \

@@ -1,0 +1,104 @@
+//! The same to the bit, however it is traced; and the same picture at any scale.
+
+use std::ops::ControlFlow;
+
+use super::*;
+
+fn zoo() -> Scene {
+    zoo::scene()
+}
+
+fn small() -> ReferenceSettings {
+    ReferenceSettings { size: UVec2::new(24, 14), samples: 12, ..ReferenceSettings::default() }
+}
+
+#[test]
+fn runs_bands_and_interruptions_give_the_same_bits() {
+    let scene = zoo();
+    let whole = traced(&scene, &small());
+    assert!(whole == traced(&scene, &small()), "two runs differ");
+
+    let mut banded = tracer(&scene, &small());
+    banded.uploaded.band_rows = 3;
+    let mut last = 0.0;
+    let mut hear = |progress: super::super::ReferenceProgress| {
+        assert!(progress.samples > last && progress.total == 12, "{progress:?} after {last}");
+        last = progress.samples;
+        ControlFlow::Continue(())
+    };
+    pollster::block_on(banded.render(&mut hear)).expect("a reference");
+    assert_eq!(last, 12.0);
+    assert!(whole == banded.layers(), "bands differ");
+
+    // Broken off within the second batch: what was begun of it is dropped.
+    let mut first = tracer(&scene, &small());
+    let mut hear = |progress: super::super::ReferenceProgress| {
+        if progress.samples > 5.5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    pollster::block_on(first.render(&mut hear)).expect("a reference");
+    assert_eq!(first.samples(), 4);
+    let mut second = tracer(&scene, &small());
+    second.resume(&first.checkpoint()).expect("the same is traced");
+    assert!(whole == finish(second), "what was resumed differs");
+    assert!(whole == finish(first), "what was gone on with differs");
+}
+
+#[test]
+fn another_seed_is_other_noise() {
+    let scene = builtin("cornell");
+    let [a, b] = [0, 1].map(|seed| traced(&scene, &ReferenceSettings { seed, ..settings(16, 32) }));
+    assert!(a != b, "seeds do nothing");
+    Estimate::radiance(&a).assert_near("radiance", Estimate::radiance(&b));
+    Estimate::full(&a).assert_near("irradiance", Estimate::full(&b));
+}
+
+#[test]
+fn a_checkpoint_of_anything_else_is_refused() {
+    let scene = builtin("cornell");
+    let made = |scene: &Scene, settings: &ReferenceSettings| tracer(scene, settings);
+    let checkpoint = made(&scene, &small()).checkpoint();
+    let refused = |scene: &Scene, settings: &ReferenceSettings| {
+        made(scene, settings).resume(&checkpoint).is_err()
+    };
+    assert!(!refused(&scene, &small()));
+    assert!(!refused(&scene, &ReferenceSettings { samples: 99, ..small() }), "more may follow");
+    assert!(refused(&scene, &ReferenceSettings { seed: 9, ..small() }));
+    assert!(refused(&scene, &ReferenceSettings { gathers: Some(3), ..small() }));
+    assert!(refused(&scene, &ReferenceSettings { occlusion_distance_m: 1.0, ..small() }));
+    assert!(refused(&scene, &ReferenceSettings { size: UVec2::new(14, 24), ..small() }));
+    let mut brighter = scene.clone();
+    brighter.lights[0].color.x *= 0.5;
+    assert!(refused(&brighter, &small()));
+    let mut moved = scene.clone();
+    moved.cameras[0].position.x += 0.01;
+    assert!(refused(&moved, &small()));
+    let mut painted = scene;
+    painted.materials[0].emissive.y += 1.0;
+    assert!(refused(&painted, &small()));
+}
+
+/// A power of two changes exponents alone, so all that does not depend on the unit of radiance stays as it is.
+#[test]
+fn millimetres_and_kilometres_are_the_same() {
+    let scene = zoo();
+    let whole = traced(&scene, &small());
+    for factor in [1.0 / 1024.0, 1024.0] {
+        let mut scaled = scene.clone();
+        let scale = Mat4::from_scale(Vec3::splat(factor));
+        scaled.instances.iter_mut().for_each(|i| i.world_from_local = scale * i.world_from_local);
+        for camera in &mut scaled.cameras {
+            camera.position *= factor;
+            camera.near_m *= factor;
+        }
+        let layers = traced(&scaled, &small());
+        assert_eq!(layers.coverage, whole.coverage);
+        let depth: Vec<f32> = layers.depth_m.iter().map(|depth| depth / factor).collect();
+        assert_eq!(depth, whole.depth_m);
+        assert_eq!(layers.albedo, whole.albedo);
+        // Rays turn where rounding decides, in one path of thousands.
+        Estimate::radiance(&layers).assert_near("scaled", Estimate::radiance(&whole));
+        let same = layers.radiance.iter().zip(&whole.radiance).filter(|(a, b)| a == b).count();
+        println!("{factor}: {same} of {} pixels to the bit", whole.radiance.len());
+        assert!(2 * same > whole.radiance.len(), "only {same} pixels are the same");
+    }
+}
