@@ -45,7 +45,7 @@ pub struct ConeArgs {
     #[arg(long)]
     full: bool,
 
-    /// Sampled voxel's edge as a share of the cone's diameter, 0.05 to 1 [default: 0.25; preset
+    /// Sampled voxel's edge as a share of the cone's diameter, 0.05 to 1 [default: 0.125; preset
     /// fast: 0.5; preset high: 0.0625]
     ///
     /// Finer (lower): sharper indirect light, at a higher cost.
@@ -62,9 +62,10 @@ pub struct ConeArgs {
     #[arg(long, value_name = "RATIO", value_parser = clearance, allow_negative_numbers = true)]
     clearance: Option<f32>,
 
-    /// Start of the cones above the surface in voxels, 0 to 4 [default: 1]
+    /// Start of the cones above the surface in voxels, 0 to 4 [default: 0.5]
     ///
-    /// Lower sees what is behind a wall thinner than a voxel, higher passes over near detail.
+    /// Cones move away from walls beside them by themselves. Higher passes over near detail, lower makes
+    /// oblique surfaces darken themselves.
     #[arg(long, value_name = "VOXELS", value_parser = number(NORMAL_OFFSET_VOXELS))]
     #[arg(allow_negative_numbers = true)]
     normal_offset: Option<f32>,

@@ -18,7 +18,7 @@ pub struct ReferenceArgs {
     /// The picture's file: .exr (floats, all layers) or .png (8 bits a channel, tone mapped) [required]
     ///
     /// The layers of an OpenEXR file: radiance in cd/m2 (R, G, B); direct; `one_bounce` and `full`, irradiance in
-    /// lux by the light that came by way of one other surface, and by all but that straight from lamps;
+    /// lux by what emits and what lamps light directly, and by all light but that straight from lamps;
     /// occlusion, albedo, normal, depth; and variance, of the mean of each pixel. A file of that name is
     /// replaced once the picture is complete, never half. Ctrl-C writes what is there so far.
     #[arg(short, long, value_name = "FILE", help_heading = "Picture")]

@@ -53,7 +53,7 @@ struct Cone {
 
 struct Traced {
     radiance: vec3f,
-    // The share of the cone that met nothing. Single cones may be below zero by SURPLUS; means are not.
+    // The share of the cone that met nothing. Below zero, by SURPLUS at most, where an oblique wall counted too much.
     transmittance: f32,
     // The same at the occlusion distance.
     openness: f32,

@@ -48,7 +48,7 @@ fn basis(normal: vec3f) -> mat3x3f {
     );
 }
 
-// Where in its cell a cone points in a frame: a sequence of its own for each start and cell.
+// Where in their cells the cones of a point look in a frame: all alike, by a sequence of the point's own.
 fn cell_jitter(start: vec2f, frame: u32) -> vec2f {
     return sequence_pair(start, frame);
 }

@@ -34,7 +34,7 @@ impl TraceResolution {
     }
 }
 
-/// Parameters of the cones. `Settings::default()` is [`Preset::Balanced`].
+/// Parameters of the cones. `TraceSettings::default()` is [`Preset::Balanced`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceSettings {
     /// Diffuse cones a point and frame: 6, 9 or 12. More: less noise and bias, proportional cost.
@@ -45,15 +45,15 @@ pub struct TraceSettings {
     /// Growth of the sampled voxels, per metre travelled and per cosine against the normal, at most: the
     /// footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to 1; default 1/3.
     pub clearance: f32,
-    /// Where cones start: distance above the surface along its normal, in voxels, 0 to 4; default 1, the reach
-    /// of the finest level's filter. Lower, and a cone sees what is behind a thin wall in the wall's own voxel;
-    /// higher, and it passes over near detail.
+    /// Where cones start: distance above the surface along its normal, in voxels, 0 to 4; default 0.5.
+    /// Where walls are felt that must not be, cones start farther by themselves. Higher, and they pass over near
+    /// detail; lower, and oblique surfaces darken themselves.
     pub normal_offset_voxels: f32,
     /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1. Opacity is
     /// corrected for it, so that it changes cost and noise, not brightness.
     pub step_per_voxel: f32,
     /// Cones end when less than this share of light would still pass, 0 to 0.1; default 0.03. What is left is
-    /// taken to look like what was met. Higher: a little faster, and the last of the sky in a gap is lost.
+    /// taken to look like what was met. (At oblique walls they go on until the wall is over.) Higher: a little faster, and the last of the sky in a gap is lost.
     pub min_transmittance: f32,
     /// Whether glossy cones are traced.
     pub specular: bool,

@@ -1,14 +1,14 @@
 //! Compact bright parts of a panorama, cut out to become lights.
 //!
 //! A peak is what lies above its surroundings within a cap of directions. The cap starts as wide as half the
-//! narrowest diffuse cone, around the brightest texel of the brightest region, and is drawn in until it is four
+//! wider diffuse cones of the finest preset, around the brightest texel of the brightest region, and is drawn in until it is four
 //! times as wide as the circle that holds half of the peak's light: a sun sheds its glow, which stays behind. The
 //! surroundings are the mean of the ring around the cap.
 //!
 //! It is cut out if it is
 //!
 //! - *compact*: its radius (that of an even disc with as much light within the same circle) is at most a
-//!   quarter of the narrowest cone's half angle. Left in, its shadows would be as soft as that cone; as
+//!   quarter of those cones' half angle. Left in, its shadows would be as soft as that cone; as
 //!   a light it has the sharp ones that a source of its size nearly has; and
 //! - *strong*: it gives a surface that faces it more than a cone of average radiance, pi / 12 times the mean of the
 //!   rest. A single cone that meets it is then more than twice as bright as its neighbours.
@@ -27,9 +27,9 @@ use super::{Panorama, Peak};
 const MAX_PEAKS: usize = 4;
 /// How many regions are tried, brightest first.
 const MAX_TRIES: usize = 24;
-/// Diffuse cones of the finest preset, which are the narrowest.
+/// Diffuse cones of the finest preset.
 const MOST_CONES: f64 = 12.0;
-/// Half angle of the narrowest of them, rad: acos(1 - sqrt(2/3) / 8), see `trace/hemisphere.wgsl`.
+/// Half angle of the wider of them, the outer ring, rad: acos(1 - sqrt(2/3) / 8), see `trace/hemisphere.wgsl`.
 const CONE_RAD: f64 = 0.456;
 /// The widest cap.
 const CAP_RAD: f64 = 0.5 * CONE_RAD;
