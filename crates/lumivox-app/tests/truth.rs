@@ -70,9 +70,12 @@ fn the_page_on_errors_is_written_and_work_goes_on_where_it_stopped() {
                 32 --frames 2 --offsets 1 --cache kept";
     lumivox(folder.path(), line).expect_ok();
     let page = fs::read_to_string(folder.path().join("docs/quality.md")).unwrap();
-    for part in
-        ["# How far from the truth", "| furnace | high |", "images/quality/furnace.png", "turned by"]
-    {
+    for part in [
+        "# How far from the truth",
+        "| furnace | high |",
+        "images/quality/furnace.png",
+        "turned by",
+    ] {
         assert!(page.contains(part), "{part} is missing in {page}");
     }
     let pictures = names(&folder.path().join("docs/images/quality"));

@@ -34,6 +34,10 @@ pub struct QualityArgs {
     #[arg(long, value_name = "FOLDER", help_heading = "Measurement")]
     pub cache: Option<PathBuf>,
 
+    /// Measure nothing: write the page from what the cache keeps [default: off]
+    #[arg(long, requires = "cache", help_heading = "Measurement")]
+    pub kept: bool,
+
     /// Presets that are measured, separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choices::preset())]
     #[arg(default_value = "fast,balanced,high", help_heading = "Measurement")]

@@ -98,10 +98,10 @@ fn trace(
     let mut written = Instant::now();
     let mut hear = |step: ReferenceProgress| {
         progress.set_within("sample", step.samples as u32, step.total, step.samples.fract());
-        match is_stopped.load(Ordering::Relaxed) && step.samples >= 1.0 {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if is_stopped.load(Ordering::Relaxed) && step.samples >= 1.0 {
+            return ControlFlow::Break(());
         }
+        ControlFlow::Continue(())
     };
     loop {
         let goes_on = pollster::block_on(tracer.render_batch(&mut hear))?;

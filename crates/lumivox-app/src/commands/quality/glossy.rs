@@ -26,7 +26,7 @@ const FEWER: u32 = 8;
 /// The errors of one sphere, for one preset.
 #[derive(Clone, Debug)]
 pub struct Sphere {
-    /// The instance's name: its kind and roughness.
+    /// The material's name: its kind and roughness.
     pub name: String,
     pub preset: &'static str,
     pub figures: ErrorFigures,
@@ -63,9 +63,11 @@ pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Re
         let renderer = Renderer::new(gpu, &scene, Some(camera), settings, &mut tell);
         let mut renderer = pollster::block_on(renderer)?;
         let ours = pollster::block_on(renderer.render(&mut tell))?;
-        for instance in
-            scene.instances.iter().filter(|instance| instance.name.contains("roughness"))
-        {
+        for instance in &scene.instances {
+            let name = &scene.materials[instance.material].name;
+            if !name.contains("roughness") {
+                continue;
+            }
             let center = instance.world_from_local.transform_point3(Vec3::ZERO);
             let mesh = &scene.meshes[instance.mesh];
             let radius_m = mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
@@ -92,7 +94,7 @@ pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Re
                 &LinearPicture { size: row, rgb: ours.collect() },
             )?;
             spheres.push(Sphere {
-                name: instance.name.clone(),
+                name: name.clone(),
                 preset: choices::preset_name(preset),
                 figures,
                 pixels: pixels.len(),

@@ -44,7 +44,10 @@ pub fn run(args: &QualityArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let progress = Progress::start(bars, "starting");
     let gpu = open_gpu(&args.gpu)?;
     let mut store = Store::open(args.cache.as_deref(), settings_in_words(args))?;
-    let cases = cases(&names, &args.presets, &args.resolutions);
+    let mut cases = cases(&names, &args.presets, &args.resolutions);
+    if args.kept {
+        cases.retain(|case| store.get(case).is_some());
+    }
     let mut truths: BTreeMap<String, Truth> = BTreeMap::new();
     for (index, case) in cases.iter().enumerate() {
         let (done, total) = (index as u32, cases.len() as u32);
@@ -55,9 +58,10 @@ pub fn run(args: &QualityArgs, bars: &MultiProgress) -> anyhow::Result<()> {
             store.put(case, entry)?;
         }
     }
-    let glossy = match names.iter().any(|name| name == glossy::SCENE) {
-        true => Some(glossy::measure(args, &gpu, &progress)?),
-        false => None,
+    let glossy = if names.iter().any(|name| name == glossy::SCENE) {
+        Some(glossy::measure(args, &gpu, &progress)?)
+    } else {
+        None
     };
     let chart = page::chart(&cases, &store)?;
     let machine = format!("{}, {} cores", describe(&gpu.adapter_info), cores());
