@@ -24,12 +24,13 @@ Examples:
 #[derive(Args, Debug)]
 pub struct CompareArgs {
     /// The scene that is rendered and path-traced: a glTF, OBJ, PLY or STL file, or builtin:NAME
-    /// [required, unless there are --images]
+    /// [default: none; required without
+    /// --images]
     #[arg(value_name = "SCENE", value_parser = scene_source())]
     pub scene: Option<SceneSource>,
 
     /// Two picture files of one size: the reference, and the one that is held against it (.exr, .hdr,
-    /// .png or .jpg) [required]
+    /// .png or .jpg) [default: none; required without a SCENE]
     ///
     /// OpenEXR and Radiance hold linear light. PNG and JPEG are decoded from sRGB; they hold what a
     /// screen shows, so both must have been made with the same exposure and curve.
@@ -56,7 +57,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "images", help_heading = "Reference")]
     pub reference: Option<PathBuf>,
 
-    /// Samples of each pixel of the reference, 1 to 16777216
+    /// Samples of each pixel of the reference, a number from 1 to 16777216
     ///
     /// Noise falls with their root. It is told beside the errors, and taken out of the RMSE.
     #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
@@ -69,7 +70,7 @@ pub struct CompareArgs {
     #[arg(help_heading = "Rendering", default_value = "32", allow_negative_numbers = true)]
     pub frames: u32,
 
-    /// Places of the grid that the errors are the mean of, 1 to 64
+    /// Number of places of the grid that the errors are the mean of, 1 to 64
     ///
     /// The first is --grid-offset. Errors of voxels depend on where walls fall in the grid.
     #[arg(long, value_name = "COUNT", value_parser = number::whole(1..=64))]

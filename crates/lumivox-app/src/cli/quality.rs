@@ -23,7 +23,7 @@ pub struct QualityArgs {
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
 
-    /// Built-in scenes that are measured [default: all]
+    /// Names of built-in scenes that are measured [default: all]
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
 
@@ -55,7 +55,7 @@ pub struct QualityArgs {
     #[arg(default_value = "96x72", allow_hyphen_values = true, help_heading = "Measurement")]
     pub size: UVec2,
 
-    /// Samples of each pixel of the references, 32 to 16777216
+    /// Samples of each pixel of the references, a number from 32 to 16777216
     #[arg(long, value_name = "SAMPLES", value_parser = number::whole(32..=1 << 24))]
     #[arg(default_value = "512", allow_negative_numbers = true, help_heading = "Measurement")]
     pub samples: u32,
@@ -65,7 +65,7 @@ pub struct QualityArgs {
     #[arg(default_value = "32", allow_negative_numbers = true, help_heading = "Measurement")]
     pub frames: u32,
 
-    /// Places of the grid that figures at the middle resolution are the mean of, 1 to 64
+    /// Number of places of the grid that figures at the middle resolution are the mean of, 1 to 64
     ///
     /// Other resolutions, and turned scenes, are measured in one.
     #[arg(long, value_name = "COUNT", value_parser = number::whole(1..=64))]

@@ -33,7 +33,7 @@ pub struct ReferenceArgs {
     #[command(flatten)]
     pub view: ViewArgs,
 
-    /// Samples of each pixel, 1 to 16777216
+    /// Samples of each pixel, a number from 1 to 16777216
     ///
     /// Noise falls with their root: four times as many halve it.
     #[arg(long, visible_alias = "spp", value_name = "SAMPLES")]
@@ -60,7 +60,8 @@ pub struct ReferenceArgs {
 
     /// A file that keeps the sums on the way, written every half minute and at the end [default: none]
     ///
-    /// With --resume a later run goes on from there, to the same bits as if it had never stopped.
+    /// With --resume a later run goes on from there. After a multiple of 16 samples it comes to the same bits
+    /// as if it had never stopped, else to the same but for rounding.
     #[arg(long, value_name = "FILE", help_heading = "Paths")]
     pub checkpoint: Option<PathBuf>,
 
