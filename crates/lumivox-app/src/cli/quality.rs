@@ -19,7 +19,7 @@ Examples:
 /// The arguments of `quality`.
 #[derive(Args, Debug)]
 pub struct QualityArgs {
-    /// Folder that gets the page, quality.md, and its pictures, images/quality/
+    /// Folder that gets the page, a file quality.md, and its pictures, images/quality/
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
 
@@ -27,7 +27,7 @@ pub struct QualityArgs {
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
 
-    /// Folder that keeps references and what is measured, so that a later run goes on where this one
+    /// Folder that keeps the files of references and of what is measured, so that a later run goes on where this one
     /// stopped [default: none]
     ///
     /// It must be of the same version and the same machine; delete it after a change of either.

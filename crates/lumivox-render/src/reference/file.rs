@@ -2,7 +2,7 @@
 //!
 //! 32-bit floats: the radiance is `R`, `G` and `B`, the coverage `A`, the others are `direct.R`, `one_bounce.R`,
 //! `full.R`, `occlusion.Y`, `albedo.R`, `normal.X`, `depth.Z` and so on, and variances `variance.radiance`,
-//! `variance.direct`, `variance.one_bounce`, `variance.full` and `variance.occlusion`. Attributes hold the number of
+//! `variance.direct`, `variance.one_bounce`, `variance.full` and `variance.occlusion`. An attribute holds the number of
 //! samples and what tells the scene apart.
 
 use std::collections::BTreeMap;
@@ -20,8 +20,8 @@ use lumivox_scene::write_atomically;
 use super::ReferenceLayers;
 use crate::RenderError;
 
-const SAMPLES: &str = "lumivox.samples";
-const FINGERPRINT: &str = "lumivox.fingerprint";
+/// One attribute for all: several would be written in an order that changes from run to run.
+const ATTRIBUTE: &str = "lumivox.reference";
 
 /// Layers of three channels, with the channels' names.
 const COLORS: [(&str, [&str; 3]); 6] = [
@@ -87,12 +87,9 @@ impl ReferenceLayers {
             add(name.to_owned(), std::mem::take(values));
         }
         let mut attributes = LayerAttributes::default();
-        let words =
-            [(SAMPLES, self.samples.to_string()), (FINGERPRINT, self.fingerprint.to_string())];
-        for (name, word) in words {
-            let value = AttributeValue::Text(Text::new_or_panic(&word));
-            attributes.other.insert(Text::new_or_panic(name), value);
-        }
+        let word = format!("{} samples, fingerprint {}", self.samples, self.fingerprint);
+        let value = AttributeValue::Text(Text::new_or_panic(&word));
+        attributes.other.insert(Text::new_or_panic(ATTRIBUTE), value);
         let size = (self.size.x as usize, self.size.y as usize);
         let channels = AnyChannels::sort(channels.into());
         let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, channels);
@@ -120,12 +117,12 @@ impl ReferenceLayers {
             .from_file(path)
             .map_err(|error| fail(error.to_string()))?;
         let layer = image.layer_data;
-        let word = |name: &str| match layer.attributes.other.get(&Text::new_or_panic(name)) {
-            Some(AttributeValue::Text(text)) => text.to_string().parse::<u64>().ok(),
+        let told = match layer.attributes.other.get(&Text::new_or_panic(ATTRIBUTE)) {
+            Some(AttributeValue::Text(text)) => numbers(&text.to_string()),
             _ => None,
         };
         let not_ours = || fail("it is no reference: `lumivox reference` writes one".to_owned());
-        let (samples, fingerprint) = word(SAMPLES).zip(word(FINGERPRINT)).ok_or_else(not_ours)?;
+        let (samples, fingerprint) = told.ok_or_else(not_ours)?;
         let mut found: BTreeMap<String, Vec<f32>> = BTreeMap::new();
         for channel in layer.channel_data.list {
             found.insert(channel.name.to_string(), channel.sample_data.values_as_f32().collect());
@@ -134,7 +131,7 @@ impl ReferenceLayers {
             found.remove(name).ok_or_else(|| fail(format!("the channel {name} is missing")))
         };
         let size = UVec2::new(layer.size.x() as u32, layer.size.y() as u32);
-        let mut layers = Self { size, samples: samples as u32, fingerprint, ..Self::empty() };
+        let mut layers = Self { size, samples, fingerprint, ..Self::empty() };
         for ((layer, names), pixels) in COLORS.into_iter().zip(layers.colors()) {
             let [r, g, b] = names.map(|name| take(&format!("{layer}{name}")));
             let both = r?.into_iter().zip(g?).zip(b?);
@@ -167,6 +164,12 @@ impl ReferenceLayers {
             occlusion_variance: Vec::new(),
         }
     }
+}
+
+/// The number of samples and the fingerprint from the words of the attribute.
+fn numbers(words: &str) -> Option<(u32, u64)> {
+    let (samples, fingerprint) = words.split_once(" samples, fingerprint ")?;
+    samples.parse().ok().zip(fingerprint.parse().ok())
 }
 
 #[cfg(test)]
