@@ -294,11 +294,11 @@ fn rows(case: &Case, entry: &Entry) -> String {
         let flip = figures.flip.map_or("-".to_owned(), |flip| format!("{flip:.3}"));
         let _ = writeln!(
             text,
-            "| {} | {} | {layer} | {:+.1} | {:.1} | {:.1} | {flip} | {} | {:.1} | {:.0} |",
+            "| {} | {} | {layer} | {:+.1} | {} | {:.1} | {flip} | {} | {:.1} | {:.0} |",
             case.resolution,
             choices::preset_name(case.preset),
             figures.bias_percent,
-            figures.rmse_percent,
+            rmse(figures),
             figures.p95_percent,
             noise(figures),
             entry.cost.frame_ms,
@@ -312,6 +312,15 @@ fn rows(case: &Case, entry: &Entry) -> String {
 fn change(means: &[f64]) -> f64 {
     let most = means.iter().copied().fold(f64::MIN, f64::max);
     most - means.iter().copied().fold(f64::MAX, f64::min)
+}
+
+/// None is left where the reference's noise explains all of the difference.
+fn rmse(figures: &ErrorFigures) -> String {
+    if figures.rmse_percent > 0.0 {
+        format!("{:.1}", figures.rmse_percent)
+    } else {
+        "below noise".to_owned()
+    }
 }
 
 fn noise(figures: &ErrorFigures) -> String {
@@ -333,11 +342,11 @@ fn reflections(spheres: &[Sphere]) -> String {
     for sphere in spheres {
         let _ = writeln!(
             text,
-            "| {} | {} | {:+.1} | {:.1} | {} | {} |",
+            "| {} | {} | {:+.1} | {} | {} | {} |",
             sphere.name,
             sphere.preset,
             sphere.figures.bias_percent,
-            sphere.figures.rmse_percent,
+            rmse(&sphere.figures),
             noise(&sphere.figures),
             sphere.pixels
         );
