@@ -9,7 +9,7 @@ fn zoo() -> Scene {
 }
 
 fn small() -> ReferenceSettings {
-    ReferenceSettings { size: UVec2::new(24, 14), samples: 12, ..ReferenceSettings::default() }
+    ReferenceSettings { size: UVec2::new(24, 14), samples: 40, ..ReferenceSettings::default() }
 }
 
 #[test]
@@ -22,25 +22,40 @@ fn runs_bands_and_interruptions_give_the_same_bits() {
     banded.uploaded.band_rows = 3;
     let mut last = 0.0;
     let mut hear = |progress: super::super::ReferenceProgress| {
-        assert!(progress.samples > last && progress.total == 12, "{progress:?} after {last}");
+        assert!(progress.samples > last && progress.total == 40, "{progress:?} after {last}");
         last = progress.samples;
         ControlFlow::Continue(())
     };
     pollster::block_on(banded.render(&mut hear)).expect("a reference");
-    assert_eq!(last, 12.0);
+    assert_eq!(last, 40.0);
     assert!(whole == banded.layers(), "bands differ");
 
-    // Broken off within the second batch: what was begun of it is dropped.
+    // Between batches nothing is lost, and what follows is the same to the bit.
     let mut first = tracer(&scene, &small());
-    let mut hear = |progress: super::super::ReferenceProgress| {
-        if progress.samples > 5.5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    pollster::block_on(first.render(&mut hear)).expect("a reference");
-    assert_eq!(first.samples(), 4);
+    let mut go_on = |_| ControlFlow::Continue(());
+    let is_more = pollster::block_on(first.render_batch(&mut go_on)).expect("a reference");
+    assert!(is_more && first.samples() == 16);
     let mut second = tracer(&scene, &small());
     second.resume(&first.checkpoint()).expect("the same is traced");
     assert!(whole == finish(second), "what was resumed differs");
     assert!(whole == finish(first), "what was gone on with differs");
+}
+
+#[test]
+fn what_is_broken_off_keeps_what_all_pixels_have() {
+    let scene = zoo();
+    let after_20 = |progress: super::super::ReferenceProgress| {
+        if progress.samples >= 20.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let mut whole = tracer(&scene, &small());
+    pollster::block_on(whole.render(&mut { after_20 })).expect("a reference");
+    assert_eq!(whole.samples(), 20);
+    assert_eq!(whole.layers().samples, 20);
+    // The first bands have samples that the last have not: they are dropped.
+    let mut banded = tracer(&scene, &small());
+    banded.uploaded.band_rows = 3;
+    pollster::block_on(banded.render(&mut { after_20 })).expect("a reference");
+    assert_eq!(banded.samples(), 16);
 }
 
 #[test]
