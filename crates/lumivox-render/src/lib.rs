@@ -17,7 +17,7 @@
 //! A frame is a row of passes, each in its own module with its shader beside it: the G-buffer
 //! ([`gbuffer_pass`]), direct light ([`direct`]) with shadow maps ([`shadow_maps`]), the cones of
 //! `lumivox`, and the [`composite`], which [`accumulate`] averages over frames and [`tone_map`] brings
-//! to a screen. The truth that all this is measured by is a path tracer ([`reference`]), and [`compare`] tells how
+//! to a screen. The truth that all this is measured by is a path tracer ([`mod@reference`]), and [`compare`] tells how
 //! far a picture is from it.
 
 // Tests compare floats that must be equal to the bit.
