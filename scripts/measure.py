@@ -58,7 +58,7 @@ def main():
         return lambda scene, resolution: key(reports[scene, resolution, "balanced"])
 
     first = reports[columns[0] + ("balanced",)]
-    print(f"GPU: {first['adapter']['name'] if 'adapter' in first else '?'}; 640x360, 4 bounces\n")
+    print(f"GPU: {first['adapter']['name'] if 'adapter' in first else '?'}; 640x360, 8 bounces\n")
     row("", lambda scene, resolution: f"{scene} {resolution}")
     row("---", lambda *_: "---:")
     row("voxels", of_report(lambda report: f"{report['voxels']:,}"))
