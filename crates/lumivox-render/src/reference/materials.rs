@@ -1,10 +1,13 @@
 //! Materials for rays, and the triangles that shine.
 
+use glam::DVec3;
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
 
 use super::atlas::Atlas;
 use super::geometry::{Sides, Triangles};
 use super::records::{EmitterRecord, TileRecord, TracedMaterialRecord};
+use crate::srgb::srgb_decode;
+use crate::tone_map::luminance;
 use crate::upload::{
     Lighting, MaterialRecord, TEXTURE_COUNT, colors_of_materials, has_sheen, is_layered,
     material_record, material_textures, reference_white,
@@ -145,19 +148,15 @@ fn sides(material: &Material, textures: &Textures, shown: &MaterialRecord) -> Si
 /// The luminance of the mean of a material's emission, in cd/m².
 fn mean_emission(material: &Material, scene: &Scene) -> f64 {
     let texture = material.emissive_texture.map(|reference| &scene.textures[reference.texture]);
-    let mean = texture.map_or(glam::DVec3::ONE, |texture| {
+    let mean = texture.map_or(DVec3::ONE, |texture| {
+        let linear: [f64; 256] =
+            std::array::from_fn(|code| f64::from(srgb_decode(code as f32 / 255.0)));
         let texels = texture.rgba8.chunks_exact(4);
         let count = texels.len().max(1) as f64;
-        let sum: glam::DVec3 =
-            texels.map(|t| glam::DVec3::from_array([t[0], t[1], t[2]].map(linear_from_srgb))).sum();
-        sum / count
+        let color =
+            |t: &[u8]| DVec3::from_array([t[0], t[1], t[2]].map(|c| linear[usize::from(c)]));
+        texels.map(color).sum::<DVec3>() / count
     });
     let emission = material.emissive.as_dvec3() * mean;
-    emission.dot(glam::DVec3::new(0.2126, 0.7152, 0.0722))
-}
-
-fn linear_from_srgb(code: u8) -> f64 {
-    // IEC 61966-2-1.
-    let encoded = f64::from(code) / 255.0;
-    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    luminance(emission.as_vec3().to_array())
 }

@@ -1,6 +1,6 @@
 //! Ground truth: a path tracer for the same scenes, cameras, materials and lights.
 //!
-//! It is unbiased: nothing is clamped, no path is cut off but by Russian roulette. Next-event estimation asks
+//! It is unbiased: nothing is clamped, and paths end by Russian roulette alone (or after 4096 surfaces). Next-event estimation asks
 //! lamps, emissive triangles and the panorama for their light, and multiple importance sampling (Veach 1997,
 //! chapter 9) joins that with directions drawn from the material. All of it is one compute kernel (`path.wgsl`)
 //! within WebGPU's default limits, over a hierarchy of boxes from the `obvhs` crate.
@@ -174,6 +174,7 @@ impl PathTracer {
         let (size, first, total) = (self.settings.size, self.film.samples, self.settings.samples);
         let count = (BATCH - first % BATCH).min(total.saturating_sub(first));
         let mut done = count;
+        let mut is_broken_off = false;
         let mut bands = Vec::new();
         for first_row in (0..size.y).step_by(self.uploaded.band_rows as usize) {
             let rows = self.uploaded.band_rows.min(size.y - first_row);
@@ -188,10 +189,11 @@ impl PathTracer {
                 let rows_done = rows_before + f64::from(sample + 1) * f64::from(rows);
                 let samples = f64::from(first) + rows_done / f64::from(size.y);
                 if progress(ReferenceProgress { samples, total }).is_break() {
-                    if rows < size.y {
+                    let is_last = sample + 1 == count && first_row + rows == size.y;
+                    if rows < size.y && !is_last {
                         return Ok(false);
                     }
-                    done = sample + 1;
+                    (done, is_broken_off) = (sample + 1, true);
                     break;
                 }
             }
@@ -203,7 +205,7 @@ impl PathTracer {
         if done > 0 {
             self.film.add(done, &bands);
         }
-        Ok(done == count && self.film.samples < total)
+        Ok(!is_broken_off && self.film.samples < total)
     }
 
     /// What the samples so far amount to.

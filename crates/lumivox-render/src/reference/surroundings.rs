@@ -7,6 +7,7 @@ use lumivox_scene::EnvironmentMap;
 
 use super::records::{MOST_PEAKS, PeakRecord};
 use crate::RenderError;
+use crate::tone_map::luminance;
 
 /// What surrounds a scene.
 #[derive(Clone, Debug)]
@@ -60,11 +61,6 @@ impl Surroundings {
             peaks: peaks.collect(),
         })
     }
-}
-
-fn luminance([r, g, b]: [f32; 3]) -> f64 {
-    // ITU-R BT.709-6, section 3.2.
-    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
 #[cfg(test)]

@@ -56,6 +56,14 @@ fn what_is_broken_off_keeps_what_all_pixels_have() {
     banded.uploaded.band_rows = 3;
     pollster::block_on(banded.render(&mut { after_20 })).expect("a reference");
     assert_eq!(banded.samples(), 16);
+    // At the end of a batch all is there, and the wish to stop is heard as well.
+    let after_16 = |progress: super::super::ReferenceProgress| {
+        if progress.samples >= 16.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let mut ended = tracer(&scene, &small());
+    ended.uploaded.band_rows = 3;
+    pollster::block_on(ended.render(&mut { after_16 })).expect("a reference");
+    assert_eq!(ended.samples(), 16);
 }
 
 #[test]
