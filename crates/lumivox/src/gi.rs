@@ -24,6 +24,13 @@ pub struct GiConfig {
     pub directionality: Directionality,
 }
 
+impl GiConfig {
+    /// Everything at its default, over a grid.
+    pub fn new(grid: Grid) -> Self {
+        Self { grid, directionality: Directionality::default() }
+    }
+}
+
 /// What a voxelization found.
 #[derive(Clone, Debug)]
 pub struct Voxelized {

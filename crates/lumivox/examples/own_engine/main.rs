@@ -37,7 +37,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
     // Lumivox takes the same triangles: positions and indices of the engine's buffers, and materials.
     let (min, max) = mesh.bounds();
     let grid = Grid::fit(min, max, 64, Vec3::ZERO)?;
-    let config = GiConfig { grid, directionality: lumivox::Directionality::SixLobes };
+    let config = GiConfig::new(grid);
     let mut gi = Gi::new(&device, &queue, config)?;
     let draws = (0..mesh.colors.len() as u32).map(|quad| Draw {
         first_index: 6 * quad,

@@ -39,7 +39,7 @@ impl Bench {
     fn new(bounds: (Vec3, Vec3), resolution: u32, offset: Vec3, scene: SceneBuilder) -> Self {
         let (device, queue) = device();
         let grid = Grid::fit(bounds.0, bounds.1, resolution, offset).expect("the grid fits");
-        let config = GiConfig { grid, directionality: Directionality::SixLobes };
+        let config = GiConfig::new(grid);
         let mut gi = Gi::new(&device, &queue, config).expect("the device is large enough");
         let geometry: Geometry = scene.build(&device);
         pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");

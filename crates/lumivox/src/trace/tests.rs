@@ -213,7 +213,7 @@ fn cones(grid: &Grid) -> Vec<ConeIn> {
 fn march_equals_its_twin() {
     let (device, queue) = device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
-    let config = GiConfig { grid, directionality: Directionality::SixLobes };
+    let config = GiConfig::new(grid);
     let mut gi = Gi::new(&device, &queue, config).expect("a device");
     let geometry = busy_room().build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");

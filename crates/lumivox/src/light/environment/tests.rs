@@ -247,7 +247,7 @@ impl Tile {
         let scene = SceneBuilder::default().quad(-0.5 * (u + v), u, v, lambert(1.0, 0.0));
         let reach = 0.5 * (u.abs() + v.abs()) + 0.05;
         let grid = Grid::fit(-reach, reach, 64, Vec3::ZERO).expect("the grid fits");
-        let config = GiConfig { grid, directionality: Directionality::SixLobes };
+        let config = GiConfig::new(grid);
         let mut gi = Gi::new(&device, &queue, config).expect("the device is large enough");
         let geometry = scene.build(&device);
         pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");

@@ -32,7 +32,8 @@ fn lit_room(resolution: u32, directionality: Directionality) -> (wgpu::Device, w
     let (device, queue) = device();
     let grid =
         Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), resolution, Vec3::ZERO).expect("fits");
-    let mut gi = Gi::new(&device, &queue, GiConfig { grid, directionality }).expect("a device");
+    let mut gi = Gi::new(&device, &queue, GiConfig { directionality, ..GiConfig::new(grid) })
+        .expect("a device");
     let geometry = busy_room().build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);
@@ -189,12 +190,7 @@ fn a_new_list_leaves_nothing_of_the_old_one() {
     gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
     recorder.submit();
 
-    let mut fresh = Gi::new(
-        &device,
-        &queue,
-        GiConfig { grid: *gi.grid(), directionality: Directionality::SixLobes },
-    )
-    .expect("a device");
+    let mut fresh = Gi::new(&device, &queue, GiConfig::new(*gi.grid())).expect("a device");
     pollster::block_on(fresh.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let mut recorder = Recorder::new(&device, &queue);
     fresh.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
