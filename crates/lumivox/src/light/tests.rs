@@ -10,9 +10,7 @@ use glam::{EulerRot, Mat4, Quat, Vec3};
 use crate::gpu::{Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
 use crate::voxels::FaceRecord;
-use crate::{
-    Directionality, Geometry, Gi, GiConfig, Grid, Light, LightSource, Preset, Shadow, TraceSettings,
-};
+use crate::{Geometry, Gi, GiConfig, Grid, Light, LightSource, Preset, Shadow, TraceSettings};
 
 /// Faces with the radiance that they send out.
 struct Lit {

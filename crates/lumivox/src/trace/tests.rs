@@ -7,7 +7,7 @@ use crate::gpu::{
 };
 use crate::testing::{busy_room, device, read};
 use crate::volume::{Level, read_levels};
-use crate::{Directionality, Gi, GiConfig, Grid, TraceSettings};
+use crate::{Gi, GiConfig, Grid, TraceSettings};
 
 use bytemuck::{Pod, Zeroable};
 

@@ -10,7 +10,7 @@ use super::{EnvironmentLight, EnvironmentMap, Panorama};
 use crate::gpu::{Recorder, Timing};
 use crate::testing::{SceneBuilder, device, lambert, read};
 use crate::voxels::FaceRecord;
-use crate::{Directionality, Gi, GiConfig, Grid, Preset, TraceSettings};
+use crate::{Gi, GiConfig, Grid, Preset, TraceSettings};
 
 fn image(width: u32, radiance: impl Fn(DVec3) -> Vec3) -> Image {
     let height = width / 2;
