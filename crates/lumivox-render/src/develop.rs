@@ -1,9 +1,9 @@
 //! Pictures of radiance that come from elsewhere, brought to the screen as rendered ones are.
 
 use glam::UVec2;
-use lumivox::Directionality;
 use lumivox::gpu::Recorder;
 use lumivox::shaders::library_with_volume;
+use lumivox::{Directionality, VolumeKind};
 
 use crate::readback::read_texture;
 use crate::textures::{ScreenTextures, extent};
@@ -30,7 +30,10 @@ impl Picture {
                 expected: format!("of {} x {}", size.x, size.y),
             });
         }
-        let shaders = crate::shaders::library(&library_with_volume(Directionality::default()));
+        let shaders = crate::shaders::library(&library_with_volume(
+            VolumeKind::default(),
+            Directionality::default(),
+        ));
         let mut textures = ScreenTextures::new(&gpu.device, size);
         let pass = ToneMapPass::new(&gpu.device, &shaders, &mut textures, size)?;
         let format = wgpu::TextureFormat::Rgba32Float;

@@ -3,13 +3,15 @@
 
 use std::mem::offset_of;
 
-use lumivox::Directionality;
 use lumivox::gpu::ShaderLibrary;
 use lumivox::shaders::library_with_volume;
+use lumivox::{Directionality, OctreeOptions, VolumeKind};
 
-fn libraries() -> [ShaderLibrary; 2] {
-    [Directionality::SixLobes, Directionality::Isotropic]
-        .map(|volume| crate::shaders::library(&library_with_volume(volume)))
+fn libraries() -> Vec<ShaderLibrary> {
+    let kinds = [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())];
+    let directionalities = [Directionality::SixLobes, Directionality::Isotropic];
+    let pairs = kinds.into_iter().flat_map(|kind| directionalities.map(|d| (kind, d)));
+    pairs.map(|(kind, d)| crate::shaders::library(&library_with_volume(kind, d))).collect()
 }
 
 /// Asserts that a Rust struct has the size of a WGSL struct and each field the offset of the member of the
@@ -35,7 +37,7 @@ fn structs_lie_in_memory_alike() {
     use crate::upload::{DrawRecord, MaterialRecord, TexturePlace};
     use crate::voxel_view::VoxelViewSettings;
 
-    let [library, _] = libraries();
+    let library = &libraries()[0];
     assert_layout!(
         library,
         "render::accumulate",
@@ -107,7 +109,7 @@ fn the_path_tracers_structs_lie_in_memory_alike() {
         TriangleRecord, VertexRecord, WorldRecord,
     };
 
-    let [library, _] = libraries();
+    let library = &libraries()[0];
     assert_layout!(library, "render::reference::world", "Node", NodeRecord { low, link, high });
     assert_layout!(
         library,

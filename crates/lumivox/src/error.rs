@@ -24,6 +24,18 @@ pub enum GiError {
         /// What would fit, or help.
         remedy: String,
     },
+    /// Something would take more memory than the caller allows ([`crate::GiConfig::memory_budget`]).
+    #[error("{what} needs {needed} bytes, but {budget} are allowed; {remedy}")]
+    Budget {
+        /// The thing that does not fit.
+        what: String,
+        /// How much it needs, bytes.
+        needed: u64,
+        /// What is allowed, bytes.
+        budget: u64,
+        /// What would help.
+        remedy: String,
+    },
     /// A setting lies outside its range.
     #[error("{name} is {value}, but must be {expected}")]
     Setting {

@@ -10,7 +10,7 @@ use crate::trace::{
     Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
     gbuffer_layout,
 };
-use crate::volume::{Directionality, Volume};
+use crate::volume::{Directionality, OctreeStats, Volume, VolumeKind};
 use crate::voxelize::{VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
@@ -22,12 +22,21 @@ pub struct GiConfig {
     pub grid: Grid,
     /// Six lobes (the default) or one value a voxel.
     pub directionality: Directionality,
+    /// Where cells are stored.
+    pub volume: VolumeKind,
+    /// The most bytes that the volume may take; `None` (the default): as much as the device gives.
+    pub memory_budget: Option<u64>,
 }
 
 impl GiConfig {
     /// Everything at its default, over a grid.
     pub fn new(grid: Grid) -> Self {
-        Self { grid, directionality: Directionality::default() }
+        Self {
+            grid,
+            directionality: Directionality::default(),
+            volume: VolumeKind::default(),
+            memory_budget: None,
+        }
     }
 }
 
@@ -74,7 +83,13 @@ impl Gi {
         config: GiConfig,
     ) -> Result<Self, GiError> {
         let mut shaders = crate::shaders::library();
-        let volume = Volume::new(device, &mut shaders, &config.grid, config.directionality)?;
+        let volume = Volume::new(
+            device,
+            &mut shaders,
+            &config.grid,
+            (config.volume, config.directionality),
+            config.memory_budget,
+        )?;
         let voxelizer = Voxelizer::new(device, &shaders)?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
@@ -105,7 +120,8 @@ impl Gi {
     ///
     /// # Errors
     /// [`GiError::NothingToVoxelize`] without a usable triangle, [`GiError::Limit`] when the voxels do not
-    /// fit the device. After an error the earlier voxels are still there.
+    /// fit the device, [`GiError::Budget`] when they need more than they may. After an error the earlier
+    /// voxels are still there.
     pub async fn voxelize(
         &mut self,
         geometry: &Geometry,
@@ -116,8 +132,9 @@ impl Gi {
             .voxelize(&self.device, &self.queue, &self.config.grid, geometry, timing)
             .await?;
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
-        let radiance = self.lighting.rebuild(&self.device, &voxels);
-        self.volume.rebuild(&mut recorder, &voxels, radiance);
+        let faces = self.lighting.prepare(&self.device, &voxels);
+        self.volume.rebuild(&mut recorder, &voxels, faces.radiance()).await?;
+        self.lighting.take(faces);
         times.extend(recorder.finish().await?);
         self.voxels = Some(voxels);
         Ok(Voxelized { stats, times })
@@ -202,6 +219,11 @@ impl Gi {
     /// The list of voxels, once there is one.
     pub fn voxels(&self) -> Option<&VoxelList> {
         self.voxels.as_ref()
+    }
+
+    /// What the octree is made of; `None` for other volumes, and before there are voxels.
+    pub fn octree_stats(&self) -> Option<OctreeStats> {
+        self.volume.octree_stats()
     }
 
     #[cfg(test)]

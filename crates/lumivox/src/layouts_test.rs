@@ -3,23 +3,38 @@
 use crate::gpu::{ShaderLibrary, assert_layout};
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
-use crate::volume::{MaskLevels, NodeRange};
+use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
-use crate::{Directionality, shaders};
+use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
 
-fn libraries() -> [ShaderLibrary; 2] {
-    [Directionality::SixLobes, Directionality::Isotropic].map(shaders::library_with_volume)
+fn libraries() -> Vec<ShaderLibrary> {
+    let kinds = [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())];
+    let directionalities = [Directionality::SixLobes, Directionality::Isotropic];
+    let pairs = kinds.into_iter().flat_map(|kind| directionalities.map(|d| (kind, d)));
+    pairs.map(|(kind, d)| shaders::library_with_volume(kind, d)).collect()
 }
 
 #[test]
 fn structs_lie_in_memory_alike() {
-    let [library, _] = libraries();
+    let library = &libraries()[0];
     assert_layout!(library, "voxels::list", "Node", NodeRecord { morton, lobes });
     assert_layout!(
         library,
         "voxels::list",
         "Face",
         FaceRecord { position_in_world, voxel, vector_area, lobe, reflectance, emission }
+    );
+    assert_layout!(
+        library,
+        "octree::tree",
+        "Tree",
+        TreeUniform { root_level, table_level, table_words, slots, inverse_size, row_bits, levels }
+    );
+    assert_layout!(
+        library,
+        "octree::locks",
+        "LockPass",
+        LockPass { pass_number, item_count, capacity, level_starts }
     );
     assert_layout!(
         library,

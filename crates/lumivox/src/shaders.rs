@@ -1,7 +1,7 @@
 //! The shader modules of this crate.
 
-use crate::Directionality;
 use crate::gpu::ShaderLibrary;
+use crate::{Directionality, VolumeKind};
 
 /// Modules that belong to no stage.
 const MODULES: &[(&str, &str)] = &[
@@ -21,15 +21,9 @@ const MODULES: &[(&str, &str)] = &[
 /// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as well.
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::new(MODULES);
-    for modules in [
-        crate::light::MODULES,
-        crate::trace::MODULES,
-        crate::volume::MODULES,
-        crate::voxelize::MODULES,
-    ] {
-        for (path, source) in modules {
-            library.add(path, *source);
-        }
+    let stages = [crate::light::MODULES, crate::trace::MODULES, crate::voxelize::MODULES];
+    for (path, source) in stages.into_iter().flatten().chain(crate::volume::modules()) {
+        library.add(path, *source);
     }
     crate::voxelize::add_constants(&mut library);
     library
@@ -46,9 +40,9 @@ pub fn library() -> ShaderLibrary {
     library
 }
 
-/// As [`library`], with the dense volume as `package::volume`: to link or check shaders without a device.
-pub fn library_with_volume(directionality: Directionality) -> ShaderLibrary {
+/// As [`library`], with a kind of volume as `package::volume`: to link or check shaders without a device.
+pub fn library_with_volume(kind: VolumeKind, directionality: Directionality) -> ShaderLibrary {
     let mut library = library();
-    crate::volume::mount(&mut library, directionality);
+    crate::volume::mount(&mut library, kind, directionality);
     library
 }

@@ -6,7 +6,7 @@ use lumivox::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, ShaderLibrary, storage_buffer, upload,
 };
 use lumivox::shaders::library_with_volume;
-use lumivox::{Directionality, Light, LightSource};
+use lumivox::{Directionality, Light, LightSource, VolumeKind};
 use lumivox_scene::{Camera, Scene};
 
 use super::ReferenceSettings;
@@ -145,7 +145,10 @@ impl Uploaded {
             has_panorama: lighting.environment.map.is_some(),
             has_peaks: !surroundings.peaks.is_empty(),
         });
-        let mut shaders = crate::shaders::library(&library_with_volume(Directionality::default()));
+        let mut shaders = crate::shaders::library(&library_with_volume(
+            VolumeKind::default(),
+            Directionality::default(),
+        ));
         features.set(&mut shaders);
         let kernel = Kernel::new(device, &shaders, "render::reference::path", "main", &[&layout])?;
         if scope.pop().await.is_some() {

@@ -120,7 +120,9 @@ impl ShaderLibrary {
             .map_err(|e| fail(e.emit_to_string_with_path(&source, path)))?;
         naga::valid::Validator::new(
             naga::valid::ValidationFlags::all(),
-            naga::valid::Capabilities::default(),
+            // Every WebGPU device packs half floats.
+            naga::valid::Capabilities::default()
+                | naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32,
         )
         .validate(&module)
         .map_err(|e| fail(e.emit_to_string_with_path(&source, path)))?;

@@ -59,9 +59,9 @@ pub(crate) struct Lighting {
     faces: Option<Faces>,
 }
 
-/// What belongs to the current voxel list.
+/// What belongs to a voxel list.
 #[derive(Debug)]
-struct Faces {
+pub(crate) struct Faces {
     count: u64,
     /// Radiance without bounces (`array<vec4f>`).
     direct: wgpu::Buffer,
@@ -69,6 +69,13 @@ struct Faces {
     radiance: wgpu::Buffer,
     direct_group: wgpu::BindGroup,
     bounce_group: wgpu::BindGroup,
+}
+
+impl Faces {
+    /// The buffer that will hold the radiance of the faces.
+    pub(crate) fn radiance(&self) -> &wgpu::Buffer {
+        &self.radiance
+    }
 }
 
 impl Lighting {
@@ -103,8 +110,8 @@ impl Lighting {
         })
     }
 
-    /// Takes a new voxel list; the buffer that will hold the radiance of its faces is returned.
-    pub(crate) fn rebuild(&mut self, device: &wgpu::Device, voxels: &VoxelList) -> &wgpu::Buffer {
+    /// What lighting a new voxel list takes; [`Self::take`] makes it the current one.
+    pub(crate) fn prepare(&self, device: &wgpu::Device, voxels: &VoxelList) -> Faces {
         let count = u64::from(voxels.face_count);
         let direct = storage_buffer(device, "direct radiance", count * 16);
         let radiance = storage_buffer(device, "radiance", count * 16);
@@ -120,8 +127,12 @@ impl Lighting {
             .buffer(&direct)
             .buffer(&radiance)
             .build(device, "bounce");
-        let faces = Faces { count, direct, radiance, direct_group, bounce_group };
-        &self.faces.insert(faces).radiance
+        Faces { count, direct, radiance, direct_group, bounce_group }
+    }
+
+    /// Lights this list from now on.
+    pub(crate) fn take(&mut self, faces: Faces) {
+        self.faces = Some(faces);
     }
 
     /// Direct light, then `gathers` bounces, each stored and filtered into the volume.

@@ -2,52 +2,130 @@
 //!
 //! All volumes are filled from the same [`VoxelList`](crate::voxels::VoxelList) and stand behind one interface:
 //! in Rust the methods of [`Volume`], in shaders the module `package::volume` with `probe_volume`,
-//! `is_empty`, `is_oblique`, `sample_probe` and `load_cell`, bound as group 0. A new kind of volume is a new
-//! folder, a new variant, and nothing else.
+//! `is_empty`, `is_oblique`, `sample_probe`, `wall_coverage` and `load_cell`, bound as group 0. That module is
+//! `six_lobes.wgsl` or `isotropic.wgsl`; where cells are stored is told by the module `package::volume::cells`, which
+//! each kind of volume has (`place_at`, `parts_at`, `fetch`, `load_part`). A new kind is a new folder, a new variant,
+//! and nothing else.
 
+mod budget;
 mod dense;
+mod octree;
 
 use crate::gpu::{Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
 use dense::DenseVolume;
-pub use dense::Directionality;
-pub(crate) use dense::mount;
 #[cfg(test)]
 pub(crate) use dense::{Level, MaskLevels, NodeRange, read_levels};
+use octree::OctreeVolume;
+pub use octree::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
+#[cfg(test)]
+pub(crate) use octree::{LockPass, TreeUniform};
 
-/// The shader modules of all volumes but for the one that `package::volume` stands for.
-pub(crate) const MODULES: &[(&str, &str)] = dense::MODULES;
+/// Modules that volumes share.
+const SHARED: &[(&str, &str)] = &[
+    ("volume::border", include_str!("border.wgsl")),
+    ("volume::level_range", include_str!("level_range.wgsl")),
+    ("volume::parts", include_str!("parts.wgsl")),
+];
+
+/// Where cells are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum VolumeKind {
+    /// 3D textures over the whole grid: the fastest look-ups, and memory that goes with the cube of the resolution.
+    Dense,
+    /// A sparse octree with bricks: memory that goes with the surface.
+    Octree(OctreeOptions),
+}
+
+impl Default for VolumeKind {
+    /// Dense.
+    fn default() -> Self {
+        Self::Dense
+    }
+}
+
+/// How a voxel looks from different sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Directionality {
+    /// Six lobes with vector areas: each side of a wall has its own light, and covers what it covers.
+    #[default]
+    SixLobes,
+    /// One value a voxel, the same from everywhere: a ninth of the memory, and surfaces that light and
+    /// shadow themselves.
+    Isotropic,
+}
+
+/// The shader modules of all volumes but for those that [`mount`] adds.
+pub(crate) fn modules() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
+    SHARED.iter().chain(dense::MODULES).chain(octree::MODULES)
+}
+
+/// Makes a kind of volume `package::volume` and `package::volume::cells`.
+pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionality: Directionality) {
+    let volume = match directionality {
+        Directionality::SixLobes => include_str!("six_lobes.wgsl"),
+        Directionality::Isotropic => include_str!("isotropic.wgsl"),
+    };
+    let cells = match kind {
+        VolumeKind::Dense => dense::CELLS,
+        VolumeKind::Octree(_) => octree::CELLS,
+    };
+    shaders
+        .add("volume", volume)
+        .add("volume::cells", cells)
+        .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic));
+}
 
 /// A volume on the GPU.
 #[derive(Debug)]
 pub(crate) enum Volume {
     /// 3D textures over the whole grid.
     Dense(DenseVolume),
+    /// Nodes and bricks where there is surface.
+    Octree(Box<OctreeVolume>),
 }
 
 impl Volume {
-    /// Makes an empty volume over a grid, and mounts its shader as `package::volume`.
+    /// Makes an empty volume over a grid, and mounts its shaders. It refuses to take more than `budget`
+    /// bytes: a dense volume at once, an octree once there are voxels.
     pub(crate) fn new(
         device: &wgpu::Device,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
-        directionality: Directionality,
+        (kind, directionality): (VolumeKind, Directionality),
+        budget: Option<u64>,
     ) -> Result<Self, GiError> {
-        DenseVolume::new(device, shaders, grid, directionality).map(Self::Dense)
+        mount(shaders, kind, directionality);
+        match kind {
+            VolumeKind::Dense => {
+                DenseVolume::new(device, shaders, grid, directionality, budget).map(Self::Dense)
+            }
+            VolumeKind::Octree(options) => {
+                OctreeVolume::new(device, shaders, grid, options, budget)
+                    .map(|octree| Self::Octree(Box::new(octree)))
+            }
+        }
     }
 
     /// Takes a new voxel list: forgets the last one's voxels and prepares for the new one's. The radiance is
     /// not there before [`Self::update`].
-    pub(crate) fn rebuild(
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit; it keeps the last list then.
+    pub(crate) async fn rebuild(
         &mut self,
         recorder: &mut Recorder,
         voxels: &VoxelList,
         radiance: &wgpu::Buffer,
-    ) {
+    ) -> Result<(), GiError> {
         match self {
-            Self::Dense(dense) => dense.rebuild(recorder, voxels, radiance),
+            Self::Dense(dense) => {
+                dense.rebuild(recorder, voxels, radiance);
+                Ok(())
+            }
+            Self::Octree(octree) => octree.rebuild(recorder, voxels, radiance).await,
         }
     }
 
@@ -55,13 +133,15 @@ impl Volume {
     pub(crate) fn update(&self, recorder: &mut Recorder) {
         match self {
             Self::Dense(dense) => dense.update(recorder),
+            Self::Octree(octree) => octree.update(recorder),
         }
     }
 
-    /// Group 0: the grid and the volume, for sampling.
+    /// Group 0: the grid and the volume, for sampling. A new one after each [`Self::rebuild`] of an octree.
     pub(crate) fn globals(&self) -> &wgpu::BindGroup {
         match self {
             Self::Dense(dense) => dense.globals(),
+            Self::Octree(octree) => octree.globals(),
         }
     }
 
@@ -69,6 +149,7 @@ impl Volume {
     pub(crate) fn globals_layout(&self) -> &wgpu::BindGroupLayout {
         match self {
             Self::Dense(dense) => dense.globals_layout(),
+            Self::Octree(octree) => octree.globals_layout(),
         }
     }
 
@@ -76,6 +157,15 @@ impl Volume {
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         match self {
             Self::Dense(dense) => dense.memory(),
+            Self::Octree(octree) => octree.memory(),
+        }
+    }
+
+    /// What the octree is made of, if it is one and there are voxels.
+    pub(crate) fn octree_stats(&self) -> Option<OctreeStats> {
+        match self {
+            Self::Dense(_) => None,
+            Self::Octree(octree) => octree.stats(),
         }
     }
 }

@@ -7,18 +7,8 @@ use crate::gpu::{
     uniform_buffer,
 };
 use crate::voxelize::{Memory, Remedy};
-use crate::voxels::NodeRecord;
+use crate::voxels::{BitLevel, BitPyramid, NodeRecord};
 use crate::{GiError, Grid};
-
-/// `PyramidParams` of `pyramid.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct PyramidParams {
-    child_first_word: u32,
-    child_words: u32,
-    parent_first_word: u32,
-    parent_words: u32,
-}
 
 /// `InnerParams` of `inner_lobes.wgsl`.
 #[repr(C)]
@@ -53,10 +43,9 @@ pub(crate) struct Occupied {
 /// The kernels that make the list.
 #[derive(Debug)]
 pub(crate) struct ListBuilder {
-    pyramid_layout: wgpu::BindGroupLayout,
     rank_layout: wgpu::BindGroupLayout,
     inner_layout: wgpu::BindGroupLayout,
-    pyramid: Kernel,
+    pyramid: BitPyramid,
     count: Kernel,
     list: Kernel,
     inner_lobes: Kernel,
@@ -69,8 +58,6 @@ impl ListBuilder {
         shaders: &ShaderLibrary,
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, ShaderError> {
-        let pyramid_layout =
-            LayoutBuilder::compute().uniform().storage_mut().build(device, "voxels::pyramid");
         let rank_layout = LayoutBuilder::compute()
             .storage()
             .storage_mut()
@@ -85,13 +72,11 @@ impl ListBuilder {
             .build(device, "voxels::inner_lobes");
         let ranks = [globals, &rank_layout];
         let inner = [globals, &inner_layout];
-        let pyramid = [globals, &pyramid_layout];
         Ok(Self {
-            pyramid: Kernel::new(device, shaders, "voxels::pyramid", "main", &pyramid)?,
+            pyramid: BitPyramid::new(device, shaders, globals)?,
             count: Kernel::new(device, shaders, "voxels::rank", "count", &ranks)?,
             list: Kernel::new(device, shaders, "voxels::rank", "list", &ranks)?,
             inner_lobes: Kernel::new(device, shaders, "voxels::inner_lobes", "main", &inner)?,
-            pyramid_layout,
             rank_layout,
             inner_layout,
         })
@@ -121,27 +106,13 @@ impl ListBuilder {
         occupied: &Occupied,
     ) {
         let device = recorder.device().clone();
-        let groups: Vec<_> = (1..grid.levels)
-            .map(|level| {
-                let params = PyramidParams {
-                    child_first_word: level_first_word(grid, level - 1) as u32,
-                    child_words: level_words(grid, level - 1) as u32,
-                    parent_first_word: level_first_word(grid, level) as u32,
-                    parent_words: level_words(grid, level) as u32,
-                };
-                let uniform = uniform_buffer(&device, "pyramid parameters", &params);
-                let group = BindGroupBuilder::new(&self.pyramid_layout)
-                    .buffer(&uniform)
-                    .buffer(&occupied.occupancy)
-                    .build(&device, "voxels::pyramid");
-                (group, u64::from(params.parent_words))
+        let levels: Vec<BitLevel> = (0..grid.levels)
+            .map(|level| BitLevel {
+                first_word: level_first_word(grid, level) as u32,
+                words: level_words(grid, level) as u32,
             })
             .collect();
-        recorder.compute("voxels::pyramid", |pass| {
-            for (group, words) in &groups {
-                self.pyramid.dispatch_linear(pass, &[globals, group], *words);
-            }
-        });
+        self.pyramid.run(recorder, globals, &occupied.occupancy, &levels);
         let words = level_first_word(grid, grid.levels);
         // The nodes are not there yet: `count` does not touch them.
         let unused = crate::gpu::storage_buffer(&device, "no nodes", 16);
@@ -238,18 +209,12 @@ impl ListBuilder {
 
 #[cfg(test)]
 mod tests {
-    use super::{InnerParams, PyramidParams};
+    use super::InnerParams;
     use crate::gpu::assert_layout;
 
     #[test]
     fn structs_lie_in_memory_alike() {
         let library = crate::shaders::library();
-        assert_layout!(
-            library,
-            "voxels::pyramid",
-            "PyramidParams",
-            PyramidParams { child_first_word, child_words, parent_first_word, parent_words }
-        );
         assert_layout!(
             library,
             "voxels::inner_lobes",

@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use lumivox::Directionality;
 use lumivox::gpu::{Kernel, Recorder, read_buffer};
 use lumivox::shaders::library_with_volume;
+use lumivox::{Directionality, VolumeKind};
 
 use super::*;
 use crate::reference::upload::layout;
@@ -43,7 +43,10 @@ fn ask(scene: &Scene, queries: &[Query]) -> Vec<Query> {
     let size = UVec2::new(64, queries.len().div_ceil(128) as u32);
     let tracer = tracer(scene, &ReferenceSettings { size, ..settings(1, 1) });
     let (device, queue) = (&tracer.gpu.device, &tracer.gpu.queue);
-    let mut shaders = crate::shaders::library(&library_with_volume(Directionality::default()));
+    let mut shaders = crate::shaders::library(&library_with_volume(
+        VolumeKind::default(),
+        Directionality::default(),
+    ));
     let features = Features { stack: tracer.uploaded.stack, ..Features::ALL };
     features.set(&mut shaders);
     let module = "render::reference::rays_test";

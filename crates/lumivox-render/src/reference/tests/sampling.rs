@@ -2,11 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec2, Vec3};
-use lumivox::Directionality;
 use lumivox::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, read_buffer, storage_buffer, upload,
 };
 use lumivox::shaders::library_with_volume;
+use lumivox::{Directionality, VolumeKind};
 use lumivox_scene::EnvironmentMap;
 
 use super::brdf::{Lobes, at_cosine};
@@ -93,7 +93,10 @@ fn surfaces() -> Vec<Seen> {
 
 fn draw(surfaces: &[Seen]) -> Vec<Drawn> {
     let gpu = gpu();
-    let mut shaders = crate::shaders::library(&library_with_volume(Directionality::default()));
+    let mut shaders = crate::shaders::library(&library_with_volume(
+        VolumeKind::default(),
+        Directionality::default(),
+    ));
     shaders.add("render::reference::sampling_test", include_str!("sampling.wgsl"));
     let layout = LayoutBuilder::compute().storage().storage_mut().build(&gpu.device, "sampling");
     let module = "render::reference::sampling_test";
@@ -245,7 +248,10 @@ fn the_panorama_is_drawn_in_proportion_to_its_light() {
     let tracer = tracer(&scene, &ReferenceSettings { size, ..settings(1, 1) });
 
     // Into the film: that is the buffer that a kernel of this layout writes.
-    let mut shaders = crate::shaders::library(&library_with_volume(Directionality::default()));
+    let mut shaders = crate::shaders::library(&library_with_volume(
+        VolumeKind::default(),
+        Directionality::default(),
+    ));
     let module = "render::reference::panorama_test";
     shaders.add(module, include_str!("panorama.wgsl"));
     let (device, queue) = (&tracer.gpu.device, &tracer.gpu.queue);

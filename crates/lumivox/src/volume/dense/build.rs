@@ -8,7 +8,8 @@ use crate::gpu::{
 };
 use crate::voxels::VoxelList;
 
-use super::{CELL_FORMAT, Directionality};
+use super::CELL_FORMAT;
+use crate::volume::Directionality;
 
 /// `NodeRange` of `level_range.wgsl`: the nodes of a level.
 #[repr(C)]
@@ -21,7 +22,7 @@ pub(crate) struct NodeRange {
 }
 
 impl NodeRange {
-    pub(super) fn new(voxels: &VoxelList, level: u32) -> Self {
+    pub(crate) fn new(voxels: &VoxelList, level: u32) -> Self {
         let nodes = voxels.level_nodes(level);
         Self { level, first: nodes.start, count: nodes.len() as u32, first_mask_entry: 0 }
     }

@@ -7,8 +7,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::atlas::{part_of, part_texel, NEGATIVE, POSITIVE, TILT};
+import package::volume::atlas::part_texel;
 import package::volume::level_range::{node_range, nodes};
+import package::volume::parts::{part_of, NEGATIVE, POSITIVE, TILT};
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(2) var cells_in: texture_3d<f32>;

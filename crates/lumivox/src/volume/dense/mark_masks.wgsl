@@ -5,20 +5,10 @@ import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::level_range::{node_range, nodes};
 import package::volume::masks::mask_entry;
+import package::volume::parts::parts_of_lobes;
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(2) var<storage, read_write> marked: array<atomic<u32>>;
-
-// The parts of a node: bit 3 * axis for a tilt, the next two for the positive and the negative lobe.
-fn parts_of_lobes(lobes: u32) -> u32 {
-    var parts = 0u;
-    for (var axis = 0u; axis < 3u; axis++) {
-        let sides = (lobes >> (2u * axis)) & 3u;
-        let tilted = (lobes >> (8u + 2u * axis)) & 3u;
-        parts |= ((sides << 1u) | select(0u, 1u, tilted != 0u)) << (3u * axis);
-    }
-    return parts;
-}
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(

@@ -1,7 +1,7 @@
 // Which parts of cells a filtered look-up can meet: what lets the tracer pass over empty space for a load.
 //
 // A trilinear look-up at level l reads 2x2x2 texels, and which ones depends only on floor(texel - 1/2). So each
-// of those positions has an entry: the parts (atlas.wgsl) of its 2x2x2 cells, OR-ed. 16 bits an entry, two in a
+// of those positions has an entry: the parts (parts.wgsl) of its 2x2x2 cells, OR-ed. 16 bits an entry, two in a
 // word. Skipping by them is exact.
 
 import package::grid::grid;

@@ -1,6 +1,6 @@
 //! The dense volume: a 3D texture over the whole grid, with a pyramid of levels.
 //!
-//! With six lobes a cell has nine parts of four half floats (`atlas.wgsl`): 72 bytes, 8/7 of it with the
+//! With six lobes a cell has nine parts of four half floats (`parts.wgsl`): 72 bytes, 8/7 of it with the
 //! pyramid. Isotropic it has one. All parts stand in one `Rgba16Float` texture, so that tracing binds a single
 //! texture and loops over the parts that a sample needs. Two more bytes a cell tell which parts are there, so
 //! that empty space costs no look-up. Only cells of the voxel list are ever written or cleared: time goes
@@ -14,11 +14,11 @@ mod tests;
 use glam::UVec3;
 
 use crate::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer};
+use crate::volume::{Directionality, budget};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
 use build::Build;
-#[cfg(test)]
 pub(crate) use build::NodeRange;
 #[cfg(test)]
 pub(crate) use masks::MaskLevels;
@@ -26,31 +26,22 @@ use masks::Masks;
 #[cfg(test)]
 pub(crate) use tests::{Level, read_levels};
 
-/// The shader modules of this folder; `package::volume` itself is mounted by [`mount`].
+/// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("volume::atlas", include_str!("atlas.wgsl")),
-    ("volume::border", include_str!("border.wgsl")),
     ("volume::filter", include_str!("filter.wgsl")),
     ("volume::isotropic_filter", include_str!("isotropic_filter.wgsl")),
     ("volume::isotropic_store", include_str!("isotropic_store.wgsl")),
-    ("volume::level_range", include_str!("level_range.wgsl")),
     ("volume::mark_masks", include_str!("mark_masks.wgsl")),
     ("volume::masks", include_str!("masks.wgsl")),
     ("volume::store", include_str!("store.wgsl")),
 ];
 
-const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// The look-ups into the dense volume: the module `package::volume::cells` of this kind of volume.
+pub(crate) const CELLS: &str = include_str!("cells.wgsl");
 
-/// How a voxel looks from different sides.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Directionality {
-    /// Six lobes with vector areas: each side of a wall has its own light, and covers what it covers.
-    #[default]
-    SixLobes,
-    /// One value a voxel, the same from everywhere: a ninth of the memory, and surfaces that light and
-    /// shadow themselves.
-    Isotropic,
-}
+/// Of every texture of cells.
+pub(crate) const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 impl Directionality {
     /// Slabs of the texture along each of its axes.
@@ -60,15 +51,6 @@ impl Directionality {
             Self::Isotropic => UVec3::ONE,
         }
     }
-}
-
-/// Makes the shader that samples the volume the module `package::volume`.
-pub(crate) fn mount(shaders: &mut ShaderLibrary, directionality: Directionality) {
-    let source = match directionality {
-        Directionality::SixLobes => include_str!("six_lobes.wgsl"),
-        Directionality::Isotropic => include_str!("isotropic.wgsl"),
-    };
-    shaders.add("volume", source);
 }
 
 /// The dense volume.
@@ -87,13 +69,18 @@ pub(crate) struct DenseVolume {
 impl DenseVolume {
     pub(super) fn new(
         device: &wgpu::Device,
-        shaders: &mut ShaderLibrary,
+        shaders: &ShaderLibrary,
         grid: &Grid,
         directionality: Directionality,
+        memory_budget: Option<u64>,
     ) -> Result<Self, GiError> {
         let size = grid.dimensions * directionality.slabs();
         check_limits(device, grid, size)?;
-        mount(shaders, directionality);
+        let texels: u64 =
+            (0..grid.levels).map(|level| (size >> level).as_u64vec3().element_product()).sum();
+        let bytes = texels * 8;
+        // Besides the masks, which are a thirty-sixth of it.
+        budget::check("a dense volume", bytes, memory_budget, grid, 3.0)?;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("dense volume"),
             size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z },
@@ -116,9 +103,6 @@ impl DenseVolume {
                 })
             })
             .collect();
-        let texels: u64 =
-            (0..grid.levels).map(|level| (size >> level).as_u64vec3().element_product()).sum();
-
         let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let masks = Masks::new(device, shaders, grid, &grid_layout)?;
@@ -149,7 +133,7 @@ impl DenseVolume {
             globals_layout,
             grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
             levels,
-            bytes: texels * 8,
+            bytes,
             masks,
             build: Build::new(device, shaders, directionality, &grid_layout)?,
         })

@@ -2,8 +2,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::atlas::{part_of, part_texel, PARTS, POSITIVE, TILT};
+import package::volume::atlas::part_texel;
 import package::volume::level_range::{node_range, nodes};
+import package::volume::parts::{part_of, PARTS, POSITIVE, TILT};
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
 

@@ -1,27 +1,15 @@
-// The dense volume with six lobes, as the tracer sees it: the module package::volume.
+// A volume with six lobes, as the tracer sees it: the module package::volume. Where its cells are stored is
+// package::volume::cells.
 //
 // Seen along d, a lobe with vector area N covers max(0, -d . N): exactly what a plane of that orientation
 // covers, and nothing from behind.
 
-import package::grid::grid;
-import package::volume::atlas::{part_of, part_texel, slab_of, NEGATIVE, PARTS, POSITIVE, TILT};
 import package::volume::border::border_weight;
-import package::volume::masks::parts_near;
+import package::volume::cells::{fetch, load_part, parts_at, place_at, Place};
+import package::volume::parts::{part_of, NEGATIVE, PARTS, POSITIVE, TILT};
 
 // The tilts of all axes.
 const TILTS: u32 = 0x49u;
-
-@group(0) @binding(3) var atlas: texture_3d<f32>;
-@group(0) @binding(4) var atlas_sampler: sampler;
-
-// A part of the cells at a level, trilinear, clamped to its slab.
-fn fetch(part: u32, position_in_grid: vec3f, level: u32) -> vec4f {
-    let extent = vec3f(grid.dimensions);
-    let half_cell = 0.5 * exp2(f32(level));
-    let inside = clamp(position_in_grid, vec3f(half_cell), extent - half_cell);
-    let uvw = (inside + vec3f(slab_of(part)) * extent) / (extent * vec3f(1.0, 3.0, 3.0));
-    return textureSampleLevel(atlas, atlas_sampler, uvw, f32(level));
-}
 
 // Radiance times coverage, and coverage, of a lobe seen along a direction: `along` and `across` are the
 // direction's components in the frame of the lobe, the first counted outwards.
@@ -58,15 +46,14 @@ fn parts_facing(parts: u32, direction: vec3f) -> u32 {
 
 // A place in the volume where a sample may be taken: cheap to make, and enough to tell that nothing is there.
 struct Probe {
-    position_in_grid: vec3f,
-    level: u32,
+    place: Place,
     // The parts that matter; 0: the sample would be zero.
     parts: u32,
 }
 
 fn probe_volume(position_in_grid: vec3f, level: u32, direction: vec3f) -> Probe {
-    let parts = parts_facing(parts_near(position_in_grid, level), direction);
-    return Probe(position_in_grid, level, parts);
+    let place = place_at(position_in_grid, level);
+    return Probe(place, parts_facing(parts_at(place), direction));
 }
 
 fn is_empty(probe: Probe) -> bool {
@@ -89,7 +76,7 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
         let part = min(firstTrailingBit(parts), PARTS - 1u);
         let axis = part / 3u;
         let kind = part % 3u;
-        let value = fetch(part, probe.position_in_grid, probe.level);
+        let value = fetch(probe.place, part);
         if kind == TILT {
             tilt = value;
             tilted_axis = axis;
@@ -109,13 +96,14 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
         }
     }
     // Everything scales with the border's weight, the vector areas included.
-    return sum * border_weight(probe.position_in_grid, probe.level);
+    return sum * border_weight(probe.place.position_in_grid, probe.place.level);
 }
 
 // What the surfaces across an axis cover at the finest level: those that face along it in x, against it in y.
 fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
-    let positive = fetch(part_of(axis, POSITIVE), position_in_grid, 0u).a;
-    let negative = fetch(part_of(axis, NEGATIVE), position_in_grid, 0u).a;
+    let place = place_at(position_in_grid, 0u);
+    let positive = fetch(place, part_of(axis, POSITIVE)).a;
+    let negative = fetch(place, part_of(axis, NEGATIVE)).a;
     return vec2f(positive, negative) * border_weight(position_in_grid, 0u);
 }
 
@@ -124,9 +112,9 @@ fn load_cell(cell: vec3u, level: u32, direction: vec3f) -> vec4f {
     var sum = vec4f(0.0);
     for (var axis = 0u; axis < 3u; axis++) {
         let across = across_axis(direction, axis);
-        let tilt = textureLoad(atlas, part_texel(cell, part_of(axis, TILT), level), level);
-        let positive = textureLoad(atlas, part_texel(cell, part_of(axis, POSITIVE), level), level);
-        let negative = textureLoad(atlas, part_texel(cell, part_of(axis, NEGATIVE), level), level);
+        let tilt = load_part(cell, level, part_of(axis, TILT));
+        let positive = load_part(cell, level, part_of(axis, POSITIVE));
+        let negative = load_part(cell, level, part_of(axis, NEGATIVE));
         sum += seen(positive, tilt.xy, direction[axis], across)
             + seen(negative, tilt.zw, -direction[axis], across);
     }

@@ -1,24 +1,21 @@
-// The dense volume with one value a cell, as the tracer sees it: the module package::volume of the cheap mode.
+// A volume with one value a cell, as the tracer sees it: the module package::volume of the cheap mode. Where its
+// cells are stored is package::volume::cells.
 //
 // A surface looks the same from both sides, and lights and hides itself: this is what the first voxel cone
 // tracers did (Crassin et al. 2011), kept for comparison and for small devices.
 
-import package::grid::grid;
 import package::volume::border::border_weight;
-import package::volume::masks::parts_near;
-
-@group(0) @binding(3) var cells: texture_3d<f32>;
-@group(0) @binding(4) var cells_sampler: sampler;
+import package::volume::cells::{fetch, load_part, parts_at, place_at, Place};
 
 // A place in the volume where a sample may be taken: cheap to make, and enough to tell that nothing is there.
 struct Probe {
-    position_in_grid: vec3f,
-    level: u32,
+    place: Place,
     parts: u32,
 }
 
 fn probe_volume(position_in_grid: vec3f, level: u32, direction: vec3f) -> Probe {
-    return Probe(position_in_grid, level, parts_near(position_in_grid, level));
+    let place = place_at(position_in_grid, level);
+    return Probe(place, parts_at(place));
 }
 
 fn is_empty(probe: Probe) -> bool {
@@ -32,9 +29,7 @@ fn is_oblique(probe: Probe) -> bool {
 
 // Radiance around a probe times opacity, and the opacity; the direction does not matter.
 fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
-    let uvw = probe.position_in_grid / vec3f(grid.dimensions);
-    return border_weight(probe.position_in_grid, probe.level)
-        * textureSampleLevel(cells, cells_sampler, uvw, f32(probe.level));
+    return border_weight(probe.place.position_in_grid, probe.place.level) * fetch(probe.place, 0u);
 }
 
 // One value a cell tells no orientation.
@@ -44,5 +39,5 @@ fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
 
 // What `sample_probe` gives for one cell of a level, unfiltered.
 fn load_cell(cell: vec3u, level: u32, direction: vec3f) -> vec4f {
-    return textureLoad(cells, cell, level);
+    return load_part(cell, level, 0u);
 }

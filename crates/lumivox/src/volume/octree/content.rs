@@ -1,0 +1,421 @@
+//! What is in the octree: values of cells, and the bricks that are filled from them.
+
+use glam::UVec3;
+
+use super::GROWTH;
+use super::layout::AtlasSize;
+use super::topology::Topology;
+use super::{Duplication, Mipmapping, OctreeOptions};
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderLibrary, read_buffer,
+    storage_buffer, uniform_buffer,
+};
+use crate::volume::budget;
+use crate::volume::dense::{CELL_FORMAT, NodeRange};
+use crate::voxelize::{Memory, Remedy};
+use crate::voxels::VoxelList;
+use crate::{GiError, Grid};
+
+/// Texels along a brick's edge.
+const BRICK_TEXELS: u64 = 27;
+/// Four half floats.
+const TEXEL_BYTES: u64 = 8;
+
+/// The texture of all bricks.
+pub(super) fn atlas(device: &wgpu::Device, size: UVec3) -> wgpu::TextureView {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("octree bricks"),
+        size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format: CELL_FORMAT,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// What belongs to the current voxel list.
+#[derive(Debug)]
+pub(super) struct Content {
+    pub atlas: wgpu::TextureView,
+    pub atlas_bytes: u64,
+    value_starts: wgpu::Buffer,
+    values: wgpu::Buffer,
+    /// Own cells and next nodes, for the ways to fill bricks that need them.
+    neighbors: Option<[wgpu::Buffer; 2]>,
+    /// Group 0 of the kernels that do not search for nodes, and of those that do.
+    globals: wgpu::BindGroup,
+    searching: wgpu::BindGroup,
+    store: Work,
+    filters: Vec<Work>,
+    fill: Work,
+}
+
+impl Content {
+    /// Bytes of the values and of where each cell's start.
+    pub fn value_bytes(&self) -> u64 {
+        self.value_starts.size() + self.values.size()
+    }
+
+    /// Bytes of what nodes know of their neighbours.
+    pub fn neighbor_bytes(&self) -> u64 {
+        self.neighbors.iter().flatten().map(wgpu::Buffer::size).sum()
+    }
+}
+
+/// A bind group with the number of threads that it is for.
+#[derive(Debug)]
+struct Work {
+    group: wgpu::BindGroup,
+    count: u64,
+}
+
+/// The kernels that fill the octree.
+#[derive(Debug)]
+pub(super) struct ContentKernels {
+    options: OctreeOptions,
+    scan: Scan,
+    /// Group 0 for kernels that write nodes, and for those that read them.
+    write_layout: wgpu::BindGroupLayout,
+    read_layout: wgpu::BindGroupLayout,
+    masks_layout: wgpu::BindGroupLayout,
+    bricks_layout: wgpu::BindGroupLayout,
+    count_layout: wgpu::BindGroupLayout,
+    neighbors_layout: wgpu::BindGroupLayout,
+    store_layout: wgpu::BindGroupLayout,
+    filter_layout: wgpu::BindGroupLayout,
+    fill_layout: wgpu::BindGroupLayout,
+    masks: Kernel,
+    count_bricks: Kernel,
+    assign_bricks: Kernel,
+    count_values: Kernel,
+    own_cells: Kernel,
+    pointers: Kernel,
+    store: Kernel,
+    filter: Kernel,
+    fill: Kernel,
+}
+
+impl ContentKernels {
+    pub fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        options: OctreeOptions,
+    ) -> Result<Self, GiError> {
+        let compute = LayoutBuilder::compute;
+        let storage = |count: usize| (0..count).fold(compute(), |layout, _| layout.storage());
+        let write_layout = compute().uniform().uniform().build(device, "octree::tree");
+        let read_layout = compute().uniform().uniform().storage().build(device, "octree::search");
+        let masks_layout = storage(4).storage_mut().build(device, "octree::masks");
+        let bricks_layout = storage(3).storage_mut().storage_mut().build(device, "octree::bricks");
+        let count_layout = storage(1).storage_mut().build(device, "octree::count_values");
+        let neighbors_layout =
+            storage(3).storage_mut().storage_mut().build(device, "octree::neighbors");
+        let values = || compute().uniform().storage().storage().storage_mut();
+        let store_layout = values().storage().storage().storage().build(device, "octree::store");
+        let filter_layout = values().storage().storage().build(device, "octree::filter");
+        let fill_layout = storage(6)
+            .storage_texture(wgpu::TextureViewDimension::D3, CELL_FORMAT)
+            .build(device, "octree::fill");
+        let write = |module: &str, entry: &str, layout: &wgpu::BindGroupLayout| {
+            Kernel::new(device, shaders, module, entry, &[&write_layout, layout])
+        };
+        let read = |module: &str, entry: &str, layout: &wgpu::BindGroupLayout| {
+            Kernel::new(device, shaders, module, entry, &[&read_layout, layout])
+        };
+        let filter = match options.mipmapping {
+            Mipmapping::Occupied => "main",
+            Mipmapping::Every => "every_cell",
+        };
+        let fill = match options.duplication {
+            Duplication::Ranks => "octree::fill_ranked",
+            Duplication::Pointers => "octree::fill_pointers",
+            Duplication::Search => "octree::fill_search",
+        };
+        Ok(Self {
+            options,
+            scan: Scan::new(device, shaders)?,
+            masks: write("octree::masks", "main", &masks_layout)?,
+            count_bricks: write("octree::bricks", "count", &bricks_layout)?,
+            assign_bricks: write("octree::bricks", "assign", &bricks_layout)?,
+            count_values: write("octree::count_values", "main", &count_layout)?,
+            own_cells: read("octree::neighbors", "own_cells", &neighbors_layout)?,
+            pointers: read("octree::neighbors", "pointers", &neighbors_layout)?,
+            store: write("octree::store", "main", &store_layout)?,
+            filter: write("octree::filter", filter, &filter_layout)?,
+            fill: read(fill, "main", &fill_layout)?,
+            write_layout,
+            read_layout,
+            masks_layout,
+            bricks_layout,
+            count_layout,
+            neighbors_layout,
+            store_layout,
+            filter_layout,
+            fill_layout,
+        })
+    }
+
+    /// Numbers and allocates bricks and values. Waits for their counts.
+    pub async fn build(
+        &self,
+        recorder: &mut Recorder,
+        grid: &Grid,
+        grid_uniform: &wgpu::Buffer,
+        voxels: &VoxelList,
+        radiance: &wgpu::Buffer,
+        topology: &mut Topology,
+        memory_budget: Option<u64>,
+    ) -> Result<Content, GiError> {
+        let device = recorder.device().clone();
+        let globals = BindGroupBuilder::new(&self.write_layout)
+            .buffer(grid_uniform)
+            .buffer(&topology.tree)
+            .build(&device, "octree::tree");
+        let searching = BindGroupBuilder::new(&self.read_layout)
+            .buffer(grid_uniform)
+            .buffer(&topology.tree)
+            .buffer(&topology.octree)
+            .build(&device, "octree::search");
+        let remedy = Remedy::Surface(grid.dimensions.max_element());
+        let mut memory = Memory::new(&device);
+        let value_starts =
+            self.count(recorder, &mut memory, grid, &globals, voxels, topology).await?;
+        let stats = &mut topology.stats;
+        let size = AtlasSize::of(stats.bricks);
+        let texels = size.texels();
+        check_atlas(&device, texels, grid)?;
+        let atlas_bytes = texels.as_u64vec3().element_product() * TEXEL_BYTES;
+        let needed = atlas_bytes
+            + topology.octree.size()
+            + topology.sites.size()
+            + value_starts.size()
+            + u64::from(stats.values) * TEXEL_BYTES;
+        budget::check("the octree with its bricks", needed, memory_budget, grid, GROWTH)?;
+        let values = memory.buffer("octree: values", stats.values.into(), TEXEL_BYTES, remedy)?;
+        let tree = topology.layout.uniform(topology.slots, stats.bricks);
+        recorder.queue().write_buffer(&topology.tree, 0, bytemuck::bytes_of(&tree));
+        let atlas = atlas(&device, texels);
+        let neighbors =
+            self.neighbors(recorder, &mut memory, grid, &searching, voxels, topology)?;
+        let fill = self.fill_work(
+            &device,
+            voxels,
+            topology,
+            neighbors.as_ref(),
+            (&value_starts, &values),
+            &atlas,
+        );
+        let (store, filters) =
+            self.value_work(&device, grid, voxels, radiance, (&value_starts, &values));
+        Ok(Content {
+            atlas,
+            atlas_bytes,
+            value_starts,
+            values,
+            neighbors,
+            globals,
+            searching,
+            store,
+            filters,
+            fill,
+        })
+    }
+
+    /// Counts bricks and values into the statistics, and gives nodes their bricks; where the values of each cell start
+    /// is returned.
+    async fn count(
+        &self,
+        recorder: &mut Recorder,
+        memory: &mut Memory<'_>,
+        grid: &Grid,
+        globals: &wgpu::BindGroup,
+        voxels: &VoxelList,
+        topology: &mut Topology,
+    ) -> Result<wgpu::Buffer, GiError> {
+        let device = recorder.device().clone();
+        let queue = recorder.queue().clone();
+        let remedy = Remedy::Surface(grid.dimensions.max_element());
+        let slots = u64::from(topology.slots);
+        let cells = voxels.level_starts[grid.levels as usize];
+        let masks = BindGroupBuilder::new(&self.masks_layout)
+            .buffer(&voxels.occupancy)
+            .buffer(&voxels.ranks)
+            .buffer(&voxels.nodes)
+            .buffer(&topology.sites)
+            .buffer(&topology.octree)
+            .build(&device, "octree::masks");
+        self.masks.run_linear(recorder, &[globals, &masks], slots);
+        let brick_starts = memory.buffer("octree: brick starts", slots + 1, 4, remedy)?;
+        let bricks = BindGroupBuilder::new(&self.bricks_layout)
+            .buffer(&topology.node_bits)
+            .buffer(&topology.group_ranks)
+            .buffer(&topology.sites)
+            .buffer(&topology.octree)
+            .buffer(&brick_starts)
+            .build(&device, "octree::bricks");
+        self.count_bricks.run_linear(recorder, &[globals, &bricks], slots);
+        self.scan.run(recorder, &brick_starts, topology.slots + 1);
+        self.assign_bricks.run_linear(recorder, &[globals, &bricks], slots);
+        let value_starts =
+            memory.buffer("octree: value starts", u64::from(cells) + 1, 4, remedy)?;
+        let values = BindGroupBuilder::new(&self.count_layout)
+            .buffer(&voxels.nodes)
+            .buffer(&value_starts)
+            .build(&device, "octree::count_values");
+        self.count_values.run_linear(recorder, &[globals, &values], cells.into());
+        self.scan.run(recorder, &value_starts, cells + 1);
+        let totals = storage_buffer(&device, "octree: totals", 12);
+        let encoder = recorder.encoder();
+        encoder.copy_buffer_to_buffer(&brick_starts, slots * 4, &totals, 0, 4);
+        encoder.copy_buffer_to_buffer(&value_starts, u64::from(cells) * 4, &totals, 4, 4);
+        recorder.flush();
+        let totals: Vec<u32> = read_buffer(&device, &queue, &totals, 0..8).await?;
+        topology.stats.bricks = totals[0];
+        topology.stats.values = totals[1];
+        Ok(value_starts)
+    }
+
+    /// What nodes must know of their neighbours, by the way in which bricks are filled.
+    fn neighbors(
+        &self,
+        recorder: &mut Recorder,
+        memory: &mut Memory<'_>,
+        grid: &Grid,
+        globals: &wgpu::BindGroup,
+        voxels: &VoxelList,
+        topology: &Topology,
+    ) -> Result<Option<[wgpu::Buffer; 2]>, GiError> {
+        if self.options.duplication == Duplication::Ranks {
+            return Ok(None);
+        }
+        let device = recorder.device().clone();
+        let remedy = Remedy::Surface(grid.dimensions.max_element());
+        let slots = u64::from(topology.slots);
+        let has_pointers = self.options.duplication == Duplication::Pointers;
+        let contents = memory.buffer("octree: own cells", slots, 8, remedy)?;
+        let pointers = if has_pointers { 3 * slots } else { 1 };
+        let next_nodes = memory.buffer("octree: next nodes", pointers, 4, remedy)?;
+        let group = BindGroupBuilder::new(&self.neighbors_layout)
+            .buffer(&voxels.occupancy)
+            .buffer(&voxels.ranks)
+            .buffer(&topology.sites)
+            .buffer(&contents)
+            .buffer(&next_nodes)
+            .build(&device, "octree::neighbors");
+        self.own_cells.run_linear(recorder, &[globals, &group], slots);
+        if has_pointers {
+            self.pointers.run_linear(recorder, &[globals, &group], slots);
+        }
+        Ok(Some([contents, next_nodes]))
+    }
+
+    fn fill_work(
+        &self,
+        device: &wgpu::Device,
+        voxels: &VoxelList,
+        topology: &Topology,
+        neighbors: Option<&[wgpu::Buffer; 2]>,
+        (value_starts, values): (&wgpu::Buffer, &wgpu::Buffer),
+        atlas: &wgpu::TextureView,
+    ) -> Work {
+        let [first, second] = match neighbors {
+            Some([contents, next_nodes]) => [contents, next_nodes],
+            None => [&voxels.occupancy, &voxels.ranks],
+        };
+        let group = BindGroupBuilder::new(&self.fill_layout)
+            .buffer(first)
+            .buffer(second)
+            .buffer(value_starts)
+            .buffer(values)
+            .buffer(&voxels.nodes)
+            .buffer(&topology.sites)
+            .view(atlas)
+            .build(device, "octree::fill");
+        Work { group, count: u64::from(topology.slots) * BRICK_TEXELS }
+    }
+
+    /// The work of storing the finest values, and of filtering each coarser level.
+    fn value_work(
+        &self,
+        device: &wgpu::Device,
+        grid: &Grid,
+        voxels: &VoxelList,
+        radiance: &wgpu::Buffer,
+        (value_starts, values): (&wgpu::Buffer, &wgpu::Buffer),
+    ) -> (Work, Vec<Work>) {
+        let range = |level: u32| {
+            let range = NodeRange::new(voxels, level);
+            (uniform_buffer(device, "node range", &range), u64::from(range.count))
+        };
+        let (uniform, count) = range(0);
+        let group = BindGroupBuilder::new(&self.store_layout)
+            .buffer(&uniform)
+            .buffer(&voxels.nodes)
+            .buffer(value_starts)
+            .buffer(values)
+            .buffer(&voxels.first_faces)
+            .buffer(&voxels.faces)
+            .buffer(radiance)
+            .build(device, "octree::store");
+        let store = Work { group, count };
+        let filters = (1..grid.levels)
+            .map(|level| {
+                let (uniform, count) = range(level);
+                let group = BindGroupBuilder::new(&self.filter_layout)
+                    .buffer(&uniform)
+                    .buffer(&voxels.nodes)
+                    .buffer(value_starts)
+                    .buffer(values)
+                    .buffer(&voxels.occupancy)
+                    .buffer(&voxels.ranks)
+                    .build(device, "octree::filter");
+                let count = match self.options.mipmapping {
+                    Mipmapping::Occupied => count,
+                    Mipmapping::Every => u64::from(grid.morton_edge(level)).pow(3),
+                };
+                Work { group, count }
+            })
+            .collect();
+        (store, filters)
+    }
+
+    /// Stores the radiance of all faces, filters it, and fills the bricks.
+    pub fn update(&self, recorder: &mut Recorder, content: &Content) {
+        let globals = &content.globals;
+        let Work { group, count } = &content.store;
+        self.store.run_linear(recorder, &[globals, group], *count);
+        recorder.compute("octree::filter", |pass| {
+            for Work { group, count } in &content.filters {
+                self.filter.dispatch_linear(pass, &[globals, group], *count);
+            }
+        });
+        let Work { group, count } = &content.fill;
+        self.fill.run_linear(recorder, &[&content.searching, group], *count);
+    }
+}
+
+/// Refuses an atlas that the device cannot make.
+fn check_atlas(device: &wgpu::Device, texels: UVec3, grid: &Grid) -> Result<(), GiError> {
+    let limit = device.limits().max_texture_dimension_3d;
+    let longest = texels.max_element();
+    if longest <= limit {
+        return Ok(());
+    }
+    let resolution = grid.dimensions.max_element();
+    // The bricks go with the square of the resolution, the atlas's edge with their cube root.
+    let share = (f64::from(limit) / f64::from(longest)).powf(1.5);
+    let fitting = (f64::from(resolution) * share) as u32 / 8 * 8;
+    Err(GiError::Limit {
+        what: format!("the atlas of an octree's bricks at a resolution of {resolution}"),
+        needed: longest.into(),
+        unit: "texels along an axis",
+        limit: "max_texture_dimension_3d",
+        available: limit.into(),
+        remedy: format!("set the resolution to at most {fitting}"),
+    })
+}

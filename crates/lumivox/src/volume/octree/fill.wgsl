@@ -1,0 +1,50 @@
+// Bricks from values: a thread a texel copies the values of its cell into the node's bricks.
+//
+// Two thirds of a brick's texels are its neighbours' (19 of 27). Three ways to find a texel's cell give the same:
+// by the ranks of the voxel list (fill_ranked.wgsl), by pointers to the next nodes (fill_pointers.wgsl), and by a
+// search from the root (fill_search.wgsl).
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::octree::search::{node_mask, octree};
+import package::octree::sites::Site;
+import package::octree::tree::{brick_origin, node_word, tree, ALL_PARTS, NODE_FIRST_BRICK};
+import package::octree::values::unpack_value;
+import package::volume::parts::stored_parts;
+import package::voxels::list::Node;
+
+// Bindings 0 and 1 belong to the way in which cells are found.
+@group(1) @binding(2) var<storage, read> value_starts: array<u32>;
+@group(1) @binding(3) var<storage, read> values: array<vec2u>;
+@group(1) @binding(4) var<storage, read> nodes: array<Node>;
+@group(1) @binding(5) var<storage, read> sites: array<Site>;
+@group(1) @binding(6) var atlas_out: texture_storage_3d<rgba16float, write>;
+
+const TEXELS: u32 = 27u;
+
+fn texel_offset(texel: u32) -> vec3u {
+    return vec3u(texel % 3u, (texel / 3u) % 3u, texel / 9u);
+}
+
+// `cell` is a place in the voxel list; without one the texel is zero.
+fn fill_texel(slot: u32, texel: u32, has_cell: bool, cell: u32) {
+    var missing = node_mask(slot, ALL_PARTS);
+    var brick = octree[node_word(slot) + NODE_FIRST_BRICK];
+    var there = 0u;
+    var value = 0u;
+    if has_cell {
+        there = stored_parts(nodes[cell].lobes);
+        value = value_starts[cell];
+    }
+    while missing != 0u {
+        let part = countTrailingZeros(missing);
+        missing &= missing - 1u;
+        var content = vec4f(0.0);
+        if ((there >> part) & 1u) != 0u {
+            content = unpack_value(values[value]);
+            value++;
+        }
+        textureStore(atlas_out, brick_origin(brick) + texel_offset(texel), content);
+        brick++;
+    }
+}

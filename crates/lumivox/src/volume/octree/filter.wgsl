@@ -1,0 +1,143 @@
+// The values of the cells of one level from those of the finer one: the rule of the dense volume's filters
+// (dense/filter.wgsl, dense/isotropic_filter.wgsl) over lists.
+//
+// `main` has a thread for each occupied cell. `every_cell` has one for each possible cell of the level, as the first
+// octree renderers did, and most of them find nothing to do: it is there to be measured.
+
+import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
+import package::gpu::dispatch::linear_index;
+import package::octree::tree::tree;
+import package::octree::values::{load_value, store_value};
+import package::volume::level_range::{node_range, nodes};
+import package::volume::parts::{part_of, stored_parts, NEGATIVE, POSITIVE, TILT};
+import package::voxels::lookup::bits_below;
+
+@group(1) @binding(4) var<storage, read> occupancy: array<u32>;
+@group(1) @binding(5) var<storage, read> ranks: array<u32>;
+
+// The children of a cell: the first one's place in the list, and a bit for each that there is.
+struct Children {
+    first: u32,
+    bits: u32,
+}
+
+// A child with the parts that it has; none if it is empty.
+struct Child {
+    cell: u32,
+    parts: u32,
+}
+
+fn children_of(morton: u32, level: u32) -> Children {
+    let code = morton * 8u;
+    let word = tree.levels[level - 1u].z + code / 32u;
+    let bits = occupancy[word];
+    return Children(ranks[word] + bits_below(bits, code % 32u), (bits >> (code % 32u)) & 0xffu);
+}
+
+fn child_at(children: Children, octant: u32) -> Child {
+    if ((children.bits >> octant) & 1u) == 0u {
+        return Child(0u, 0u);
+    }
+    let cell = children.first + bits_below(children.bits, octant);
+    return Child(cell, stored_parts(nodes[cell].lobes));
+}
+
+// The share of the farther cell that the nearer one leaves visible.
+fn uncovered(near: f32, far: f32) -> f32 {
+    if far <= 0.0 {
+        return 0.0;
+    }
+    return min(far, 1.0 - near) / far;
+}
+
+fn load(child: Child, axis: u32, kind: u32) -> vec4f {
+    return load_value(child.cell, child.parts, part_of(axis, kind));
+}
+
+fn filter_lobes(cell: u32, lobes: u32, children: Children) {
+    let parts = stored_parts(lobes);
+    for (var axis = 0u; axis < 3u; axis++) {
+        if ((lobes >> (2u * axis)) & 3u) == 0u {
+            continue;
+        }
+        var positive = vec4f(0.0);
+        var negative = vec4f(0.0);
+        var tilt = vec4f(0.0);
+        for (var column = 0u; column < 4u; column++) {
+            let octant = ((column & 1u) << ((axis + 1u) % 3u)) | ((column >> 1u) << ((axis + 2u) % 3u));
+            let low = child_at(children, octant);
+            let high = child_at(children, octant | (1u << axis));
+
+            let positive_near = load(high, axis, POSITIVE);
+            let positive_far = load(low, axis, POSITIVE);
+            let negative_near = load(low, axis, NEGATIVE);
+            let negative_far = load(high, axis, NEGATIVE);
+            let tilt_low = load(low, axis, TILT);
+            let tilt_high = load(high, axis, TILT);
+            let positive_share = uncovered(positive_near.a, positive_far.a);
+            let negative_share = uncovered(negative_near.a, negative_far.a);
+            positive += positive_near + positive_share * positive_far;
+            negative += negative_near + negative_share * negative_far;
+            tilt += vec4f(
+                tilt_high.xy + positive_share * tilt_low.xy,
+                tilt_low.zw + negative_share * tilt_high.zw,
+            );
+        }
+        if ((parts >> part_of(axis, POSITIVE)) & 1u) != 0u {
+            store_value(cell, parts, part_of(axis, POSITIVE), 0.25 * positive);
+        }
+        if ((parts >> part_of(axis, NEGATIVE)) & 1u) != 0u {
+            store_value(cell, parts, part_of(axis, NEGATIVE), 0.25 * negative);
+        }
+        if ((parts >> part_of(axis, TILT)) & 1u) != 0u {
+            store_value(cell, parts, part_of(axis, TILT), 0.25 * tilt);
+        }
+    }
+}
+
+fn filter_mean(cell: u32, children: Children) {
+    var sum = vec4f(0.0);
+    for (var octant = 0u; octant < 8u; octant++) {
+        let child = child_at(children, octant);
+        sum += load_value(child.cell, child.parts, 0u);
+    }
+    store_value(cell, 1u, 0u, 0.125 * sum);
+}
+
+fn filter_cell(cell: u32, morton: u32) {
+    let children = children_of(morton, node_range.level);
+    if ISOTROPIC != 0u {
+        filter_mean(cell, children);
+    } else {
+        filter_lobes(cell, nodes[cell].lobes, children);
+    }
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index < node_range.count {
+        let cell = node_range.first + index;
+        filter_cell(cell, nodes[cell].morton);
+    }
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn every_cell(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let code = linear_index(invocation, workgroups);
+    let edge_bits = tree.root_level - node_range.level;
+    if code >= 1u << (3u * edge_bits) {
+        return;
+    }
+    let word = tree.levels[node_range.level].z + code / 32u;
+    let bits = occupancy[word];
+    if (bits & (1u << (code % 32u))) != 0u {
+        filter_cell(ranks[word] + bits_below(bits, code % 32u), code);
+    }
+}

@@ -1,0 +1,32 @@
+// Numbering the groups of nodes by ranks: without locks, in the same order in every run.
+//
+// The eight children of a node are one byte of the node bits. A byte that is not zero is a group, and its number is
+// how many come before it: a prefix sum of the counts of words.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::octree::tree::tree;
+
+// The bits of the nodes below the root's level, level 1 first.
+@group(1) @binding(0) var<storage, read> node_bits: array<u32>;
+// One word more: the total.
+@group(1) @binding(1) var<storage, read_write> group_ranks: array<u32>;
+
+// The lowest bit of each byte: whether any bit of it is set.
+fn occupied_bytes(word: u32) -> u32 {
+    var bytes = word | (word >> 4u);
+    bytes |= bytes >> 2u;
+    bytes |= bytes >> 1u;
+    return bytes & 0x01010101u;
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn count(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let word = linear_index(invocation, workgroups);
+    if word < tree.levels[tree.root_level].x {
+        group_ranks[word] = countOneBits(occupied_bytes(node_bits[word]));
+    }
+}

@@ -1,0 +1,133 @@
+// Nodes by concurrent descent: many threads split nodes at once, one each under the node's lock.
+//
+// As the first octree builders on GPUs did it (Crassin and Green 2012, "Octree-based sparse voxelization using the
+// GPU hardware rasterizer", OpenGL Insights chapter 22). A thread brings one node into being: it descends from the
+// root, and where it finds a node without children it takes the node's lock, allocates a group of eight and goes on.
+// If another thread has the lock, it does not wait: it puts itself on the list for the next pass. A lock is never given
+// back, and a node whose lock is taken has its children at the end of the pass. So every pass brings a deferred thread
+// down by a level at least, and as many passes as there are levels are enough.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::octree::holders::has_holder;
+import package::octree::sites::Site;
+import package::octree::tree::{corner_of, octant_of, tree, NONE};
+import package::voxels::list::Node;
+import package::voxels::morton::{morton_decode, morton_encode};
+
+// Levels of cells, at most.
+const MAX_CELL_LEVELS: u32 = 12u;
+
+struct LockPass {
+    // 0 for the first: there the items are all pairs of a cell and one of the eight nodes that may hold it.
+    pass_number: u32,
+    item_count: u32,
+    // Groups that there is room for.
+    capacity: u32,
+    padding: u32,
+    // Where the cells of each level start in the list, in x.
+    level_starts: array<vec4u, MAX_CELL_LEVELS>,
+}
+
+@group(1) @binding(0) var<uniform> lock_pass: LockPass;
+@group(1) @binding(1) var<storage, read> nodes: array<Node>;
+// Of each node the group of its children.
+@group(1) @binding(2) var<storage, read_write> children: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> locks: array<atomic<u32>>;
+@group(1) @binding(4) var<storage, read_write> sites: array<Site>;
+// 0: groups allocated, 1: always zero, then for each pass the threads that it deferred.
+@group(1) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(6) var<storage, read> items: array<u32>;
+@group(1) @binding(7) var<storage, read_write> deferred: array<u32>;
+
+const GROUPS: u32 = 0u;
+const DEFERRED: u32 = 2u;
+// Bits of a lock: taken, and that a thread has come to this node to stay.
+const TAKEN: u32 = 1u;
+const WANTED: u32 = 2u;
+
+struct Target {
+    node_cell: vec3u,
+    // 0: there is none.
+    level: u32,
+}
+
+fn target_of(item: u32) -> Target {
+    let index = item / 8u;
+    var level = 0u;
+    while index >= lock_pass.level_starts[level + 1u].x {
+        level++;
+    }
+    let cell = morton_decode(nodes[index].morton);
+    if !has_holder(cell, item % 8u) {
+        return Target(vec3u(0u), 0u);
+    }
+    return Target((cell >> vec3u(1u)) - corner_of(item % 8u), level + 1u);
+}
+
+// The children of a node that had none. Only one thread gets here for a node.
+fn split(node: u32, node_cell: vec3u, level: u32) -> u32 {
+    let group = 1u + atomicAdd(&counters[GROUPS], 1u);
+    if group >= lock_pass.capacity {
+        return NONE;
+    }
+    for (var octant = 0u; octant < 8u; octant++) {
+        sites[8u * group + octant] =
+            Site(morton_encode(2u * node_cell + corner_of(octant)), level - 1u);
+    }
+    atomicStore(&children[node], group);
+    return group;
+}
+
+// Whether the node is there now.
+fn insert(wanted: Target) -> bool {
+    var node = 0u;
+    var level = tree.root_level;
+    var is_stopped = false;
+    while level > wanted.level && !is_stopped {
+        var group = atomicLoad(&children[node]);
+        if group == NONE {
+            if (atomicOr(&locks[node], TAKEN) & TAKEN) == 0u {
+                group = split(node, wanted.node_cell >> vec3u(level - wanted.level), level);
+            } else {
+                group = atomicLoad(&children[node]);
+            }
+        }
+        is_stopped = group == NONE;
+        level--;
+        node = 8u * group + octant_of(wanted.node_cell >> vec3u(level - wanted.level));
+    }
+    if is_stopped {
+        return false;
+    }
+    if (atomicLoad(&locks[node]) & WANTED) == 0u {
+        atomicOr(&locks[node], WANTED);
+    }
+    return true;
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    var item = index;
+    var count = lock_pass.item_count;
+    if lock_pass.pass_number > 0u {
+        count = atomicLoad(&counters[DEFERRED + lock_pass.pass_number - 1u]);
+        if index < count {
+            item = items[index];
+        }
+    }
+    if index >= count {
+        return;
+    }
+    let wanted = target_of(item);
+    if wanted.level > 0u && !insert(wanted) {
+        let place = atomicAdd(&counters[DEFERRED + lock_pass.pass_number], 1u);
+        if place < arrayLength(&deferred) {
+            deferred[place] = item;
+        }
+    }
+}

@@ -1,0 +1,53 @@
+// The masks of the nodes: which parts the look-ups into their bricks can meet.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::grid::grid;
+import package::octree::cell_ranks::{cell_rank, NO_CELL};
+import package::octree::sites::Site;
+import package::octree::tree::{corner_of, mask_shift, node_word, tree, ALL_PARTS, NODE_MASKS};
+import package::volume::parts::stored_parts;
+import package::voxels::list::Node;
+import package::voxels::morton::morton_decode;
+
+@group(1) @binding(2) var<storage, read> nodes: array<Node>;
+@group(1) @binding(3) var<storage, read> sites: array<Site>;
+@group(1) @binding(4) var<storage, read_write> octree_out: array<u32>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let slot = linear_index(invocation, workgroups);
+    if slot >= tree.slots {
+        return;
+    }
+    let site = sites[slot];
+    // Above the coarsest cells nodes lead the way and have no bricks.
+    if site.level == 0u || site.level > grid.levels {
+        return;
+    }
+    let first_cell = 2u * morton_decode(site.morton);
+    var masks = array<u32, 3>(0u, 0u, 0u);
+    for (var i = 0u; i < 27u; i++) {
+        let offset = vec3u(i % 3u, (i / 3u) % 3u, i / 9u);
+        let rank = cell_rank(first_cell + offset, site.level - 1u);
+        if rank == NO_CELL {
+            continue;
+        }
+        let parts = stored_parts(nodes[rank].lobes);
+        masks[ALL_PARTS / 3u] |= parts << mask_shift(ALL_PARTS);
+        // The look-ups that read this cell: those that start at it, or one before.
+        for (var lookup = 0u; lookup < 8u; lookup++) {
+            let from_start = offset - corner_of(lookup);
+            if all(from_start <= vec3u(1u)) {
+                masks[lookup / 3u] |= parts << mask_shift(lookup);
+            }
+        }
+    }
+    let word = node_word(slot) + NODE_MASKS;
+    octree_out[word] = masks[0];
+    octree_out[word + 1u] = masks[1];
+    octree_out[word + 2u] = masks[2];
+}

@@ -1,0 +1,63 @@
+// The values of the finest cells, from the faces of the voxel list.
+
+import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
+import package::gpu::dispatch::linear_index;
+import package::octree::values::store_value;
+import package::volume::level_range::{node_range, nodes};
+import package::volume::parts::{part_of, stored_parts, POSITIVE, TILT};
+import package::voxels::list::Face;
+
+@group(1) @binding(4) var<storage, read> first_faces: array<u32>;
+@group(1) @binding(5) var<storage, read> faces: array<Face>;
+@group(1) @binding(6) var<storage, read> radiance: array<vec4f>;
+
+fn store_lobes(voxel: u32, lobes: u32) {
+    let parts = stored_parts(lobes);
+    var face = first_faces[voxel];
+    for (var axis = 0u; axis < 3u; axis++) {
+        // A voxel's faces are listed in the order of their lobes.
+        var tilt = vec4f(0.0);
+        for (var side = 0u; side < 2u; side++) {
+            if ((lobes >> (2u * axis + side)) & 1u) == 0u {
+                continue;
+            }
+            let area = faces[face].vector_area;
+            let opacity = abs(area[axis]);
+            let across = vec2f(area[(axis + 1u) % 3u], area[(axis + 2u) % 3u]);
+            tilt = select(vec4f(tilt.xy, across), vec4f(across, tilt.zw), side == 0u);
+            let value = vec4f(radiance[face].rgb * opacity, opacity);
+            store_value(voxel, parts, part_of(axis, POSITIVE + side), value);
+            face++;
+        }
+        if ((parts >> part_of(axis, TILT)) & 1u) != 0u {
+            store_value(voxel, parts, part_of(axis, TILT), tilt);
+        }
+    }
+}
+
+// The opacity is the surface's area in the voxel, the radiance the mean over it.
+fn store_mean(voxel: u32, lobes: u32) {
+    let first = first_faces[voxel];
+    var sum = vec4f(0.0);
+    for (var i = 0u; i < countOneBits(lobes & 0x3fu); i++) {
+        let area = length(faces[first + i].vector_area);
+        sum += vec4f(radiance[first + i].rgb * area, area);
+    }
+    store_value(voxel, 1u, 0u, sum / max(sum.a, 1.0));
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let voxel = linear_index(invocation, workgroups);
+    if voxel >= node_range.count {
+        return;
+    }
+    if ISOTROPIC != 0u {
+        store_mean(voxel, nodes[voxel].lobes);
+    } else {
+        store_lobes(voxel, nodes[voxel].lobes);
+    }
+}

@@ -1,0 +1,98 @@
+//! An octree read back from the GPU.
+
+use std::collections::BTreeMap;
+
+use glam::UVec3;
+use half::f16;
+
+use crate::Gi;
+use crate::testing::{morton_decode, read, read_level};
+use crate::volume::Volume;
+use crate::volume::octree::layout::AtlasSize;
+use crate::volume::octree::{Built, TreeUniform};
+
+/// The level and the coordinates of a node.
+pub(super) type NodeAt = (u32, [u32; 3]);
+
+/// One of its bricks: 27 texels, x fastest.
+pub(super) type Brick = [[u16; 4]; 27];
+
+#[derive(Debug, PartialEq)]
+pub(super) struct ReadNode {
+    /// The masks of the eight look-ups, and of all parts.
+    pub masks: [u32; 9],
+    /// By part.
+    pub bricks: BTreeMap<u32, Brick>,
+}
+
+fn built(gi: &Gi) -> &Built {
+    match gi.volume() {
+        Volume::Octree(octree) => octree.built(),
+        Volume::Dense(_) => panic!("it is an octree"),
+    }
+}
+
+/// All nodes, found by going down from the root; panics if a node is where it does not belong.
+pub(super) fn read_nodes(
+    (device, queue): &(wgpu::Device, wgpu::Queue),
+    gi: &Gi,
+) -> BTreeMap<NodeAt, ReadNode> {
+    let built = built(gi);
+    let topology = &built.topology;
+    let words: Vec<u32> =
+        read(device, queue, &topology.octree, (topology.octree.size() / 4) as usize);
+    let sites: Vec<[u32; 2]> = read(device, queue, &topology.sites, topology.slots as usize);
+    let tree: TreeUniform = topology.layout.uniform(topology.slots, topology.stats.bricks);
+    let texture = built.content.atlas.texture();
+    let texels: Vec<[u16; 4]> = read_level(device, queue, texture, 0);
+    let size = AtlasSize::of(topology.stats.bricks);
+    let brick = |number: u32| -> Brick {
+        let row = (1 << size.row_bits) - 1;
+        let origin = 3 * UVec3::new(
+            number & row,
+            (number >> size.row_bits) & row,
+            number >> (2 * size.row_bits),
+        );
+        let extent = size.texels();
+        std::array::from_fn(|i| {
+            let i = i as u32;
+            let at = origin + UVec3::new(i % 3, (i / 3) % 3, i / 9);
+            texels[((at.z * extent.y + at.y) * extent.x + at.x) as usize]
+        })
+    };
+
+    let mut nodes = BTreeMap::new();
+    let mut open = vec![(0_u32, (tree.root_level, UVec3::ZERO))];
+    let mut seen = 0;
+    while let Some((slot, (level, cell))) = open.pop() {
+        let [morton, site_level] = sites[slot as usize];
+        assert_eq!((site_level, morton_decode(morton)), (level, cell), "the site of node {slot}");
+        seen += 1;
+        let word = (tree.table_words + slot * 5) as usize;
+        let mask = |i: usize| (words[word + 2 + i / 3] >> (9 * (i % 3))) & 0x1ff;
+        let masks: [u32; 9] = std::array::from_fn(mask);
+        let first_brick = words[word + 1];
+        let parts = (0..9).filter(|part| masks[8] & (1 << part) != 0);
+        let bricks = parts.enumerate().map(|(i, part)| (part, brick(first_brick + i as u32)));
+        nodes.insert((level, cell.to_array()), ReadNode { masks, bricks: bricks.collect() });
+        let children = words[word];
+        if children == 0 {
+            continue;
+        }
+        for octant in 0..8 {
+            let child = 8 * children + octant;
+            if sites[child as usize][1] != 0 {
+                let corner = UVec3::new(octant & 1, (octant >> 1) & 1, octant >> 2);
+                open.push((child, (level - 1, 2 * cell + corner)));
+            }
+        }
+    }
+    let sited = sites.iter().filter(|[_, level]| *level > 0).count();
+    assert_eq!(seen, sited, "every node is reached from the root");
+    nodes
+}
+
+/// A texel in full floats.
+pub(super) fn texel(brick: &Brick, at: UVec3) -> [f32; 4] {
+    brick[(at.x + 3 * at.y + 9 * at.z) as usize].map(|bits| f16::from_bits(bits).to_f32())
+}

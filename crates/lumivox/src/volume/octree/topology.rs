@@ -1,0 +1,198 @@
+//! Which nodes there are, and how they hang together.
+
+use super::GROWTH;
+use super::layout::TreeLayout;
+use super::locks::LockBuilder;
+use super::{OctreeBuilder, OctreeStats};
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderLibrary, read_buffer,
+    uniform_buffer,
+};
+use crate::volume::budget;
+use crate::volume::dense::NodeRange;
+use crate::voxelize::{Memory, Remedy};
+use crate::voxels::{BitLevel, BitPyramid, VoxelList};
+use crate::{GiError, Grid};
+
+/// The nodes of a voxel list's octree, still without bricks.
+#[derive(Debug)]
+pub(super) struct Topology {
+    pub layout: TreeLayout,
+    /// [`super::TreeUniform`].
+    pub tree: wgpu::Buffer,
+    /// The table and the nodes.
+    pub octree: wgpu::Buffer,
+    /// `Site` for each slot.
+    pub sites: wgpu::Buffer,
+    /// Places for nodes.
+    pub slots: u32,
+    /// A bit for each node below the root, level 1 first.
+    pub node_bits: wgpu::Buffer,
+    /// Groups before each word of `node_bits`.
+    pub group_ranks: wgpu::Buffer,
+    pub stats: OctreeStats,
+}
+
+/// The kernels that make them.
+#[derive(Debug)]
+pub(super) struct TopologyKernels {
+    scan: Scan,
+    pyramid: BitPyramid,
+    /// Group 0: the grid and the tree.
+    tree_layout: wgpu::BindGroupLayout,
+    occupy_layout: wgpu::BindGroupLayout,
+    groups_layout: wgpu::BindGroupLayout,
+    build_layout: wgpu::BindGroupLayout,
+    table_layout: wgpu::BindGroupLayout,
+    occupy: Kernel,
+    count_groups: Kernel,
+    build: Kernel,
+    table: Kernel,
+    locks: Option<LockBuilder>,
+}
+
+impl TopologyKernels {
+    pub fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        builder: OctreeBuilder,
+    ) -> Result<Self, GiError> {
+        let compute = LayoutBuilder::compute;
+        let tree_layout = compute().uniform().uniform().build(device, "octree::tree");
+        let occupy_layout =
+            compute().uniform().storage().storage_mut().build(device, "octree::occupy");
+        let groups_layout = compute().storage().storage_mut().build(device, "octree::groups");
+        let build_layout = compute()
+            .storage()
+            .storage()
+            .storage_mut()
+            .storage_mut()
+            .build(device, "octree::build_ranked");
+        let table_layout = compute().storage().storage_mut().build(device, "octree::table");
+        let kernel = |module: &str, entry: &str, layout: &wgpu::BindGroupLayout| {
+            Kernel::new(device, shaders, module, entry, &[&tree_layout, layout])
+        };
+        let locks = match builder {
+            OctreeBuilder::Ranks => None,
+            OctreeBuilder::Locks => Some(LockBuilder::new(device, shaders, &tree_layout)?),
+        };
+        Ok(Self {
+            scan: Scan::new(device, shaders)?,
+            pyramid: BitPyramid::new(device, shaders, &tree_layout)?,
+            occupy: kernel("octree::occupy", "main", &occupy_layout)?,
+            count_groups: kernel("octree::groups", "count", &groups_layout)?,
+            build: kernel("octree::build_ranked", "main", &build_layout)?,
+            table: kernel("octree::table", "main", &table_layout)?,
+            locks,
+            tree_layout,
+            occupy_layout,
+            groups_layout,
+            build_layout,
+            table_layout,
+        })
+    }
+
+    /// Builds the nodes of a list. Waits for a count of them, to allocate no more than they need.
+    pub async fn build(
+        &self,
+        recorder: &mut Recorder,
+        grid: &Grid,
+        grid_uniform: &wgpu::Buffer,
+        voxels: &VoxelList,
+        memory_budget: Option<u64>,
+    ) -> Result<Topology, GiError> {
+        let device = recorder.device().clone();
+        let queue = recorder.queue().clone();
+        let layout = TreeLayout::new(grid);
+        let tree = uniform_buffer(&device, "octree", &layout.uniform(1, 1));
+        let globals = BindGroupBuilder::new(&self.tree_layout)
+            .buffer(grid_uniform)
+            .buffer(&tree)
+            .build(&device, "octree::tree");
+        let resolution = grid.dimensions.max_element();
+        let mut memory = Memory::new(&device);
+        let words = u64::from(layout.bit_words());
+        // The root has a word as well, so that the pyramid may end in it.
+        let node_bits =
+            memory.buffer("octree: node bits", words + 1, 4, Remedy::Volume(resolution))?;
+        let group_ranks =
+            memory.buffer("octree: group ranks", words + 1, 4, Remedy::Volume(resolution))?;
+
+        self.mark_nodes(recorder, &globals, grid, &layout, voxels, &node_bits);
+        let groups_group = BindGroupBuilder::new(&self.groups_layout)
+            .buffer(&node_bits)
+            .buffer(&group_ranks)
+            .build(&device, "octree::groups");
+        self.count_groups.run_linear(recorder, &[&globals, &groups_group], words);
+        self.scan.run(recorder, &group_ranks, layout.bit_words() + 1);
+        recorder.flush();
+        let counted: Vec<u32> =
+            read_buffer(&device, &queue, &group_ranks, words * 4..words * 4 + 4).await?;
+        let groups = 1 + counted[0];
+        let slots = u64::from(groups) * 8;
+        let octree_words = u64::from(layout.words(0)) + slots * 5;
+        let needed = octree_words * 4 + slots * 8;
+        budget::check("the nodes of the octree", needed, memory_budget, grid, GROWTH)?;
+        let octree =
+            memory.buffer("octree: nodes", octree_words, 4, Remedy::Surface(resolution))?;
+        let sites = memory.buffer("octree: sites", slots, 8, Remedy::Surface(resolution))?;
+        let slots = slots as u32;
+        queue.write_buffer(&tree, 0, bytemuck::bytes_of(&layout.uniform(slots, 1)));
+
+        let mut stats = OctreeStats { groups, ..OctreeStats::default() };
+        if let Some(locks) = &self.locks {
+            let done = locks
+                .build(recorder, &mut memory, &globals, grid, voxels, (groups, &octree, &sites))
+                .await?;
+            stats.lock_passes = done.passes;
+            stats.deferred = done.deferred;
+        } else {
+            let group = BindGroupBuilder::new(&self.build_layout)
+                .buffer(&node_bits)
+                .buffer(&group_ranks)
+                .buffer(&octree)
+                .buffer(&sites)
+                .build(&device, "octree::build_ranked");
+            self.build.run_linear(recorder, &[&globals, &group], words.max(1));
+        }
+        let group = BindGroupBuilder::new(&self.table_layout)
+            .buffer(&sites)
+            .buffer(&octree)
+            .build(&device, "octree::table");
+        self.table.run_linear(recorder, &[&globals, &group], u64::from(slots));
+        Ok(Topology { layout, tree, octree, sites, slots, node_bits, group_ranks, stats })
+    }
+
+    /// Sets the bit of every node: those that cells need, and the way to them from the root.
+    fn mark_nodes(
+        &self,
+        recorder: &mut Recorder,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        layout: &TreeLayout,
+        voxels: &VoxelList,
+        node_bits: &wgpu::Buffer,
+    ) {
+        let device = recorder.device().clone();
+        let groups: Vec<_> = (0..grid.levels)
+            .map(|level| {
+                let range = NodeRange::new(voxels, level);
+                let uniform = uniform_buffer(&device, "node range", &range);
+                let group = BindGroupBuilder::new(&self.occupy_layout)
+                    .buffer(&uniform)
+                    .buffer(&voxels.nodes)
+                    .buffer(node_bits)
+                    .build(&device, "octree::occupy");
+                (group, u64::from(range.count))
+            })
+            .collect();
+        recorder.compute("octree::occupy", |pass| {
+            for (group, count) in &groups {
+                self.occupy.dispatch_linear(pass, &[globals, group], *count);
+            }
+        });
+        let levels: Vec<BitLevel> =
+            (grid.levels..=layout.root_level).map(|level| layout.bits(level)).collect();
+        self.pyramid.run(recorder, globals, node_bits, &levels);
+    }
+}

@@ -1,0 +1,76 @@
+// What the kernels that build, fill and sample the octree know of it as a whole.
+//
+// A *node* of level L is a cube of 2^L voxels; its *brick* holds the values of the 2x2x2 cells of level L - 1 in
+// it, and of the next ones along +x, +y and +z: 3x3x3 texels. A trilinear look-up at level l reads the cells from
+// floor(texel - 1/2) on, so the brick of the node that this cell is in has all that it needs. A node is there if
+// any of its 27 cells is occupied: nodes without a cell of their own exist for their neighbours' sake.
+//
+// Nodes come in groups of eight behind one child pointer: the children of node n are 8 * children(n) + octant,
+// with x in the lowest bit of the octant. Group 0 is the root alone.
+
+// Levels of nodes: from 1024 voxels up to the root.
+const MAX_NODE_LEVELS: u32 = 12u;
+
+struct Tree {
+    // The root's level: its cube is the whole grid, rounded up to a power of two.
+    root_level: u32,
+    // The finest level whose nodes stand in the table that searches start from.
+    table_level: u32,
+    // Words of the table, which comes before the nodes in the buffer.
+    table_words: u32,
+    // Places for nodes, in groups of eight; places without a node have no site.
+    slots: u32,
+    // One over the size of the atlas in texels.
+    inverse_size: vec3f,
+    // The atlas has 2^row_bits bricks along x, and as many along y.
+    row_bits: u32,
+    // For each level, x: the first word of its node bits; y: its first entry in the table.
+    levels: array<vec4u, MAX_NODE_LEVELS>,
+}
+
+@group(0) @binding(1) var<uniform> tree: Tree;
+
+// No node is a child of this "group", and no search finds this "node": it is the root.
+const NONE: u32 = 0u;
+
+// A node in the buffer: the children's group, the first of its bricks, and nine masks of nine bits, three a word.
+// Mask i (0 to 7) tells the parts that a look-up from the node's i-th cell on can meet, mask 8 all that the node
+// has: it has a brick for each of these.
+const NODE_WORDS: u32 = 5u;
+const NODE_CHILDREN: u32 = 0u;
+const NODE_FIRST_BRICK: u32 = 1u;
+const NODE_MASKS: u32 = 2u;
+const ALL_PARTS: u32 = 8u;
+
+fn node_word(node: u32) -> u32 {
+    return tree.table_words + node * NODE_WORDS;
+}
+
+fn mask_shift(mask: u32) -> u32 {
+    return 9u * (mask % 3u);
+}
+
+// Which of the children of its parent a node is.
+fn octant_of(node_cell: vec3u) -> u32 {
+    return (node_cell.x & 1u) | ((node_cell.y & 1u) << 1u) | ((node_cell.z & 1u) << 2u);
+}
+
+fn corner_of(octant: u32) -> vec3u {
+    return vec3u(octant & 1u, (octant >> 1u) & 1u, octant >> 2u);
+}
+
+// The place of a node in its level of the table.
+fn table_entry(node_cell: vec3u, level: u32) -> u32 {
+    let edge = 1u << (tree.root_level - level);
+    return tree.levels[level].y + (node_cell.z * edge + node_cell.y) * edge + node_cell.x;
+}
+
+// The texel of the atlas at which a brick starts.
+fn brick_origin(brick: u32) -> vec3u {
+    let row_mask = (1u << tree.row_bits) - 1u;
+    return 3u * vec3u(
+        brick & row_mask,
+        (brick >> tree.row_bits) & row_mask,
+        brick >> (2u * tree.row_bits),
+    );
+}
