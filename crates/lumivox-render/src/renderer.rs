@@ -3,7 +3,7 @@
 mod prepare;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
-use lumivox::{EnvironmentMap, Gi, GiConfig, Grid, Lights, VoxelizeStats};
+use lumivox::{EnvironmentMap, Gi, Grid, Lights, VoxelizeStats};
 use lumivox_scene::{Camera, Scene};
 
 use crate::composite::CompositePass;
@@ -87,7 +87,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let config = GiConfig { directionality: settings.directionality, ..GiConfig::new(grid) };
+        let config = settings.gi_config(grid);
         let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
         let voxelized = gi.voxelize(&scene.geometry, settings.timing).await?;
         times.add(voxelized.times);

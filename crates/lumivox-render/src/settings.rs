@@ -2,7 +2,7 @@
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, TraceSettings};
+use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
 use crate::RenderError;
@@ -193,6 +193,10 @@ pub struct RenderSettings {
     pub grid_bounds: Option<Bounds>,
     /// Whether voxels keep a radiance for each direction. Default: six lobes.
     pub directionality: Directionality,
+    /// Where cells are stored. Default: dense.
+    pub volume: VolumeKind,
+    /// The most bytes that the volume may take. Default: `None`, what the device gives.
+    pub volume_memory: Option<u64>,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -229,6 +233,8 @@ impl Default for RenderSettings {
             grid_offset: Vec3::ZERO,
             grid_bounds: None,
             directionality: Directionality::default(),
+            volume: VolumeKind::default(),
+            volume_memory: None,
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,
@@ -252,6 +258,16 @@ const MAX_STOPS: f32 = 64.0;
 const MIN_SHADOW_RESOLUTION: u32 = 16;
 
 impl RenderSettings {
+    /// What the library is made for.
+    pub(crate) fn gi_config(&self, grid: Grid) -> GiConfig {
+        GiConfig {
+            grid,
+            directionality: self.directionality,
+            volume: self.volume,
+            memory_budget: self.volume_memory,
+        }
+    }
+
     /// Checks every value against its range and the device's limits. What belongs to the voxel grid
     /// (`resolution`, `grid_offset`) is checked where the grid is fitted to the scene.
     ///

@@ -1,7 +1,7 @@
 //! Choices among a few names, each explained in the help.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumivox::Preset;
+use lumivox::{Duplication, Mipmapping, OctreeBuilder, Preset, VolumeKind};
 use lumivox_render::{ShadowMethod, ToneMap, View};
 use lumivox_scene::UpAxis;
 
@@ -79,6 +79,57 @@ pub fn up() -> impl TypedValueParser<Value = UpAxis> {
     among(&[UpAxis::Y, UpAxis::Z], |axis| match axis {
         UpAxis::Y => ("y", "as in glTF"),
         UpAxis::Z => ("z", "as in CAD and in scans; y then points away, to -z"),
+    })
+}
+
+/// A kind of volume, without its options.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VolumeChoice {
+    /// 3D textures over the whole grid.
+    Dense,
+    /// Nodes and bricks where there is surface.
+    Octree,
+}
+
+/// Where cells are stored.
+pub fn volume() -> impl TypedValueParser<Value = VolumeChoice> {
+    among(&[VolumeChoice::Dense, VolumeChoice::Octree], |kind| match kind {
+        VolumeChoice::Dense => ("dense", "3D textures over the whole grid"),
+        VolumeChoice::Octree => ("octree", "nodes and bricks where there is surface"),
+    })
+}
+
+/// The name of a kind of volume, as on the command line.
+pub fn volume_name(kind: VolumeKind) -> &'static str {
+    match kind {
+        VolumeKind::Dense => "dense",
+        VolumeKind::Octree(_) => "octree",
+    }
+}
+
+/// How nodes come into being.
+pub fn octree_builder() -> impl TypedValueParser<Value = OctreeBuilder> {
+    among(&[OctreeBuilder::Ranks, OctreeBuilder::Locks], |builder| match builder {
+        OctreeBuilder::Ranks => ("ranks", "numbered by ranks in bit masks"),
+        OctreeBuilder::Locks => ("locks", "threads descend together and split nodes under locks"),
+    })
+}
+
+/// How the texels of neighbours are found.
+pub fn octree_duplication() -> impl TypedValueParser<Value = Duplication> {
+    let all = &[Duplication::Ranks, Duplication::Pointers, Duplication::Search];
+    among(all, |duplication| match duplication {
+        Duplication::Ranks => ("ranks", "by ranks in the voxel list"),
+        Duplication::Pointers => ("pointers", "by pointers from node to node, 20 bytes a node"),
+        Duplication::Search => ("search", "by a search from the root for each texel"),
+    })
+}
+
+/// Over which cells coarser levels are filtered.
+pub fn octree_mipmaps() -> impl TypedValueParser<Value = Mipmapping> {
+    among(&[Mipmapping::Occupied, Mipmapping::Every], |mipmapping| match mipmapping {
+        Mipmapping::Occupied => ("occupied", "those that there are"),
+        Mipmapping::Every => ("every", "all that there could be, most of them empty"),
     })
 }
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use indicatif::MultiProgress;
 use lumivox::gpu::Timing;
-use lumivox::{Gi, GiConfig, Grid, VoxelizeStats};
+use lumivox::{Gi, Grid, VoxelizeStats};
 use lumivox_render::{GpuScene, Lighting, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
@@ -34,8 +34,7 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let lighting = Lighting::of(&scene);
     let unit = radiance_unit(&scene, &lighting);
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
-    let config = GiConfig { directionality: args.voxels.directionality(), ..GiConfig::new(grid) };
-    let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
+    let mut gi = Gi::new(&gpu.device, &gpu.queue, args.voxels.config(grid))?;
     gpu.wait("uploading the scene")?;
 
     progress.set("voxelizing", 0, 1);

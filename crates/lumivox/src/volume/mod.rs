@@ -75,7 +75,9 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
     shaders
         .add("volume", volume)
         .add("volume::cells", cells)
-        .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic));
+        .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic))
+        // Until there is a grid.
+        .constant_u32("OCTREE_STEPS", 0);
 }
 
 /// A volume on the GPU.

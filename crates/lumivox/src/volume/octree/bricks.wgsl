@@ -8,9 +8,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::octree::ranked::ranked_slot;
 import package::octree::sites::Site;
-import package::octree::tree::{
-    mask_shift, node_word, tree, ALL_PARTS, NODE_FIRST_BRICK, NODE_MASKS,
-};
+import package::octree::tree::{all_parts, node_word, tree, NODE_FIRST_BRICK, NODE_MASKS};
 
 @group(1) @binding(2) var<storage, read> sites: array<Site>;
 @group(1) @binding(3) var<storage, read_write> octree_out: array<u32>;
@@ -26,8 +24,7 @@ fn count(
     if slot >= tree.slots || sites[slot].level == 0u {
         return;
     }
-    let masks = octree_out[node_word(slot) + NODE_MASKS + ALL_PARTS / 3u];
-    let parts = (masks >> mask_shift(ALL_PARTS)) & 0x1ffu;
+    let parts = all_parts(octree_out[node_word(slot) + NODE_MASKS]);
     brick_starts[ranked_slot(sites[slot].morton, sites[slot].level)] = countOneBits(parts);
 }
 

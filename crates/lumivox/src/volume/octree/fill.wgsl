@@ -6,9 +6,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::search::{node_mask, octree};
+import package::octree::search::{node_parts, octree};
 import package::octree::sites::Site;
-import package::octree::tree::{brick_origin, node_word, tree, ALL_PARTS, NODE_FIRST_BRICK};
+import package::octree::tree::{brick_origin, node_word, tree, NODE_FIRST_BRICK};
 import package::octree::values::unpack_value;
 import package::volume::parts::stored_parts;
 import package::voxels::list::Node;
@@ -28,7 +28,7 @@ fn texel_offset(texel: u32) -> vec3u {
 
 // `cell` is a place in the voxel list; without one the texel is zero.
 fn fill_texel(slot: u32, texel: u32, has_cell: bool, cell: u32) {
-    var missing = node_mask(slot, ALL_PARTS);
+    var missing = node_parts(slot);
     var brick = octree[node_word(slot) + NODE_FIRST_BRICK];
     var there = 0u;
     var value = 0u;

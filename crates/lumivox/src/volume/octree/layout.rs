@@ -9,7 +9,7 @@ use crate::voxels::{BitLevel, level_first_word};
 /// `MAX_NODE_LEVELS` of `tree.wgsl`.
 const MAX_NODE_LEVELS: usize = 12;
 /// `NODE_WORDS` of `tree.wgsl`.
-const NODE_WORDS: u32 = 5;
+const NODE_WORDS: u32 = 6;
 /// Nodes along an edge of the finest level of the table: a quarter of a million entries in all.
 const TABLE_EDGE: u32 = 64;
 
@@ -57,6 +57,11 @@ impl TreeLayout {
         Self { root_level, table_level, table_words, levels }
     }
 
+    /// Levels from the table down to the finest nodes.
+    pub fn steps(&self) -> u32 {
+        self.table_level - 1
+    }
+
     /// Words of node bits of the levels below the root's.
     pub fn bit_words(&self) -> u32 {
         self.levels[self.root_level as usize][0]
@@ -69,8 +74,8 @@ impl TreeLayout {
     }
 
     /// Words of the table and of so many places for nodes.
-    pub fn words(&self, slots: u32) -> u32 {
-        self.table_words + slots * NODE_WORDS
+    pub fn words(&self, slots: u64) -> u64 {
+        u64::from(self.table_words) + slots * u64::from(NODE_WORDS)
     }
 
     pub fn uniform(&self, slots: u32, bricks: u32) -> TreeUniform {

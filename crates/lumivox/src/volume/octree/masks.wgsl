@@ -5,7 +5,7 @@ import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::octree::cell_ranks::{cell_rank, NO_CELL};
 import package::octree::sites::Site;
-import package::octree::tree::{corner_of, mask_shift, node_word, tree, ALL_PARTS, NODE_MASKS};
+import package::octree::tree::{corner_of, node_word, tree, with_all_parts, NODE_MASKS};
 import package::volume::parts::stored_parts;
 import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
@@ -29,7 +29,8 @@ fn main(
         return;
     }
     let first_cell = 2u * morton_decode(site.morton);
-    var masks = array<u32, 3>(0u, 0u, 0u);
+    var masks = array<u32, 4>(0u, 0u, 0u, 0u);
+    var everything = 0u;
     for (var i = 0u; i < 27u; i++) {
         let offset = vec3u(i % 3u, (i / 3u) % 3u, i / 9u);
         let rank = cell_rank(first_cell + offset, site.level - 1u);
@@ -37,17 +38,18 @@ fn main(
             continue;
         }
         let parts = stored_parts(nodes[rank].lobes);
-        masks[ALL_PARTS / 3u] |= parts << mask_shift(ALL_PARTS);
+        everything |= parts;
         // The look-ups that read this cell: those that start at it, or one before.
         for (var lookup = 0u; lookup < 8u; lookup++) {
             let from_start = offset - corner_of(lookup);
             if all(from_start <= vec3u(1u)) {
-                masks[lookup / 3u] |= parts << mask_shift(lookup);
+                masks[lookup / 2u] |= parts << (16u * (lookup % 2u));
             }
         }
     }
     let word = node_word(slot) + NODE_MASKS;
-    octree_out[word] = masks[0];
+    octree_out[word] = with_all_parts(masks[0], everything);
     octree_out[word + 1u] = masks[1];
     octree_out[word + 2u] = masks[2];
+    octree_out[word + 3u] = masks[3];
 }

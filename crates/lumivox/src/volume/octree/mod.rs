@@ -156,7 +156,7 @@ struct Built {
 impl OctreeVolume {
     pub(super) fn new(
         device: &wgpu::Device,
-        shaders: &ShaderLibrary,
+        shaders: &mut ShaderLibrary,
         grid: &Grid,
         options: OctreeOptions,
         budget: Option<u64>,
@@ -178,8 +178,9 @@ impl OctreeVolume {
         });
         // Before there are voxels: a table without nodes.
         let layout = TreeLayout::new(grid);
+        shaders.constant_u32("OCTREE_STEPS", layout.steps());
         let tree = uniform_buffer(device, "octree", &layout.uniform(1, 1));
-        let octree = storage_buffer(device, "octree", u64::from(layout.words(1)) * 4);
+        let octree = storage_buffer(device, "octree", layout.words(8) * 4);
         let atlas = content::atlas(device, glam::UVec3::splat(3));
         let globals = BindGroupBuilder::new(&globals_layout)
             .buffer(&grid_uniform)

@@ -1,49 +1,57 @@
 // Finding nodes.
 
+import package::constants::OCTREE_STEPS;
 import package::octree::tree::{
-    mask_shift, node_word, octant_of, table_entry, tree, ALL_PARTS, NODE_CHILDREN, NODE_FIRST_BRICK,
-    NODE_MASKS, NONE,
+    all_parts, node_word, octant_of, table_entry, tree, NODE_CHILDREN, NODE_FIRST_BRICK, NODE_MASKS, NONE,
 };
 
 // The table, then the nodes (tree.wgsl).
 @group(0) @binding(2) var<storage, read> octree: array<u32>;
 
-// The node of a level at a cell of that level; NONE if there is none. `start` is an ancestor at `start_level`.
-fn descend(node_cell: vec3u, level: u32, start: u32, start_level: u32) -> u32 {
-    var node = start;
-    var below = start_level - level;
-    var is_found = true;
-    while below > 0u && is_found {
-        below--;
-        let children = octree[node_word(node) + NODE_CHILDREN];
-        is_found = children != NONE;
-        node = 8u * children + octant_of(node_cell >> vec3u(below));
-    }
-    return select(NONE, node, is_found);
+// The child of a node on the way down to a node that lies `below` levels under it; NONE stays NONE.
+fn child_towards(node: u32, node_cell: vec3u, below: u32) -> u32 {
+    let children = octree[node_word(node) + NODE_CHILDREN];
+    return select(8u * children + octant_of(node_cell >> vec3u(below)), NONE, children == NONE);
 }
 
-// By the table, from a middle level on.
+// The node of a level at a cell of that level; NONE if there is none. From the table on it is OCTREE_STEPS levels
+// down at most, none where the grid is small: the number is a constant of the grid, which takes the loop away there.
 fn find_node(node_cell: vec3u, level: u32) -> u32 {
     let start_level = max(level, tree.table_level);
-    let start = octree[table_entry(node_cell >> vec3u(start_level - level), start_level)];
-    if start == NONE || start_level == level {
-        return start;
+    var below = start_level - level;
+    var node = octree[table_entry(node_cell >> vec3u(below), start_level)];
+    for (var step = 0u; step < OCTREE_STEPS; step++) {
+        let is_above = below > 0u && node != NONE;
+        below -= u32(is_above);
+        node = select(node, child_towards(node, node_cell, below), is_above);
     }
-    return descend(node_cell, level, start, start_level);
+    return node;
 }
 
-// From the root.
+// The same from the root.
 fn find_node_from_root(node_cell: vec3u, level: u32) -> u32 {
-    return descend(node_cell, level, 0u, tree.root_level);
+    var node = child_towards(0u, node_cell, tree.root_level - 1u - level);
+    var below = tree.root_level - 1u - level;
+    while below > 0u && node != NONE {
+        below--;
+        node = child_towards(node, node_cell, below);
+    }
+    return node;
 }
 
-// The parts of a mask of a node.
-fn node_mask(node: u32, mask: u32) -> u32 {
-    return (octree[node_word(node) + NODE_MASKS + mask / 3u] >> mask_shift(mask)) & 0x1ffu;
+// The parts that a look-up from the `octant`-th cell of a node on can meet; none if there is no node.
+fn node_mask(node: u32, octant: u32) -> u32 {
+    let masks = octree[node_word(node) + NODE_MASKS + octant / 2u];
+    return (masks >> (16u * (octant & 1u))) & 0x1ffu;
+}
+
+// All parts that a node has; none if there is no node.
+fn node_parts(node: u32) -> u32 {
+    return all_parts(octree[node_word(node) + NODE_MASKS]);
 }
 
 // The brick of a part that a node has.
 fn brick_of(node: u32, part: u32) -> u32 {
-    let before = node_mask(node, ALL_PARTS) & ((1u << part) - 1u);
+    let before = node_parts(node) & ((1u << part) - 1u);
     return octree[node_word(node) + NODE_FIRST_BRICK] + countOneBits(before);
 }

@@ -130,7 +130,7 @@ impl TopologyKernels {
             read_buffer(&device, &queue, &group_ranks, words * 4..words * 4 + 4).await?;
         let groups = 1 + counted[0];
         let slots = u64::from(groups) * 8;
-        let octree_words = u64::from(layout.words(0)) + slots * 5;
+        let octree_words = layout.words(slots);
         let needed = octree_words * 4 + slots * 8;
         budget::check("the nodes of the octree", needed, memory_budget, grid, GROWTH)?;
         let octree =

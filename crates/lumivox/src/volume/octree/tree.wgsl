@@ -33,21 +33,27 @@ struct Tree {
 // No node is a child of this "group", and no search finds this "node": it is the root.
 const NONE: u32 = 0u;
 
-// A node in the buffer: the children's group, the first of its bricks, and nine masks of nine bits, three a word.
-// Mask i (0 to 7) tells the parts that a look-up from the node's i-th cell on can meet, mask 8 all that the node
-// has: it has a brick for each of these.
-const NODE_WORDS: u32 = 5u;
+// A node in the buffer: the children's group, the first of its bricks, and eight masks of nine bits, two a word from
+// its halves' lowest bits on. Mask i tells the parts that a look-up from the node's i-th cell on can meet. All parts
+// that the node has (it has a brick for each) are in the seven bits above the first mask and the two above the second.
+// The root has no bricks, so that its masks are zero.
+const NODE_WORDS: u32 = 6u;
 const NODE_CHILDREN: u32 = 0u;
 const NODE_FIRST_BRICK: u32 = 1u;
 const NODE_MASKS: u32 = 2u;
-const ALL_PARTS: u32 = 8u;
 
 fn node_word(node: u32) -> u32 {
     return tree.table_words + node * NODE_WORDS;
 }
 
-fn mask_shift(mask: u32) -> u32 {
-    return 9u * (mask % 3u);
+// All parts of a node, from the first word of its masks.
+fn all_parts(masks: u32) -> u32 {
+    return ((masks >> 9u) & 0x7fu) | (((masks >> 25u) & 3u) << 7u);
+}
+
+// The same into the first word.
+fn with_all_parts(masks: u32, parts: u32) -> u32 {
+    return masks | ((parts & 0x7fu) << 9u) | ((parts >> 7u) << 25u);
 }
 
 // Which of the children of its parent a node is.

@@ -98,6 +98,7 @@ impl Report {
             resolution: voxels.resolution,
             grid_offset: voxels.grid_offset,
             directionality: voxels.directionality(),
+            volume: voxels.volume(),
             ..RenderSettings::default()
         };
         let estimate = MemoryEstimate::new(scene, &settings)?;

@@ -19,8 +19,8 @@ pub(super) type Brick = [[u16; 4]; 27];
 
 #[derive(Debug, PartialEq)]
 pub(super) struct ReadNode {
-    /// The masks of the eight look-ups, and of all parts.
-    pub masks: [u32; 9],
+    /// The masks of the eight look-ups.
+    pub masks: [u32; 8],
     /// By part.
     pub bricks: BTreeMap<u32, Brick>,
 }
@@ -68,11 +68,12 @@ pub(super) fn read_nodes(
         let [morton, site_level] = sites[slot as usize];
         assert_eq!((site_level, morton_decode(morton)), (level, cell), "the site of node {slot}");
         seen += 1;
-        let word = (tree.table_words + slot * 5) as usize;
-        let mask = |i: usize| (words[word + 2 + i / 3] >> (9 * (i % 3))) & 0x1ff;
-        let masks: [u32; 9] = std::array::from_fn(mask);
+        let word = (tree.table_words + slot * 6) as usize;
+        let mask = |i: usize| (words[word + 2 + i / 2] >> (16 * (i % 2))) & 0x1ff;
+        let masks: [u32; 8] = std::array::from_fn(mask);
+        let all = masks.iter().fold(0, |all, mask| all | mask);
         let first_brick = words[word + 1];
-        let parts = (0..9).filter(|part| masks[8] & (1 << part) != 0);
+        let parts = (0..9).filter(|part| all & (1 << part) != 0);
         let bricks = parts.enumerate().map(|(i, part)| (part, brick(first_brick + i as u32)));
         nodes.insert((level, cell.to_array()), ReadNode { masks, bricks: bricks.collect() });
         let children = words[word];

@@ -1,0 +1,94 @@
+//! How voxels are made, and where their light is stored.
+
+use clap::Args;
+use glam::Vec3;
+use lumivox::{
+    Directionality, Duplication, GiConfig, Grid, Mipmapping, OctreeBuilder, OctreeOptions,
+    VolumeKind,
+};
+
+use crate::args::choices::{self, VolumeChoice};
+use crate::args::{load, number};
+
+/// How voxels are made.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Voxels")]
+pub struct VoxelArgs {
+    /// Voxels along the scene's longest axis: a multiple of 8 from 16 to 1024
+    ///
+    /// Higher resolves finer detail and leaks less. Memory grows with the cube (165 MiB at 128 for a
+    /// cube-shaped scene; `lumivox info` tells what fits), time with the square.
+    #[arg(long, value_name = "VOXELS", value_parser = number::resolution)]
+    #[arg(default_value = "128", allow_negative_numbers = true)]
+    pub resolution: u32,
+
+    /// Shift of the grid against the scene in voxels, each from 0 to below 1
+    ///
+    /// Errors of voxels depend on where walls fall in the grid; measurements try several.
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::grid_offset)]
+    #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
+    pub grid_offset: Vec3,
+
+    /// Keep one radiance a voxel instead of one for each of six directions [default: off]
+    ///
+    /// A ninth of the memory; surfaces light and shadow themselves, thin walls leak.
+    #[arg(long)]
+    pub isotropic: bool,
+
+    /// Where the voxels' light is stored for the cones
+    ///
+    /// The picture is the same to a hair (0.1 %). A dense volume is a little faster and takes memory with the
+    /// cube of the resolution; an octree takes it with the surface.
+    #[arg(long, value_name = "KIND", value_parser = choices::volume(), default_value = "dense")]
+    pub volume: VolumeChoice,
+
+    /// How the nodes of an octree come into being
+    #[arg(long, value_name = "HOW", value_parser = choices::octree_builder())]
+    #[arg(default_value = "ranks", hide_short_help = true)]
+    pub octree_builder: OctreeBuilder,
+
+    /// How the texels of an octree's bricks that belong to their neighbours are found
+    #[arg(long, value_name = "HOW", value_parser = choices::octree_duplication())]
+    #[arg(default_value = "ranks", hide_short_help = true)]
+    pub octree_duplication: Duplication,
+
+    /// Over which cells an octree's coarser levels are filtered
+    #[arg(long, value_name = "CELLS", value_parser = choices::octree_mipmaps())]
+    #[arg(default_value = "occupied", hide_short_help = true)]
+    pub octree_mipmaps: Mipmapping,
+
+    /// The most memory that the volume may take, as in 512MiB [default: what the GPU has]
+    ///
+    /// What does not fit is refused before it is allocated, with both numbers.
+    #[arg(long, value_name = "SIZE", value_parser = load::bytes, allow_hyphen_values = true)]
+    pub volume_memory: Option<u64>,
+}
+
+impl VoxelArgs {
+    /// The library's word for it.
+    pub fn directionality(&self) -> Directionality {
+        if self.isotropic { Directionality::Isotropic } else { Directionality::SixLobes }
+    }
+
+    /// Where cells are stored.
+    pub fn volume(&self) -> VolumeKind {
+        match self.volume {
+            VolumeChoice::Dense => VolumeKind::Dense,
+            VolumeChoice::Octree => VolumeKind::Octree(OctreeOptions {
+                builder: self.octree_builder,
+                duplication: self.octree_duplication,
+                mipmapping: self.octree_mipmaps,
+            }),
+        }
+    }
+
+    /// What the library is made for.
+    pub fn config(&self, grid: Grid) -> GiConfig {
+        GiConfig {
+            grid,
+            directionality: self.directionality(),
+            volume: self.volume(),
+            memory_budget: self.volume_memory,
+        }
+    }
+}
