@@ -189,7 +189,7 @@ pub struct RenderArgs {
     #[arg(default_value = "final")]
     pub view: View,
 
-    /// Level of the voxels for `--view voxels`, 0 (finest) to the grid's coarsest
+    /// Level of the voxels for the views voxels, lit, nodes and bricks, 0 (finest) to the grid's coarsest
     ///
     /// Each level more has voxels of twice the edge.
     #[arg(long, value_name = "LEVEL", value_parser = number::whole(0..=MAX_RESOLUTION.ilog2()))]

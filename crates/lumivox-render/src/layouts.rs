@@ -96,7 +96,7 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "render::voxel_view",
+        "render::voxel_view::view",
         "VoxelViewSettings",
         VoxelViewSettings { level, pixel_slope }
     );

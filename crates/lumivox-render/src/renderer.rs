@@ -114,11 +114,11 @@ impl Renderer {
         if settings.timing != Timing::Off {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
-            gi.light(&mut first_use, &lights, settings.bounces.min(2), &settings.trace)?;
+            gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
         }
         recorder.stage("light");
-        gi.light(&mut recorder, &lights, settings.bounces, &settings.trace)?;
+        gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
         times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -196,7 +196,7 @@ impl Renderer {
             settings.shadow_resolution,
         );
         recorder.stage("light");
-        gi.light(&mut recorder, &self.lights, settings.bounces, &settings.trace)?;
+        gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -239,14 +239,14 @@ impl Renderer {
 
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
-        if settings.view == View::Voxels {
+        if settings.view.is_of_voxels() {
             recorder.stage("voxel view");
             targets.voxel_view.record(
                 &mut recorder,
                 gi,
                 lights,
                 &targets.gbuffer,
-                settings.voxel_level,
+                (settings.view, settings.voxel_level),
                 camera.vertical_fov_rad,
             );
         } else {
@@ -307,7 +307,9 @@ impl Renderer {
         match self.settings.view {
             View::Occlusion | View::Shadow => Encoding::Data { scale: 1.0, offset: 0.0 },
             View::Normal => Encoding::Data { scale: 0.5, offset: 0.5 },
-            View::Albedo => Encoding::Color { scale: 1.0, curve: ToneMap::Linear },
+            View::Albedo | View::Lit | View::Nodes => {
+                Encoding::Color { scale: 1.0, curve: ToneMap::Linear }
+            }
             View::Cost => Encoding::Heat { scale: 1.0 / COST_SCALE_SAMPLES },
             View::Depth => {
                 let farthest_m = corners(self.scene.bounds)
@@ -335,6 +337,7 @@ impl Renderer {
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
         recorder.stage("light");
+        let bounces = self.settings.voxel_bounces();
         self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
         self.times.add(recorder.finish().await?);
         self.gpu.wait("lighting the voxels")?;
@@ -353,13 +356,22 @@ impl Renderer {
         self.settings.exposure = exposure;
     }
 
-    /// Changes what is shown; the mean starts anew. The level is that of [`View::Voxels`].
+    /// Changes what is shown; the mean starts anew. The level is that of the views of voxels.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] when there is no such level.
+    /// [`RenderError::Setting`] when there is no such level, or when the volume does not have what is to be
+    /// shown.
     pub fn set_view(&mut self, view: View, voxel_level: u32) -> Result<(), RenderError> {
         validate_level(voxel_level, self.gi.grid())?;
-        (self.settings.view, self.settings.voxel_level) = (view, voxel_level);
+        let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
+        settings.validate(&self.gpu.device.limits())?;
+        let was = std::mem::replace(&mut self.settings, settings);
+        let bounces = self.settings.voxel_bounces();
+        if bounces != was.voxel_bounces() {
+            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
+            self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
+            recorder.submit();
+        }
         self.targets.accumulate.reset();
         Ok(())
     }

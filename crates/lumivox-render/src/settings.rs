@@ -41,6 +41,13 @@ pub enum View {
     Cost,
     /// The voxels of one level as cubes, in the light that they hold.
     Voxels,
+    /// Which voxels of one level lamps and sun reach, or emit themselves (yellow), and which not (grey).
+    Lit,
+    /// The nodes of an octree that hold the cells of one level, as wire boxes around these: blue with cells of their
+    /// own, orange for their neighbours' sake.
+    Nodes,
+    /// The bricks of these nodes, their 3x3x3 texels pulled apart; those of the neighbours' layer are orange.
+    Bricks,
 }
 
 /// The number of cone samples at the upper end of [`View::Cost`]'s colours.
@@ -48,7 +55,7 @@ pub const COST_SCALE_SAMPLES: f32 = 512.0;
 
 impl View {
     /// All views.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 15] = [
         Self::Final,
         Self::Direct,
         Self::Indirect,
@@ -61,6 +68,9 @@ impl View {
         Self::Depth,
         Self::Cost,
         Self::Voxels,
+        Self::Lit,
+        Self::Nodes,
+        Self::Bricks,
     ];
 
     /// The view's name in lower case, as on the command line.
@@ -78,6 +88,9 @@ impl View {
             Self::Depth => "depth",
             Self::Cost => "cost",
             Self::Voxels => "voxels",
+            Self::Lit => "lit",
+            Self::Nodes => "nodes",
+            Self::Bricks => "bricks",
         }
     }
 
@@ -96,13 +109,26 @@ impl View {
             Self::Depth => "VIEW_DEPTH",
             Self::Cost => "VIEW_COST",
             Self::Voxels => "VIEW_VOXELS",
+            Self::Lit => "VIEW_LIT",
+            Self::Nodes => "VIEW_NODES",
+            Self::Bricks => "VIEW_BRICKS",
         }
     }
 
     /// Whether the values are radiances, to be exposed and tone mapped.
     pub fn is_light(self) -> bool {
-        use View::{Diffuse, Direct, Final, Indirect, Specular, Voxels};
-        matches!(self, Final | Direct | Indirect | Diffuse | Specular | Voxels)
+        use View::{Bricks, Diffuse, Direct, Final, Indirect, Specular, Voxels};
+        matches!(self, Final | Direct | Indirect | Diffuse | Specular | Voxels | Bricks)
+    }
+
+    /// Whether voxels are shown instead of surfaces.
+    pub fn is_of_voxels(self) -> bool {
+        matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks)
+    }
+
+    /// Whether there must be an octree to look at.
+    pub fn needs_octree(self) -> bool {
+        matches!(self, Self::Nodes | Self::Bricks)
     }
 
     /// Whether the analytic lights are needed.
@@ -208,7 +234,7 @@ pub struct RenderSettings {
     pub frames: u32,
     /// What the picture shows.
     pub view: View,
-    /// The level of the voxels that [`View::Voxels`] shows: 0 (the default) is the finest, each one
+    /// The level of the cells that the views of voxels show: 0 (the default) is the finest, each one
     /// more has cubes of twice the size.
     pub voxel_level: u32,
     /// How radiance becomes brightness. Default: automatic.
@@ -268,6 +294,11 @@ impl RenderSettings {
         }
     }
 
+    /// The bounces that the voxels get: a view of where light comes in shows nothing else.
+    pub(crate) fn voxel_bounces(&self) -> u32 {
+        if self.view == View::Lit { 0 } else { self.bounces }
+    }
+
     /// Checks every value against its range and the device's limits. What belongs to the voxel grid
     /// (`resolution`, `grid_offset`) is checked where the grid is fitted to the scene.
     ///
@@ -294,6 +325,16 @@ impl RenderSettings {
                 name: "exposure",
                 value: stops.to_string(),
                 expected: "from -64 to 64 stops".to_owned(),
+            });
+        }
+        if self.view.needs_octree() && self.volume == VolumeKind::Dense {
+            return Err(RenderError::Setting {
+                name: "view",
+                value: self.view.name().to_owned(),
+                expected:
+                    "a view that a dense volume has; nodes and bricks are those of an octree \
+                           (--volume octree)"
+                        .to_owned(),
             });
         }
         Ok(self.trace.validate()?)

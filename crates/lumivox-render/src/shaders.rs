@@ -2,8 +2,8 @@
 
 use lumivox::gpu::ShaderLibrary;
 
-use crate::reference;
 use crate::settings::{ToneMap, View};
+use crate::{reference, voxel_view};
 
 /// Every module by its path below `render`.
 const MODULES: &[(&str, &str)] = &[
@@ -30,7 +30,6 @@ const MODULES: &[(&str, &str)] = &[
     ("screen_door", include_str!("screen_door.wgsl")),
     ("shadow_maps", include_str!("shadow_maps.wgsl")),
     ("tone_map", include_str!("tone_map.wgsl")),
-    ("voxel_view", include_str!("voxel_view.wgsl")),
 ];
 
 /// A library's modules and this crate's beside them, as `package::render::...`.
@@ -40,7 +39,7 @@ const MODULES: &[(&str, &str)] = &[
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
-    for (path, source) in MODULES {
+    for (path, source) in MODULES.iter().chain(voxel_view::MODULES) {
         library.add(&format!("render::{path}"), *source);
     }
     for view in View::ALL {

@@ -211,6 +211,11 @@ impl Gi {
         &self.shaders
     }
 
+    /// What it was made for.
+    pub fn config(&self) -> &GiConfig {
+        &self.config
+    }
+
     /// The grid.
     pub fn grid(&self) -> &Grid {
         &self.config.grid

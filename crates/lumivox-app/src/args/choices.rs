@@ -36,6 +36,11 @@ pub fn view() -> impl TypedValueParser<Value = View> {
             View::Depth => "distance from the camera; metres in OpenEXR, near is white in PNG",
             View::Cost => "cone samples a pixel, from violet (none) to yellow (1024 and more)",
             View::Voxels => "the voxels of one level (--level) as cubes, in their light",
+            View::Lit => {
+                "which voxels of one level get direct light (yellow), and which not (grey)"
+            }
+            View::Nodes => "the octree's nodes round the voxels of one level, as wire boxes",
+            View::Bricks => "these nodes' bricks, texels pulled apart; neighbours' are orange",
         };
         (view.name(), help)
     })
