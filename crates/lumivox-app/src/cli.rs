@@ -9,6 +9,7 @@ mod motion;
 mod quality;
 mod reference;
 mod view;
+mod volumes;
 mod voxels;
 
 use std::path::PathBuf;
@@ -25,6 +26,7 @@ pub use motion::MotionArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
 pub use view::ViewArgs;
+pub use volumes::VolumesArgs;
 pub use voxels::VoxelArgs;
 
 use crate::args::camera::{self, CameraChoice};
@@ -112,6 +114,9 @@ pub enum Command {
                             --resolution 256 --isotropic --json"
     )]
     Voxels(VoxelsArgs),
+    /// Measure what dense and octree volumes take: memory, time to build, time to trace
+    #[command(after_help = volumes::EXAMPLES)]
+    Volumes(Box<VolumesArgs>),
     /// Write a scene as one GLB file (glTF 2.0)
     #[command(
         after_help = "Examples:\n  lumivox convert hall.obj --unit cm -o hall.glb\n  lumivox \

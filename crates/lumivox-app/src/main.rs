@@ -49,6 +49,7 @@ fn run() -> Exit {
         Some(Command::Reference(args)) => commands::reference::run(args, &bars),
         Some(Command::Quality(args)) => commands::quality::run(args, &bars),
         Some(Command::Info(args)) => commands::info::run(args, &bars),
+        Some(Command::Volumes(args)) => commands::volumes::run(args, &bars),
         Some(Command::Voxels(args)) => commands::voxels::run(args, &bars),
         Some(Command::Convert(args)) => commands::convert::run(args, &bars),
         Some(Command::Compare(args)) => commands::compare::run(args, &bars),

@@ -8,7 +8,7 @@
 use std::collections::HashSet;
 
 use glam::Vec3;
-use lumivox::{Directionality, Grid};
+use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
 use lumivox_scene::{LightKind, Material, Scene, Shading, Texture};
 
 use crate::memory::available_memory;
@@ -22,6 +22,10 @@ const FACES_PER_VOXEL: f64 = 1.25;
 /// The record of the list (64 bytes), and its light: two colours in full floats.
 const FACE_BYTES: u64 = 64 + 32;
 const NODE_BYTES: u64 = 8;
+/// 170 to 420 on the scenes of docs/octree.md.
+const OCTREE_BYTES_PER_VOXEL: u64 = 300;
+/// The same with one value a voxel.
+const ISOTROPIC_OCTREE_BYTES_PER_VOXEL: u64 = 170;
 
 /// The GPU memory that a scene will take under given settings, by what it holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +57,7 @@ impl MemoryEstimate {
             ("textures", texture_bytes(scene)),
             ("instances", (scene.instances.len() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
-            ("voxel volume", volume_bytes(&grid, settings.directionality)),
+            volume_part(&grid, settings, voxels),
             ("voxel list (about)", list_bytes(&grid, voxels)),
             ("picture", pixels * (BYTES_PER_PIXEL + tint)),
         ];
@@ -105,18 +109,19 @@ impl MemoryEstimate {
     }
 }
 
-/// The dense volume: nine parts (isotropic: one) of 8 bytes a cell, and a mask of two bytes for each corner.
-fn volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
-    let parts = match directionality {
-        Directionality::SixLobes => 9,
-        Directionality::Isotropic => 1,
-    };
-    let level_bytes = |level: u32| {
-        let dimensions = grid.level_dimensions(level);
-        let corners = (dimensions + 1).as_u64vec3().element_product();
-        dimensions.as_u64vec3().element_product() * 8 * parts + corners * 2
-    };
-    (0..grid.levels).map(level_bytes).sum()
+/// The volume. An octree's is estimated: what voxels need depends on how they touch each other.
+fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static str, u64) {
+    match (settings.volume, settings.directionality) {
+        (VolumeKind::Dense, directionality) => {
+            ("voxel volume", dense_volume_bytes(grid, directionality))
+        }
+        (VolumeKind::Octree(_), Directionality::SixLobes) => {
+            ("voxel volume (about)", voxels * OCTREE_BYTES_PER_VOXEL)
+        }
+        (VolumeKind::Octree(_), Directionality::Isotropic) => {
+            ("voxel volume (about)", voxels * ISOTROPIC_OCTREE_BYTES_PER_VOXEL)
+        }
+    }
 }
 
 /// Occupied voxels, estimated.

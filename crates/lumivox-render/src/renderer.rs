@@ -402,6 +402,11 @@ impl Renderer {
         self.times.means()
     }
 
+    /// Forgets the times so far: what comes runs with kernels that the driver has compiled.
+    pub fn forget_times(&mut self) {
+        self.times = Times::default();
+    }
+
     /// GPU memory by what it holds.
     pub fn memory(&self) -> Vec<MemoryUse> {
         let mut memory = self.scene.memory.clone();

@@ -39,6 +39,6 @@ pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 pub use trace::{
     GBuffer, GBufferViews, Preset, TraceResolution, TraceSettings, TraceTargets, View,
 };
-pub use volume::{Directionality, VolumeKind};
+pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
 pub use voxelize::{VoxelizeStats, Voxelizer};

@@ -10,6 +10,7 @@ pub mod render;
 pub mod scenes;
 pub mod settings;
 mod staged;
+pub mod volumes;
 pub mod voxels;
 
 use lumivox_render::{Gpu, GpuOptions, RenderError};

@@ -41,13 +41,13 @@ const COSTS: [Cost; 2] = [
 const PANEL: (u32, u32) = (460, 320);
 /// Height of the heading with the legend.
 const HEAD: u32 = 66;
-const FONT: &str = "sans-serif";
-const INK: RGBColor = RGBColor(38, 38, 42);
-const DIM: RGBColor = RGBColor(110, 110, 118);
+pub(super) const FONT: &str = "sans-serif";
+pub(super) const INK: RGBColor = RGBColor(38, 38, 42);
+pub(super) const DIM: RGBColor = RGBColor(110, 110, 118);
 const FRONT: RGBColor = RGBColor(170, 170, 176);
 
 /// Colours that all can tell apart (Okabe and Ito 2008, "Color universal design").
-const SERIES: [RGBColor; 6] = [
+pub(super) const SERIES: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

@@ -57,6 +57,11 @@ pub enum Directionality {
     Isotropic,
 }
 
+/// Bytes that a dense volume takes, known before it is made.
+pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
+    dense::bytes(grid, directionality)
+}
+
 /// The shader modules of all volumes but for those that [`mount`] adds.
 pub(crate) fn modules() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
     SHARED.iter().chain(dense::MODULES).chain(octree::MODULES)

@@ -21,6 +21,16 @@ pub(crate) struct MaskLevels {
     pub(crate) first_entry: [[u32; 4]; MAX_LEVELS],
 }
 
+/// Entries of a level.
+fn entries(grid: &Grid, level: u32) -> u64 {
+    (grid.level_dimensions(level) + 1).as_u64vec3().element_product()
+}
+
+/// Bytes of the masks of all levels, two an entry.
+pub(super) fn bytes(grid: &Grid) -> u64 {
+    (0..grid.levels).map(|level| entries(grid, level)).sum::<u64>().div_ceil(2) * 4
+}
+
 #[derive(Debug)]
 pub(super) struct Masks {
     levels: MaskLevels,
@@ -41,9 +51,9 @@ impl Masks {
         let mut count = 0_u64;
         for level in 0..grid.levels {
             levels.first_entry[level as usize][0] = count as u32;
-            count += (grid.level_dimensions(level) + 1).as_u64vec3().element_product();
+            count += entries(grid, level);
         }
-        let bytes = count.div_ceil(2) * 4;
+        let bytes = bytes(grid);
         let limits = device.limits();
         let available = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         if bytes > available {

@@ -61,7 +61,7 @@ pub(crate) struct DenseVolume {
     /// Group 0 with the grid alone, for the kernels that write the volume.
     grid: wgpu::BindGroup,
     levels: Vec<wgpu::TextureView>,
-    bytes: u64,
+    texture_bytes: u64,
     masks: Masks,
     build: Build,
 }
@@ -76,11 +76,8 @@ impl DenseVolume {
     ) -> Result<Self, GiError> {
         let size = grid.dimensions * directionality.slabs();
         check_limits(device, grid, size)?;
-        let texels: u64 =
-            (0..grid.levels).map(|level| (size >> level).as_u64vec3().element_product()).sum();
-        let bytes = texels * 8;
-        // Besides the masks, which are a thirty-sixth of it.
-        budget::check("a dense volume", bytes, memory_budget, grid, 3.0)?;
+        let needed = bytes(grid, directionality);
+        budget::check("a dense volume", needed, memory_budget, grid, 3.0)?;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("dense volume"),
             size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z },
@@ -133,7 +130,7 @@ impl DenseVolume {
             globals_layout,
             grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
             levels,
-            bytes,
+            texture_bytes: texture_bytes(grid, directionality),
             masks,
             build: Build::new(device, shaders, directionality, &grid_layout)?,
         })
@@ -165,7 +162,7 @@ impl DenseVolume {
 
     pub(super) fn memory(&self) -> Vec<(&'static str, u64)> {
         vec![
-            ("volume: radiance, opacity, vector areas", self.bytes),
+            ("volume: radiance, opacity, vector areas", self.texture_bytes),
             ("volume: empty-space masks", self.masks.entries().size()),
         ]
     }
@@ -175,6 +172,19 @@ impl DenseVolume {
     pub(crate) fn texture(&self) -> &wgpu::Texture {
         self.levels[0].texture()
     }
+}
+
+/// Bytes of the texture with its levels.
+fn texture_bytes(grid: &Grid, directionality: Directionality) -> u64 {
+    let parts = directionality.slabs().as_u64vec3().element_product();
+    let cells =
+        (0..grid.levels).map(|level| grid.level_dimensions(level).as_u64vec3().element_product());
+    cells.sum::<u64>() * parts * 8
+}
+
+/// Bytes of a volume, masks included.
+pub(super) fn bytes(grid: &Grid, directionality: Directionality) -> u64 {
+    texture_bytes(grid, directionality) + masks::bytes(grid)
 }
 
 fn check_limits(device: &wgpu::Device, grid: &Grid, size: UVec3) -> Result<(), GiError> {

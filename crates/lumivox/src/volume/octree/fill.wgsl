@@ -26,25 +26,21 @@ fn texel_offset(texel: u32) -> vec3u {
     return vec3u(texel % 3u, (texel / 3u) % 3u, texel / 9u);
 }
 
-// `cell` is a place in the voxel list; without one the texel is zero.
+// `cell` is a place in the voxel list. Texels without one stay zero, as the texture was made.
 fn fill_texel(slot: u32, texel: u32, has_cell: bool, cell: u32) {
-    var missing = node_parts(slot);
-    var brick = octree[node_word(slot) + NODE_FIRST_BRICK];
-    var there = 0u;
-    var value = 0u;
-    if has_cell {
-        there = stored_parts(nodes[cell].lobes);
-        value = value_starts[cell];
+    if !has_cell {
+        return;
     }
-    while missing != 0u {
-        let part = countTrailingZeros(missing);
-        missing &= missing - 1u;
-        var content = vec4f(0.0);
-        if ((there >> part) & 1u) != 0u {
-            content = unpack_value(values[value]);
-            value++;
-        }
-        textureStore(atlas_out, brick_origin(brick) + texel_offset(texel), content);
-        brick++;
+    let parts = node_parts(slot);
+    let first_brick = octree[node_word(slot) + NODE_FIRST_BRICK];
+    var there = stored_parts(nodes[cell].lobes);
+    var value = value_starts[cell];
+    while there != 0u {
+        let part = countTrailingZeros(there);
+        there &= there - 1u;
+        let brick = first_brick + countOneBits(parts & ((1u << part) - 1u));
+        let place = brick_origin(brick) + texel_offset(texel);
+        textureStore(atlas_out, place, unpack_value(values[value]));
+        value++;
     }
 }

@@ -89,8 +89,6 @@ fn insert(wanted: Target) -> bool {
         if group == NONE {
             if (atomicOr(&locks[node], TAKEN) & TAKEN) == 0u {
                 group = split(node, wanted.node_cell >> vec3u(level - wanted.level), level);
-            } else {
-                group = atomicLoad(&children[node]);
             }
         }
         is_stopped = group == NONE;

@@ -118,8 +118,6 @@ pub enum Mipmapping {
 /// What an octree is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OctreeStats {
-    /// Nodes of all levels.
-    pub nodes: u32,
     /// Groups of eight places for nodes, the root's included.
     pub groups: u32,
     /// Bricks of 3x3x3 texels.

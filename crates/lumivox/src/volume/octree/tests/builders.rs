@@ -117,6 +117,9 @@ fn a_full_grid() {
     let (gi, _) = nodes_of(&gpu, grid, &geometry, OctreeBuilder::Locks);
     let voxels = gi.voxels().expect("there are voxels");
     assert_eq!(u64::from(voxels.voxel_count()), grid.voxel_count());
+    // Threads that run in step want the same lock.
+    let stats = gi.octree_stats().expect("an octree");
+    assert!(stats.deferred > 0 && stats.lock_passes > 1, "nobody had to wait: {stats:?}");
 }
 
 #[test]

@@ -1,0 +1,303 @@
+//! `lumivox volumes`: what the kinds of volumes take, side by side.
+
+use glam::Vec3;
+use indicatif::MultiProgress;
+use lumivox::gpu::{StageTime, Timing};
+use lumivox::{
+    Directionality, Duplication, Grid, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats,
+    VolumeKind, dense_volume_bytes,
+};
+use lumivox_render::{Gpu, RenderSettings, Renderer};
+use lumivox_scene::{Scene, write_atomically};
+use serde::Serialize;
+
+use super::{light, open_gpu};
+use crate::args::{choices, output};
+use crate::cli::VolumesArgs;
+use crate::exit::Failure;
+use crate::progress::Progress;
+use crate::quality::{MemoryPoint, memory_against_resolution};
+use crate::report::{AdapterReport, SceneCounts, Table, bytes, count, print, print_json};
+
+/// Frames that are timed, after one that is not.
+const FRAMES: u32 = 2;
+
+/// Measures and reports.
+///
+/// # Errors
+/// When the scene cannot be read, a file cannot be written, or the device fails.
+pub fn run(args: &VolumesArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    args.scene.scene.check()?;
+    if let Some(file) = &args.output {
+        output::check_kind(file, "svg", "a chart is written as SVG")?;
+    }
+    let progress = Progress::start(bars, "loading");
+    let gpu = open_gpu(&args.gpu)?;
+    let mut scene = args.scene.load(&progress)?;
+    if !scene.shines() {
+        let aspect = args.size.x as f32 / args.size.y as f32;
+        let camera = scene.cameras.first().cloned();
+        let camera = camera.unwrap_or_else(|| scene.default_camera(aspect));
+        light::add_default(&mut scene, &camera, &progress);
+    }
+    let mut rows = Vec::new();
+    let variants = variants(args.alternatives);
+    let total = (args.resolutions.len() * variants.len()) as u32;
+    for &resolution in &args.resolutions {
+        for variant in &variants {
+            progress.set("measuring", rows.len() as u32, total);
+            rows.push(Row::measure(&gpu, &scene, args, resolution, variant)?);
+        }
+    }
+    drop(progress);
+    let report = Report {
+        scene: SceneCounts::new(&scene),
+        adapter: AdapterReport::new(&gpu.adapter_info),
+        rows,
+    };
+    if let Some(file) = &args.output {
+        let chart = memory_against_resolution(&report.scene.name, &report.points())?;
+        write_atomically(file, |out| std::io::Write::write_all(out, chart.as_bytes()))
+            .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())))?;
+    }
+    if args.json {
+        return print_json(&report);
+    }
+    print(&report.text())
+}
+
+/// A way to make a volume.
+struct Variant {
+    name: &'static str,
+    volume: VolumeKind,
+}
+
+fn variants(with_alternatives: bool) -> Vec<Variant> {
+    let octree = |name, options| Variant { name, volume: VolumeKind::Octree(options) };
+    let usual = OctreeOptions::default();
+    let mut variants =
+        vec![Variant { name: "dense", volume: VolumeKind::Dense }, octree("octree", usual)];
+    if with_alternatives {
+        variants.extend([
+            octree("  locks", OctreeOptions { builder: OctreeBuilder::Locks, ..usual }),
+            octree(
+                "  neighbours by pointers",
+                OctreeOptions { duplication: Duplication::Pointers, ..usual },
+            ),
+            octree(
+                "  neighbours by search",
+                OctreeOptions { duplication: Duplication::Search, ..usual },
+            ),
+            octree(
+                "  mipmaps of every cell",
+                OctreeOptions { mipmapping: Mipmapping::Every, ..usual },
+            ),
+        ]);
+    }
+    variants
+}
+
+/// What one volume at one resolution takes.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    resolution: u32,
+    name: &'static str,
+    volume: &'static str,
+    voxels: Option<u32>,
+    /// Of the volume alone; a dense one's is known even where it does not fit.
+    bytes: Option<u64>,
+    /// Nodes from the voxel list, or masks.
+    build_ms: Option<f64>,
+    /// Storing the faces' radiance, filtering, filling bricks: each time when light changes.
+    update_ms: Option<f64>,
+    /// Of that, filtering alone.
+    filter_ms: Option<f64>,
+    /// Of that, filling bricks alone.
+    fill_ms: Option<f64>,
+    /// One frame's cones.
+    trace_ms: Option<f64>,
+    /// Groups of eight places for nodes.
+    groups: Option<u32>,
+    bricks: Option<u32>,
+    /// Passes of the builder with locks, and threads deferred in all of them.
+    lock_passes: Option<u32>,
+    deferred: Option<u64>,
+    /// Why it was not measured.
+    problem: Option<String>,
+}
+
+impl Row {
+    fn measure(
+        gpu: &Gpu,
+        scene: &Scene,
+        args: &VolumesArgs,
+        resolution: u32,
+        variant: &Variant,
+    ) -> anyhow::Result<Self> {
+        let bounds = scene.bounds();
+        let grid = Grid::fit(bounds.min, bounds.max, resolution, Vec3::ZERO)?;
+        let directionality =
+            if args.isotropic { Directionality::Isotropic } else { Directionality::SixLobes };
+        let dense = matches!(variant.volume, VolumeKind::Dense);
+        let row = Self {
+            resolution,
+            name: variant.name,
+            volume: choices::volume_name(variant.volume),
+            voxels: None,
+            bytes: dense.then(|| dense_volume_bytes(&grid, directionality)),
+            build_ms: None,
+            update_ms: None,
+            filter_ms: None,
+            fill_ms: None,
+            trace_ms: None,
+            groups: None,
+            bricks: None,
+            lock_passes: None,
+            deferred: None,
+            problem: None,
+        };
+        let settings = RenderSettings {
+            size: args.size,
+            resolution,
+            directionality,
+            volume: variant.volume,
+            bounces: 1,
+            frames: FRAMES,
+            timing: Timing::for_device(&gpu.device),
+            ..RenderSettings::default()
+        };
+        match pollster::block_on(timed(gpu, scene, settings, !args.no_trace)) {
+            Ok(renderer) => Ok(row.of(&renderer)),
+            Err(error) if is_limit(&error) => Ok(Self { problem: Some(error.to_string()), ..row }),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn of(self, renderer: &Renderer) -> Self {
+        let times = renderer.times();
+        let sum = |is: &dyn Fn(&StageTime) -> bool| {
+            let ms: Vec<f64> =
+                times.iter().filter(|t| is(t)).map(|t| t.duration.as_secs_f64() * 1e3).collect();
+            (!ms.is_empty()).then(|| ms.iter().sum())
+        };
+        let memory = renderer.gi().memory();
+        let volume = memory.iter().filter(|(name, _)| name.starts_with("volume"));
+        let stats = renderer.gi().octree_stats();
+        let of_stats = |get: fn(&OctreeStats) -> u32| stats.as_ref().map(get);
+        let has_locks = of_stats(|stats| stats.lock_passes).is_some_and(|passes| passes > 0);
+        Self {
+            voxels: Some(renderer.voxel_stats().voxels),
+            bytes: Some(volume.map(|(_, bytes)| bytes).sum()),
+            build_ms: sum(&|time| time.stage == "volume"),
+            update_ms: sum(&|time| time.stage == "filter"),
+            filter_ms: sum(&|time| time.stage == "filter" && time.pass.contains("filter")),
+            fill_ms: sum(&|time| time.stage == "filter" && time.pass.contains("fill")),
+            trace_ms: sum(&|time| time.stage == "trace"),
+            bricks: of_stats(|stats| stats.bricks),
+            groups: of_stats(|stats| stats.groups),
+            lock_passes: of_stats(|stats| stats.lock_passes).filter(|_| has_locks),
+            deferred: stats.map(|stats| stats.deferred).filter(|_| has_locks),
+            ..self
+        }
+    }
+
+    fn bytes_per_voxel(&self) -> Option<f64> {
+        Some(self.bytes? as f64 / f64::from(self.voxels?))
+    }
+}
+
+/// A renderer that has voxelized, lit and traced, with the times of a second run: the first includes what drivers
+/// compile.
+async fn timed(
+    gpu: &Gpu,
+    scene: &Scene,
+    settings: RenderSettings,
+    with_trace: bool,
+) -> Result<Renderer, lumivox_render::RenderError> {
+    let ignore = &mut |_| ();
+    let mut renderer = Renderer::new(gpu, scene, None, settings, ignore).await?;
+    if with_trace {
+        renderer.render_frame().await?;
+    }
+    renderer.forget_times();
+    renderer.set_scene(scene, ignore).await?;
+    for _ in 0..if with_trace { FRAMES } else { 0 } {
+        renderer.render_frame().await?;
+    }
+    Ok(renderer)
+}
+
+/// Whether an error says that something does not fit.
+fn is_limit(error: &lumivox_render::RenderError) -> bool {
+    use lumivox::GiError;
+    use lumivox_render::RenderError;
+    matches!(
+        error,
+        RenderError::Gi(GiError::Limit { .. } | GiError::Budget { .. })
+            | RenderError::OutOfMemory { .. }
+            | RenderError::Limit { .. }
+    )
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Report {
+    scene: SceneCounts,
+    adapter: AdapterReport,
+    rows: Vec<Row>,
+}
+
+impl Report {
+    /// What the chart shows: dense and octree as they are by default.
+    fn points(&self) -> Vec<MemoryPoint> {
+        let usual = self.rows.iter().filter(|row| row.name == row.volume);
+        usual
+            .filter_map(|row| {
+                Some(MemoryPoint {
+                    volume: row.volume,
+                    resolution: row.resolution,
+                    bytes: row.bytes?,
+                    is_measured: row.problem.is_none(),
+                })
+            })
+            .collect()
+    }
+
+    fn text(&self) -> String {
+        let mut table = Table::new(&[
+            "volume", "voxels", "occupied", "memory", "a voxel", "build", "update", "filter",
+            "fill", "trace",
+        ]);
+        let ms = |value: Option<f64>| value.map_or("-".to_owned(), |ms| format!("{ms:.1} ms"));
+        for row in &self.rows {
+            table.row([
+                row.name.to_owned(),
+                row.resolution.to_string(),
+                row.voxels.map_or("-".to_owned(), |voxels| count(voxels.into())),
+                row.bytes.map_or("-".to_owned(), bytes),
+                row.bytes_per_voxel().map_or("-".to_owned(), |bytes| format!("{bytes:.0} B")),
+                ms(row.build_ms),
+                ms(row.update_ms),
+                ms(row.filter_ms),
+                ms(row.fill_ms),
+                ms(row.trace_ms),
+            ]);
+        }
+        let mut text = format!("{}\n\n{}", self.scene.name, table.text());
+        for row in &self.rows {
+            if let (Some(passes), Some(deferred)) = (row.lock_passes, row.deferred) {
+                text += &format!(
+                    "\nLocks at {}: {passes} passes, {} threads deferred.\n",
+                    row.resolution,
+                    count(deferred)
+                );
+            }
+            if let Some(problem) = &row.problem {
+                text += &format!("\n{} at {}: {problem}.\n", row.name.trim(), row.resolution);
+            }
+        }
+        text + &format!(
+            "\nBuild: from the voxel list; update: when light changes; trace: the cones of a frame. On {}.\n",
+            self.adapter.description
+        )
+    }
+}
