@@ -37,7 +37,7 @@ pub struct VoxelArgs {
 
     /// Where the voxels' light is stored for the cones
     ///
-    /// The picture is the same to a hair (0.1 %). A dense volume is a little faster and takes memory with the
+    /// The picture is the same to 0.2 % in the mean. A dense volume is a little faster and takes memory with the
     /// cube of the resolution; an octree takes it with the surface.
     #[arg(long, value_name = "KIND", value_parser = choices::volume(), default_value = "dense")]
     pub volume: VolumeChoice,

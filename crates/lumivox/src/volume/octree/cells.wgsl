@@ -11,6 +11,8 @@ import package::octree::tree::{brick_origin, octant_of, tree};
 struct Place {
     position_in_grid: vec3f,
     level: u32,
+    // The first cell along each axis that is read.
+    first: vec3u,
     node: u32,
     // All parts that the look-up can meet.
     parts: u32,
@@ -21,11 +23,11 @@ fn place_at(position_in_grid: vec3f, level: u32) -> Place {
     // The cell after the first one that is read. What is farther out than half a cell meets nothing.
     let second = vec3i(floor(position_in_grid * exp2(-f32(level)) + 0.5));
     if any(second < vec3i(0)) || any(second > cells) {
-        return Place(position_in_grid, level, 0u, 0u);
+        return Place(position_in_grid, level, vec3u(0u), 0u, 0u);
     }
     let first = vec3u(max(second - 1, vec3i(0)));
     let node = find_node(first >> vec3u(1u), level + 1u);
-    return Place(position_in_grid, level, node, node_mask(node, octant_of(first)));
+    return Place(position_in_grid, level, first, node, node_mask(node, octant_of(first)));
 }
 
 // All parts that a look-up at a place can meet.
@@ -39,11 +41,12 @@ fn fetch(place: Place, part: u32) -> vec4f {
         return vec4f(0.0);
     }
     let position = place.position_in_grid * exp2(-f32(place.level));
-    let inside = clamp(position, vec3f(0.5), vec3f(grid.dimensions >> vec3u(place.level)) - 0.5);
-    // Within the brick, 1/2 to 5/2.
-    let texel = inside - 2.0 * floor(0.5 * (inside - 0.5));
-    let origin = vec3f(brick_origin(brick_of(place.node, part)));
-    return textureSampleLevel(atlas, atlas_sampler, (origin + texel) * tree.inverse_size, 0.0);
+    // From the middle of the first cell to that of the next; outside of the grid as at its border.
+    let last = vec3f(grid.dimensions >> vec3u(place.level)) - 0.5;
+    let share = saturate(min(position, last) - 0.5 - vec3f(place.first));
+    let texel = brick_origin(brick_of(place.node, part)) + (place.first & vec3u(1u));
+    let uvw = (vec3f(texel) + 0.5 + share) * tree.inverse_size;
+    return textureSampleLevel(atlas, atlas_sampler, uvw, 0.0);
 }
 
 // A part of one cell, unfiltered.
