@@ -11,7 +11,7 @@ use crate::trace::{
     gbuffer_layout,
 };
 use crate::volume::{Directionality, Volume};
-use crate::voxelize::{VoxelizeStats, Voxelizer};
+use crate::voxelize::{VoxelizeMethod, VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -22,12 +22,14 @@ pub struct GiConfig {
     pub grid: Grid,
     /// Six lobes (the default) or one value a voxel.
     pub directionality: Directionality,
+    /// How triangles become voxels. Default: exactly.
+    pub method: VoxelizeMethod,
 }
 
 impl GiConfig {
     /// Everything at its default, over a grid.
     pub fn new(grid: Grid) -> Self {
-        Self { grid, directionality: Directionality::default() }
+        Self { grid, directionality: Directionality::default(), method: VoxelizeMethod::default() }
     }
 }
 
@@ -75,7 +77,7 @@ impl Gi {
     ) -> Result<Self, GiError> {
         let mut shaders = crate::shaders::library();
         let volume = Volume::new(device, &mut shaders, &config.grid, config.directionality)?;
-        let voxelizer = Voxelizer::new(device, &shaders)?;
+        let voxelizer = Voxelizer::with_method(device, &shaders, config.method)?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
         let globals = volume.globals_layout();

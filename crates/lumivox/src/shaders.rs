@@ -26,6 +26,7 @@ pub fn library() -> ShaderLibrary {
         crate::trace::MODULES,
         crate::volume::MODULES,
         crate::voxelize::MODULES,
+        crate::voxelize::RASTER_MODULES,
     ] {
         for (path, source) in modules {
             library.add(path, *source);
