@@ -9,12 +9,13 @@ mod motion;
 mod quality;
 mod reference;
 mod view;
+mod voxels;
 
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
-use glam::{UVec2, Vec3};
-use lumivox::{Directionality, MAX_RESOLUTION};
+use glam::UVec2;
+use lumivox::MAX_RESOLUTION;
 use lumivox_render::{ToneMap, View};
 
 pub use compare::CompareArgs;
@@ -24,6 +25,7 @@ pub use motion::MotionArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
 pub use view::ViewArgs;
+pub use voxels::{VoxelArgs, VoxelsArgs};
 
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
@@ -107,9 +109,10 @@ pub enum Command {
     /// Voxelize a scene, and show how many voxels it has, what memory and what time they take
     #[command(
         after_help = "Examples:\n  lumivox voxels builtin:atrium\n  lumivox voxels hall.glb \
-                            --resolution 256 --isotropic --json"
+                            --resolution 256 --isotropic --json\n  lumivox voxels builtin:atrium \
+                            --compare-voxelizers -o voxelizers.png"
     )]
-    Voxels(VoxelsArgs),
+    Voxels(Box<VoxelsArgs>),
     /// Write a scene as one GLB file (glTF 2.0)
     #[command(
         after_help = "Examples:\n  lumivox convert hall.obj --unit cm -o hall.glb\n  lumivox \
@@ -124,39 +127,6 @@ pub enum Command {
     Quality(Box<QualityArgs>),
     /// List the built-in scenes
     Scenes,
-}
-
-/// How voxels are made.
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Voxels")]
-pub struct VoxelArgs {
-    /// Voxels along the scene's longest axis: a multiple of 8 from 16 to 1024
-    ///
-    /// Higher resolves finer detail and leaks less. Memory grows with the cube (165 MiB at 128 for a
-    /// cube-shaped scene; `lumivox info` tells what fits), time with the square.
-    #[arg(long, value_name = "VOXELS", value_parser = number::resolution)]
-    #[arg(default_value = "128", allow_negative_numbers = true)]
-    pub resolution: u32,
-
-    /// Shift of the grid against the scene in voxels, each from 0 to below 1
-    ///
-    /// Errors of voxels depend on where walls fall in the grid; measurements try several.
-    #[arg(long, value_name = "X,Y,Z", value_parser = number::grid_offset)]
-    #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
-    pub grid_offset: Vec3,
-
-    /// Keep one radiance a voxel instead of one for each of six directions [default: off]
-    ///
-    /// A ninth of the memory; surfaces light and shadow themselves, thin walls leak.
-    #[arg(long)]
-    pub isotropic: bool,
-}
-
-impl VoxelArgs {
-    /// The library's word for it.
-    pub fn directionality(&self) -> Directionality {
-        if self.isotropic { Directionality::Isotropic } else { Directionality::SixLobes }
-    }
 }
 
 /// Which GPU.
@@ -286,26 +256,6 @@ pub struct InfoArgs {
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]
     pub json: bool,
-}
-
-/// The arguments of `voxels`.
-#[derive(Args, Debug)]
-pub struct VoxelsArgs {
-    /// The scene.
-    #[command(flatten)]
-    pub scene: SceneArg,
-
-    /// The voxels.
-    #[command(flatten)]
-    pub voxels: VoxelArgs,
-
-    /// Print one JSON object instead of text [default: off]
-    #[arg(long, help_heading = "Messages")]
-    pub json: bool,
-
-    /// The GPU.
-    #[command(flatten)]
-    pub gpu: GpuArgs,
 }
 
 /// The arguments of `convert`.

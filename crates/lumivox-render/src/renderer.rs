@@ -87,7 +87,11 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let config = GiConfig { directionality: settings.directionality, ..GiConfig::new(grid) };
+        let config = GiConfig {
+            directionality: settings.directionality,
+            method: settings.voxelizer,
+            ..GiConfig::new(grid)
+        };
         let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
         let voxelized = gi.voxelize(&scene.geometry, settings.timing).await?;
         times.add(voxelized.times);

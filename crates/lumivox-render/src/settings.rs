@@ -2,7 +2,7 @@
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, TraceSettings};
+use lumivox::{Directionality, TraceSettings, VoxelizeMethod};
 use lumivox_scene::Bounds;
 
 use crate::RenderError;
@@ -193,6 +193,8 @@ pub struct RenderSettings {
     pub grid_bounds: Option<Bounds>,
     /// Whether voxels keep a radiance for each direction. Default: six lobes.
     pub directionality: Directionality,
+    /// How triangles become voxels. Default: exactly.
+    pub voxelizer: VoxelizeMethod,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -229,6 +231,7 @@ impl Default for RenderSettings {
             grid_offset: Vec3::ZERO,
             grid_bounds: None,
             directionality: Directionality::default(),
+            voxelizer: VoxelizeMethod::default(),
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,

@@ -201,6 +201,11 @@ impl Gi {
         &self.config.grid
     }
 
+    /// How triangles become voxels.
+    pub fn method(&self) -> VoxelizeMethod {
+        self.config.method
+    }
+
     /// The list of voxels, once there is one.
     pub fn voxels(&self) -> Option<&VoxelList> {
         self.voxels.as_ref()

@@ -1,5 +1,8 @@
 //! `lumivox voxels`: what the voxelization of a scene finds, and what it takes.
 
+mod compare;
+mod picture;
+
 use std::time::Instant;
 
 use indicatif::MultiProgress;
@@ -22,6 +25,9 @@ use crate::report::{
 /// # Errors
 /// When the scene cannot be read, or its voxels do not fit the GPU.
 pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    if args.comparison.compare_voxelizers {
+        return compare::run(args, bars);
+    }
     args.scene.scene.check()?;
     let progress = Progress::start(bars, "loading");
     let gpu = open_gpu(&args.gpu)?;
@@ -34,7 +40,11 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let lighting = Lighting::of(&scene);
     let unit = radiance_unit(&scene, &lighting);
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
-    let config = GiConfig { directionality: args.voxels.directionality(), ..GiConfig::new(grid) };
+    let config = GiConfig {
+        directionality: args.voxels.directionality(),
+        method: args.voxels.voxelizer,
+        ..GiConfig::new(grid)
+    };
     let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
     gpu.wait("uploading the scene")?;
 
@@ -61,6 +71,7 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
 struct Report {
     scene: SceneCounts,
     grid: GridReport,
+    voxelizer: &'static str,
     /// Triangles given to the voxelizer.
     triangles: u64,
     /// Of those, the ones without an area.
@@ -120,6 +131,7 @@ impl Report {
         Self {
             scene: SceneCounts::new(scene),
             grid: GridReport::new(grid),
+            voxelizer: gi.method().name(),
             triangles: stats.triangles,
             skipped: stats.skipped,
             outside: stats.outside,

@@ -7,6 +7,7 @@ mod measure;
 mod report;
 mod strip;
 
+pub use canvas::{Align, Canvas};
 pub use chart::{Point, error_against_cost};
 pub use measure::{Leak, Measured, Subject, Truth, reference};
 pub use report::Comparison;

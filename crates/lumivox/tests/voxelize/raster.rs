@@ -215,7 +215,7 @@ fn conservative_misses_nothing() {
     assert!(found > exact && found < 2 * exact, "{found} of {exact}");
 }
 
-/// Slivers, whose shifted edges meet far away, or nowhere.
+/// Slivers, whose shifted edges meet far away, or nowhere. Their planes may be off by a part in 1024.
 #[test]
 fn conservative_finds_slivers() {
     let mut random = Random(32);
@@ -227,7 +227,9 @@ fn conservative_finds_slivers() {
             [a, b, a + (b - a) * random.unit() + random.vector(-width, width)]
         })
         .collect();
-    conservative_is_as_defined(&unit_grid(64), &triangles, 4.0 * EPSILON, |_| vec![0, 1, 2]);
+    let (found, exact) =
+        conservative_is_as_defined(&unit_grid(64), &triangles, 2e-3, |_| vec![0, 1, 2]);
+    assert!(found < 2 * exact, "{found} of {exact}");
 }
 
 #[test]

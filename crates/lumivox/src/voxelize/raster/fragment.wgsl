@@ -4,6 +4,7 @@
 import package::constants::{RASTER_CONSERVATIVE, RASTER_METHOD, RASTER_THREE_PLANE, TILE_EDGE};
 import package::voxelize::footprint::{Footprint, footprint, tile_counts, turn, turn_back};
 import package::voxelize::items::{Item, run};
+import package::voxelize::overlap::{SideTests, touches};
 import package::voxelize::piece::Piece;
 import package::voxelize::raster::share::share_of_pixel;
 import package::voxelize::reproducible::dot_fused;
@@ -27,6 +28,9 @@ fn point_at(pixel: vec2f, triangle: Triangle, normal: vec3f, axis: u32) -> vec3f
     let high = max(a.z, max(b.z, c.z));
     return turn_back(vec3f(pixel, clamp(depth, low, high)), axis);
 }
+
+// Of a plane's depth, in voxels, by rounding alone.
+const LARGEST_UNCERTAINTY = 1.0 / 1024.0;
 
 // Axes to which a plane is closer than this (its slope towards them) do not count: corners are rounded to a
 // raster of 1/256, which then decides in which voxel such an axis meets the plane.
@@ -87,6 +91,13 @@ fn fragment_begin(walk: ptr<function, Walk>, position: vec2f, index: u32, axis: 
     }
     let is_there = is_inside && cell.z >= area.first.z && cell.z <= area.last.z;
     return Fragment(is_there, Piece(stands_for, point - vec3f((*walk).base)));
+}
+
+// Whether the current voxel counts as touched. A sliver's plane is uncertain by rounding, and its range of depth
+// may be all of its box: there the edges seen along the two other axes decide, as in the exact walk.
+fn is_touched(walk: ptr<function, Walk>, tests: SideTests) -> bool {
+    let uncertainty = (*walk).widening - 0.5 * (abs((*walk).slope.x) + abs((*walk).slope.y));
+    return !IS_CONSERVATIVE || uncertainty < LARGEST_UNCERTAINTY || touches(walk, tests);
 }
 
 // Moves to the next voxel; false if there is none left.

@@ -1,7 +1,8 @@
 // Marks the voxels of fragments: a bit each, in Morton order.
 
 import package::voxelize::mark::mark;
-import package::voxelize::raster::fragment::{fragment_begin, fragment_on, piece_of};
+import package::voxelize::overlap::side_tests;
+import package::voxelize::raster::fragment::{fragment_begin, fragment_on, is_touched, piece_of};
 import package::voxelize::surface::{surface_at, surface_map, PIERCED};
 import package::voxelize::triangles::SMALLEST_COVERAGE;
 import package::voxelize::walk::Walk;
@@ -15,9 +16,10 @@ fn opaque(
 ) {
     var walk: Walk;
     let fragment = fragment_begin(&walk, position.xy, triangle, axis);
+    let tests = side_tests(&walk);
     var is_there = fragment.is_there;
     loop {
-        if is_there {
+        if is_there && is_touched(&walk, tests) {
             mark(&walk);
         }
         continuing {
@@ -37,11 +39,13 @@ fn covered(
     var walk: Walk;
     let fragment = fragment_begin(&walk, position.xy, triangle, axis);
     let map = surface_map(&walk);
+    let tests = side_tests(&walk);
     var is_there = fragment.is_there;
     loop {
         let piece = piece_of(&walk, fragment);
         let surface = surface_at(&walk, map, piece.centroid, PIERCED);
-        if is_there && piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE {
+        let is_left = piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE;
+        if is_there && is_left && is_touched(&walk, tests) {
             mark(&walk);
         }
         continuing {

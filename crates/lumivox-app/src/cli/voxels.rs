@@ -1,0 +1,108 @@
+//! How voxels are made, and the comparison of the ways.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::{UVec2, Vec3};
+use lumivox::{Directionality, VoxelizeMethod};
+
+use super::{GpuArgs, SceneArg};
+use crate::args::camera::{self, CameraChoice};
+use crate::args::{choices, number, size};
+
+/// How voxels are made.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Voxels")]
+pub struct VoxelArgs {
+    /// Voxels along the scene's longest axis: a multiple of 8 from 16 to 1024
+    ///
+    /// Higher resolves finer detail and leaks less. Memory grows with the cube (165 MiB at 128 for a
+    /// cube-shaped scene; `lumivox info` tells what fits), time with the square.
+    #[arg(long, value_name = "VOXELS", value_parser = number::resolution)]
+    #[arg(default_value = "128", allow_negative_numbers = true)]
+    pub resolution: u32,
+
+    /// Shift of the grid against the scene in voxels, each from 0 to below 1
+    ///
+    /// Errors of voxels depend on where walls fall in the grid; measurements try several.
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::grid_offset)]
+    #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
+    pub grid_offset: Vec3,
+
+    /// Keep one radiance a voxel instead of one for each of six directions [default: off]
+    ///
+    /// A ninth of the memory; surfaces light and shadow themselves, thin walls leak.
+    #[arg(long)]
+    pub isotropic: bool,
+
+    /// How triangles become voxels
+    ///
+    /// All but the exact way use the GPU's rasterizer, and are there to be compared with it
+    /// (`lumivox voxels SCENE --compare-voxelizers`).
+    #[arg(long, value_name = "METHOD", value_parser = choices::voxelizer())]
+    #[arg(default_value = "exact")]
+    pub voxelizer: VoxelizeMethod,
+}
+
+impl VoxelArgs {
+    /// The library's word for it.
+    pub fn directionality(&self) -> Directionality {
+        if self.isotropic { Directionality::Isotropic } else { Directionality::SixLobes }
+    }
+}
+
+/// The arguments of `voxels`.
+#[derive(Args, Debug)]
+pub struct VoxelsArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// The voxels.
+    #[command(flatten)]
+    pub voxels: VoxelArgs,
+
+    /// The comparison.
+    #[command(flatten)]
+    pub comparison: VoxelizersArgs,
+
+    /// Print one JSON object instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+}
+
+/// The comparison of all ways to make voxels.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Comparison")]
+pub struct VoxelizersArgs {
+    /// Voxelize in every way that there is, and tell how far each is from the exact one [default: off]
+    ///
+    /// Voxels found, missing and too many; the share of the surface that is missed; the error of
+    /// colours; and the time.
+    #[arg(long, conflicts_with = "voxelizer")]
+    pub compare_voxelizers: bool,
+
+    /// A picture's file, .png: what each way finds as cubes, what it misses in magenta, what it finds
+    /// too many in cyan [default: none]
+    ///
+    /// A file of that name is replaced once the picture is complete, never half.
+    #[arg(short, long, value_name = "FILE", requires = "compare_voxelizers")]
+    pub output: Option<PathBuf>,
+
+    /// Width and height of each way's part of the picture in pixels, each from 1 to 32768
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, requires = "output")]
+    #[arg(default_value = "400x300", allow_hyphen_values = true)]
+    pub size: UVec2,
+
+    /// Where from: a camera's name or number, or position and target in metres [default: the
+    /// scene's first camera, else `framing`, the view that shows it best]
+    ///
+    /// As of `lumivox render`.
+    #[arg(long, value_name = "NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]", value_parser = camera::camera)]
+    #[arg(allow_hyphen_values = true, requires = "output")]
+    pub camera: Option<CameraChoice>,
+}
