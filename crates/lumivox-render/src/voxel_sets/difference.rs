@@ -9,6 +9,8 @@ pub struct SetDifference {
     pub voxels: u32,
     /// Voxels of the exact set that are not found.
     pub missing: u32,
+    /// Of those, the ones that are touched alone: the exact set has no surface in them either.
+    pub missing_touched: u32,
     /// Voxels found that are not in the exact set.
     pub extra: u32,
     /// Share of the exact set's surface (the areas along the lobes) that is in missing voxels, 0 to 1.
@@ -36,6 +38,7 @@ impl VoxelSet {
         for right in exact.voxels() {
             let Some(own) = self.get(right.morton) else {
                 result.missing += 1;
+                result.missing_touched += u32::from(right.area == 0.0);
                 missing_area += f64::from(right.area);
                 continue;
             };

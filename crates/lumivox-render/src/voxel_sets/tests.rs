@@ -43,6 +43,7 @@ fn differences_are_counted() {
         ([4, 5, 6], RED, 1.0),
         ([7, 7, 7], RED, 0.5),
         ([8, 7, 7], Vec3::ZERO, 0.0),
+        ([8, 8, 8], Vec3::ZERO, 0.0),
     ]);
     let found = set(&[
         ([1, 2, 3], RED + Vec3::new(0.0, 0.3, 0.0), 1.0),
@@ -52,12 +53,13 @@ fn differences_are_counted() {
         ([9, 9, 9], Vec3::ONE, 0.75),
     ]);
     let difference = found.difference(&exact);
-    assert_eq!((difference.voxels, difference.missing, difference.extra), (4, 1, 1));
+    assert_eq!((difference.voxels, difference.missing, difference.extra), (4, 2, 1));
+    assert_eq!(difference.missing_touched, 1);
     assert_eq!((difference.missing_area, difference.area), (0.25, 1.5));
     // One channel of six is off by 0.3.
     assert!((difference.color_rmse - 0.3 / 6.0_f64.sqrt()).abs() < 1e-6, "{difference:?}");
     let nothing = set(&[]).difference(&exact);
-    assert_eq!((nothing.missing, nothing.missing_area, nothing.color_rmse), (4, 1.0, 0.0));
+    assert_eq!((nothing.missing, nothing.missing_area, nothing.color_rmse), (5, 1.0, 0.0));
 }
 
 /// Four voxels in a row, seen from the front: each pixel shows its own.

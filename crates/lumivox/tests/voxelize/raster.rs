@@ -316,6 +316,26 @@ fn a_plane_of_two_colours() {
     }
 }
 
+/// Triangles smaller than voxels, most of which cover no centre at all: those that do stand for the others.
+#[test]
+fn small_triangles_keep_their_area_in_the_mean() {
+    let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 64, Vec3::ZERO).unwrap();
+    let along_of = |method| {
+        let lab = Lab::with_method(method);
+        let sphere = Mesh::sphere(Vec3::ZERO, 1.0, 300);
+        let list = lab.voxelize(&grid, &sphere.geometry(&lab.device, SurfaceMaterial::default()));
+        let closed = list.total_area().length() / list.total_along();
+        assert!(closed < 0.01, "{method:?}: a closed surface has a sum of {closed}");
+        list.total_along()
+    };
+    let exact = along_of(VoxelizeMethod::Exact);
+    for (method, allowed) in RASTER.into_iter().zip([0.02, 1e-3, 0.02]) {
+        let share = along_of(method) / exact;
+        println!("{method:?}: {share:.4} of the area");
+        assert!((share - 1.0).abs() < allowed, "{method:?}: {share} of the area");
+    }
+}
+
 /// A hundred thousand fragments in one voxel: a third of them red, and not one is lost.
 #[test]
 fn crowded_voxels_average() {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use indicatif::MultiProgress;
 use lumivox::gpu::Timing;
 use lumivox::{Geometry, GiError, Grid, VoxelizeMethod, Voxelizer};
-use lumivox_render::{Gpu, GpuScene, Lighting, SetDifference, VoxelSet, radiance_unit};
+use lumivox_render::{Gpu, GpuScene, Lighting, VoxelSet, radiance_unit};
 use serde::Serialize;
 
 use super::picture::{Panel, picture};
@@ -148,6 +148,8 @@ struct MethodReport {
     voxels: u32,
     /// Of the exact method's voxels, those not found.
     missing: u32,
+    /// Of those, the ones that surfaces touch without having any area in them.
+    missing_touched: u32,
     /// Voxels found that the exact method has not.
     extra: u32,
     /// Share of the exact method's surface that is in missing voxels, 0 to 1.
@@ -165,16 +167,16 @@ struct MethodReport {
 
 impl MethodReport {
     fn new(found: &Found, exact: &VoxelSet) -> Self {
-        let SetDifference { voxels, missing, extra, missing_area, area, color_rmse } =
-            found.set.difference(exact);
+        let difference = found.set.difference(exact);
         Self {
             name: found.method.name(),
-            voxels,
-            missing,
-            extra,
-            missing_area,
-            area,
-            color_rmse,
+            voxels: difference.voxels,
+            missing: difference.missing,
+            missing_touched: difference.missing_touched,
+            extra: difference.extra,
+            missing_area: difference.missing_area,
+            area: difference.area,
+            color_rmse: difference.color_rmse,
             faces: found.faces,
             fragments: found.fragments,
             wall_ms: found.wall_ms,
@@ -197,6 +199,7 @@ impl Report {
             "voxelizer",
             "voxels",
             "missing",
+            "(touched)",
             "too many",
             "surface missed",
             "surface in all",
@@ -210,6 +213,7 @@ impl Report {
                 method.name.to_owned(),
                 count(method.voxels.into()),
                 count(method.missing.into()),
+                count(method.missing_touched.into()),
                 count(method.extra.into()),
                 percent(method.missing_area),
                 percent(method.area),
@@ -220,9 +224,9 @@ impl Report {
         }
         let [x, y, z] = self.grid.dimensions;
         let mut text = format!("{}, {x} x {y} x {z} voxels\n\n{}", self.scene.name, table.text());
-        text += "\nMissing and too many: against the exact voxels. Surface: areas along the sides of \
-                 voxels,\nas shares of the exact one. Colour: reflectance of the voxels in which both \
-                 have surface.\n";
+        text += "\nMissing and too many: against the exact voxels; touched: of the missing, those without \
+                 any surface\nin them. Surface: areas along the sides of voxels, as shares of the exact \
+                 one. Colour: reflectance\nof the voxels in which both have surface.\n";
         text += &format!("Times on {}: the fastest of {TIMED_RUNS}.\n", self.adapter.description);
         if let Some(picture) = &self.picture {
             text += &format!("The picture is {picture}.\n");
