@@ -98,7 +98,7 @@ fn rays_meet_the_nearest_voxel() {
                 place
             };
             let cells = [3.5, 9.5].map(|along| place(along).as_uvec3().to_array());
-            let nearest = if sign > 0.0 { 0 } else { 1 };
+            let nearest = usize::from(sign < 0.0);
             let exact = set(&[(cells[nearest], RED, 1.0), (cells[1 - nearest], Vec3::ONE, 1.0)]);
             let mut forward = Vec3::ZERO;
             forward[axis] = sign;

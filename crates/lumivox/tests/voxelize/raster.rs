@@ -97,12 +97,10 @@ type Cells = BTreeSet<[u32; 3]>;
 fn is_between(found: &Cells, certain: &Cells, possible: &Cells) {
     assert!(certain.len() > 5000, "only {} voxels are certain", certain.len());
     println!("{} voxels, {} certain, {} possible", found.len(), certain.len(), possible.len());
-    for voxel in certain.difference(found) {
-        panic!("{voxel:?} is missing");
-    }
-    for voxel in found.difference(possible) {
-        panic!("{voxel:?} is found, but no centre of a pixel is there");
-    }
+    let missing: Vec<_> = certain.difference(found).collect();
+    assert!(missing.is_empty(), "missing: {missing:?}");
+    let extra: Vec<_> = found.difference(possible).collect();
+    assert!(extra.is_empty(), "found, but no centre of a pixel is there: {extra:?}");
 }
 
 fn axes_of(method: VoxelizeMethod, t: &Triangle) -> Vec<usize> {
@@ -194,9 +192,8 @@ fn conservative_is_as_defined(
         }
     }
     println!("{} voxels, {} exact, {} possible", found.len(), exact.len(), possible.len());
-    for voxel in found.difference(&possible) {
-        panic!("{voxel:?} is found, but nothing comes near it");
-    }
+    let extra: Vec<_> = found.difference(&possible).collect();
+    assert!(extra.is_empty(), "found, but nothing comes near: {extra:?}");
     let twins: Vec<_> = triangles.iter().map(|t| in_grid(grid, t)).collect();
     for (voxel, apart) in twin::separations(grid, &twins, epsilon) {
         assert!(apart > -epsilon || found.contains(&voxel), "{voxel:?} is missing: {apart}");
