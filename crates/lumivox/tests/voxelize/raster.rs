@@ -313,6 +313,43 @@ fn a_plane_of_two_colours() {
     }
 }
 
+/// Where a pixel is covered as a whole, the shares of its voxels are their areas, and lie where those do.
+#[test]
+fn conservative_shares_are_exact_within_a_plane() {
+    let p = Vec3::new;
+    let grid = unit_grid(64);
+    for t in [
+        [p(3.0, 4.0, 20.3), p(61.0, 7.0, 38.0), p(9.0, 60.0, 47.0)],
+        [p(30.2, 4.0, 3.0), p(31.0, 6.0, 61.0), p(52.0, 60.0, 9.0)],
+        [p(3.0, 30.4, 4.0), p(5.0, 30.4, 61.0), p(60.0, 30.4, 6.0)],
+    ] {
+        let turned = in_grid(&grid, &t);
+        let axis = dominant(&turned)[0];
+        let turned = turned.map(|p| turn(p, axis));
+        let exact = voxelize(VoxelizeMethod::Exact, &grid, &[t]);
+        let own = voxelize(VoxelizeMethod::Conservative, &grid, &[t]);
+        let mut compared = 0;
+        for face in &exact.faces {
+            let voxel = UVec3::from(exact.voxel(face.voxel)).as_dvec3() + 0.5;
+            if depth_inside(&turned, turn(voxel, axis).truncate()) < 1.0 {
+                continue;
+            }
+            let other =
+                own.faces.iter().find(|other| own.voxel(other.voxel) == exact.voxel(face.voxel));
+            let area = other.map_or(0.0, along);
+            assert!((area - along(face)).abs() < 1e-3, "{face:?}: {area}");
+            if let Some(other) = other.filter(|_| along(face) > 0.05) {
+                let [a, b] = [face, other].map(|face| Vec3::from(face.position_in_world));
+                assert!((a - b).abs().max_element() < 0.2, "{face:?}: {other:?}");
+                let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize();
+                assert!((b - t[0]).dot(normal).abs() < 1e-3, "{face:?}: {other:?}");
+            }
+            compared += 1;
+        }
+        assert!(compared > 1000, "{compared}");
+    }
+}
+
 /// Triangles smaller than voxels, most of which cover no centre at all: those that do stand for the others.
 #[test]
 fn small_triangles_keep_their_area_in_the_mean() {

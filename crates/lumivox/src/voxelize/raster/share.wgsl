@@ -2,27 +2,62 @@
 //
 // That a pixel is touched does not say how much of it is covered; counting it as a whole would let a triangle
 // that touches a corner weigh as much as one that fills the voxel. The covered area and its centroid follow from
-// the boundary integrals of piece.wgsl, without the cut to a slab of depth. Each voxel of the column then gets
-// the share that it has of the range of depth. So the areas of a triangle's fragments add up to its own, and a
-// voxel that only the range of depth reaches gets a little that is not its.
+// the boundary integrals of piece.wgsl, without the cut to a slab of depth. Each voxel of the column gets the
+// share of them that it has of the plane's depth over the pixel, cut to the triangle's box. So the areas of a
+// triangle's fragments add up to its own; the shares are exact where the pixel is covered as a whole, and an
+// estimate where an edge crosses it.
 
 import package::voxelize::piece::{Piece, integrals};
 import package::voxelize::walk::Walk;
 
-fn share_of_depth(walk: ptr<function, Walk>) -> f32 {
+// Below this, two steps of the depth's distribution are too close for the difference of their integrals.
+const SMALLEST_SLOPE = 1.0 / 1024.0;
+
+// The integral of clamp(x / width + 0.5, 0, 1).
+fn ramp_integral(x: f32, width: f32) -> f32 {
+    let inside = clamp(x + 0.5 * width, 0.0, width);
+    return 0.5 * inside * inside / width + max(x - 0.5 * width, 0.0);
+}
+
+// Of the points of a unit square, the share with a depth below `x`, where depth is 0 in the middle and changes
+// by `wide` along one side and by `narrow` along the other, 0 <= narrow <= wide.
+fn share_below(x: f32, wide: f32, narrow: f32) -> f32 {
+    if wide < SMALLEST_SLOPE {
+        return clamp(x / max(wide, 1e-30) + 0.5, 0.0, 1.0);
+    }
+    if narrow < SMALLEST_SLOPE {
+        return clamp(x / wide + 0.5, 0.0, 1.0);
+    }
+    let above = ramp_integral(x + 0.5 * narrow, wide);
+    return (above - ramp_integral(x - 0.5 * narrow, wide)) / narrow;
+}
+
+struct DepthPart {
+    share: f32,
+    // From the middle of the pixel's range of depth to the middle of the voxel's part of it.
+    offset: f32,
+}
+
+fn part_of_depth(walk: ptr<function, Walk>) -> DepthPart {
     let voxel = (*walk).voxel;
     let centre = vec2f(voxel.xy) + 0.5;
     let depth = (*walk).a.z + dot((*walk).slope, centre - (*walk).a.xy);
-    let reach = 0.5 * (abs((*walk).slope.x) + abs((*walk).slope.y));
+    let slope = abs((*walk).slope);
+    let wide = max(slope.x, slope.y);
+    let narrow = min(slope.x, slope.y);
+    let reach = 0.5 * (wide + narrow);
     let range = (*walk).depth_range;
     let low = clamp(depth - reach, range.x, range.y);
     let high = clamp(depth + reach, range.x, range.y);
-    let floor_of_voxel = f32(voxel.z);
-    if low == high {
-        return select(0.0, 1.0, floor(low) == floor_of_voxel);
+    let slab = vec2f(f32(voxel.z), f32(voxel.z) + 1.0);
+    let whole = share_below(high - depth, wide, narrow) - share_below(low - depth, wide, narrow);
+    if low == high || whole <= 0.0 {
+        return DepthPart(select(0.0, 1.0, low >= slab.x && low < slab.y), 0.0);
     }
-    let inside = min(high, floor_of_voxel + 1.0) - max(low, floor_of_voxel);
-    return clamp(inside / (high - low), 0.0, 1.0);
+    let own_low = clamp(slab.x, low, high);
+    let own_high = clamp(slab.y, low, high);
+    let own = share_below(own_high - depth, wide, narrow) - share_below(own_low - depth, wide, narrow);
+    return DepthPart(clamp(own / whole, 0.0, 1.0), 0.5 * (own_low + own_high - low - high));
 }
 
 fn share_of_pixel(walk: ptr<function, Walk>) -> Piece {
@@ -55,7 +90,11 @@ fn share_of_pixel(walk: ptr<function, Walk>) -> Piece {
         covered = min(min(sum.x, whole_area), 1.0);
         uv = origin + sum.yz / sum.x;
     }
-    let depth = (*walk).a.z + dot((*walk).slope, uv - (*walk).a.xy);
-    let centroid = clamp(vec3f(uv, depth), box_low, box_high);
-    return Piece(covered * share_of_depth(walk), centroid);
+    // Moved within the plane, straight up or down it, to the voxel's part.
+    let part = part_of_depth(walk);
+    let slope = (*walk).slope;
+    uv += slope * (part.offset / max(dot(slope, slope), 1e-30));
+    uv = clamp(uv, box_low.xy, box_high.xy);
+    let depth = (*walk).a.z + dot(slope, uv - (*walk).a.xy);
+    return Piece(covered * part.share, clamp(vec3f(uv, depth), box_low, box_high));
 }
