@@ -294,10 +294,9 @@ fn a_plane_of_two_colours() {
                 pure += 1;
             }
             let apart = (position - at(0.5, 0.5)).dot(normal);
-            assert!(
-                apart.abs() < 1e-3 || method == VoxelizeMethod::Conservative && apart.abs() < 1.0,
-                "{method:?}: {face:?} is off its plane by {apart}"
-            );
+            // A conservative pixel that an edge crosses is an estimate.
+            let most = if method == VoxelizeMethod::Conservative { 0.3 } else { 1e-3 };
+            assert!(apart.abs() < most, "{method:?}: {face:?} is off its plane by {apart}");
             sum += along(face) * reflectance;
             weight += along(face);
         }
