@@ -1,7 +1,7 @@
 // Conservative rasterization without hardware for it: a triangle whose edges are shifted outwards covers the
 // centre of every pixel that the triangle itself touches (Hasselgren, Akenine-Möller and Ohlsson 2005,
-// "Conservative rasterization", GPU Gems 2, section 42.3.2; Crassin and Green 2012, OpenGL Insights,
-// section 22.4.3). Beyond its acute corners it covers more, which the fragments cut off at the triangle's box.
+// "Conservative rasterization", GPU Gems 2, chapter 42; Crassin and Green 2012, OpenGL Insights, chapter 22).
+// Beyond its acute corners it covers more, which the fragments cut off at the triangle's box.
 
 import package::grid::grid;
 import package::voxelize::footprint::Footprint;
