@@ -27,7 +27,7 @@ pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
-pub use voxels::VoxelArgs;
+pub use voxels::{VoxelArgs, VoxelsArgs};
 
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
@@ -111,9 +111,10 @@ pub enum Command {
     /// Voxelize a scene, and show how many voxels it has, what memory and what time they take
     #[command(
         after_help = "Examples:\n  lumivox voxels builtin:atrium\n  lumivox voxels hall.glb \
-                            --resolution 256 --isotropic --json"
+                            --resolution 256 --isotropic --json\n  lumivox voxels builtin:atrium \
+                            --compare-voxelizers -o voxelizers.png"
     )]
-    Voxels(VoxelsArgs),
+    Voxels(Box<VoxelsArgs>),
     /// Measure what dense and octree volumes take: memory, time to build, time to trace
     #[command(after_help = volumes::EXAMPLES)]
     Volumes(Box<VolumesArgs>),
@@ -260,26 +261,6 @@ pub struct InfoArgs {
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]
     pub json: bool,
-}
-
-/// The arguments of `voxels`.
-#[derive(Args, Debug)]
-pub struct VoxelsArgs {
-    /// The scene.
-    #[command(flatten)]
-    pub scene: SceneArg,
-
-    /// The voxels.
-    #[command(flatten)]
-    pub voxels: VoxelArgs,
-
-    /// Print one JSON object instead of text [default: off]
-    #[arg(long, help_heading = "Messages")]
-    pub json: bool,
-
-    /// The GPU.
-    #[command(flatten)]
-    pub gpu: GpuArgs,
 }
 
 /// The arguments of `convert`.

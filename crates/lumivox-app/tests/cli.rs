@@ -141,6 +141,58 @@ fn voxels_are_counted() {
 }
 
 #[test]
+fn voxelizers_are_compared() {
+    let folder = folder();
+    // Walls at an angle to the grid: the rasterizer's gaps and surplus both show.
+    let line = "voxels builtin:cornell --rotate 17,31,5 --resolution 32 --compare-voxelizers";
+    let run = lumivox(folder.path(), &format!("{line} -o a.png --size 80x60 --json"));
+    let report = run.expect_ok().json();
+    let method = |name: &str| {
+        let methods = report["methods"].as_array().unwrap();
+        methods.iter().find(|method| method["name"] == name).unwrap().clone()
+    };
+    let number = |name: &str, key: &str| method(name)[key].as_f64().unwrap();
+    let exact = number("exact", "voxels");
+    for name in ["exact", "dominant-axis", "conservative", "three-plane"] {
+        let [voxels, missing, extra] = ["voxels", "missing", "extra"].map(|key| number(name, key));
+        assert!((voxels - (exact - missing + extra)).abs() < 0.5, "{name}: {report}");
+        assert!((number(name, "area") - 1.0).abs() < 0.02, "{name}: {report}");
+        assert!(number(name, "wall_ms") > 0.0, "{name}: {report}");
+    }
+    for key in ["missing", "extra", "color_rmse", "missing_area"] {
+        assert!(number("exact", key) == 0.0, "{key}: {report}");
+    }
+    assert!(number("conservative", "missing") == 0.0, "{report}");
+    assert!(number("conservative", "extra") > 0.0, "{report}");
+    assert!(number("dominant-axis", "missing") > number("three-plane", "missing"), "{report}");
+    assert!(number("three-plane", "missing") > 0.1 * exact, "{report}");
+    assert!(number("dominant-axis", "color_rmse") > 0.001, "{report}");
+    let png = fs::read(folder.path().join("a.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+
+    let text = lumivox(folder.path(), line).expect_ok().stdout;
+    for word in ["three-plane", "missing", "too many", "colour RMSE", "Times on"] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+}
+
+#[test]
+fn a_voxelizer_is_chosen() {
+    let folder = folder();
+    let report = |method: &str| {
+        let line = format!("voxels builtin:cornell --resolution 32 --voxelizer {method} --json");
+        lumivox(folder.path(), &line).expect_ok().json()
+    };
+    let (exact, dominant) = (report("exact"), report("dominant-axis"));
+    assert_eq!(exact["voxelizer"], "exact");
+    assert_eq!(dominant["voxelizer"], "dominant-axis");
+    assert!(dominant["voxels"].as_u64().unwrap() < exact["voxels"].as_u64().unwrap());
+    let line = format!("render builtin:cornell -o a.png {SMALL} --voxelizer three-plane --json");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(report["settings"]["voxelizer"], "three-plane");
+}
+
+#[test]
 fn a_picture_is_rendered_and_reported() {
     let folder = folder();
     let line = format!("render builtin:cornell -o a.png {SMALL} --json");

@@ -47,6 +47,7 @@ mod textures;
 mod times;
 pub mod tone_map;
 mod upload;
+mod voxel_sets;
 pub mod voxel_view;
 
 #[cfg(test)]
@@ -59,4 +60,8 @@ pub use image::{ImageFormat, Picture};
 pub use memory::MemoryUse;
 pub use renderer::{Progress, Renderer};
 pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
+pub use srgb::srgb_encode;
 pub use upload::{GpuScene, Lighting, radiance_unit};
+pub use voxel_sets::{
+    EXTRA_COLOR, MISSING_COLOR, SetDifference, Voxel, VoxelSet, voxel_set_picture,
+};

@@ -2,7 +2,7 @@
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
+use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind, VoxelizeMethod};
 use lumivox_scene::Bounds;
 
 use crate::RenderError;
@@ -223,6 +223,8 @@ pub struct RenderSettings {
     pub volume: VolumeKind,
     /// The most bytes that the volume may take. Default: `None`, what the device gives.
     pub volume_memory: Option<u64>,
+    /// How triangles become voxels. Default: exactly.
+    pub voxelizer: VoxelizeMethod,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -261,6 +263,7 @@ impl Default for RenderSettings {
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
             volume_memory: None,
+            voxelizer: VoxelizeMethod::default(),
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,
@@ -291,6 +294,7 @@ impl RenderSettings {
             directionality: self.directionality,
             volume: self.volume,
             memory_budget: self.volume_memory,
+            method: self.voxelizer,
         }
     }
 

@@ -11,7 +11,7 @@ use crate::trace::{
     gbuffer_layout,
 };
 use crate::volume::{Directionality, OctreeStats, Volume, VolumeKind};
-use crate::voxelize::{VoxelizeStats, Voxelizer};
+use crate::voxelize::{VoxelizeMethod, VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -26,6 +26,8 @@ pub struct GiConfig {
     pub volume: VolumeKind,
     /// The most bytes that the volume may take; `None` (the default): as much as the device gives.
     pub memory_budget: Option<u64>,
+    /// How triangles become voxels. Default: exactly.
+    pub method: VoxelizeMethod,
 }
 
 impl GiConfig {
@@ -36,6 +38,7 @@ impl GiConfig {
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
             memory_budget: None,
+            method: VoxelizeMethod::default(),
         }
     }
 }
@@ -90,7 +93,7 @@ impl Gi {
             (config.volume, config.directionality),
             config.memory_budget,
         )?;
-        let voxelizer = Voxelizer::new(device, &shaders)?;
+        let voxelizer = Voxelizer::with_method(device, &shaders, config.method)?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
         let globals = volume.globals_layout();
@@ -219,6 +222,11 @@ impl Gi {
     /// The grid.
     pub fn grid(&self) -> &Grid {
         &self.config.grid
+    }
+
+    /// How triangles become voxels.
+    pub fn method(&self) -> VoxelizeMethod {
+        self.config.method
     }
 
     /// The list of voxels, once there is one.

@@ -21,7 +21,12 @@ const MODULES: &[(&str, &str)] = &[
 /// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as well.
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::new(MODULES);
-    let stages = [crate::light::MODULES, crate::trace::MODULES, crate::voxelize::MODULES];
+    let stages = [
+        crate::light::MODULES,
+        crate::trace::MODULES,
+        crate::voxelize::MODULES,
+        crate::voxelize::RASTER_MODULES,
+    ];
     for (path, source) in stages.into_iter().flatten().chain(crate::volume::modules()) {
         library.add(path, *source);
     }

@@ -1,7 +1,7 @@
 //! Choices among a few names, each explained in the help.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumivox::{Duplication, Mipmapping, OctreeBuilder, Preset, VolumeKind};
+use lumivox::{Duplication, Mipmapping, OctreeBuilder, Preset, VolumeKind, VoxelizeMethod};
 use lumivox_render::{ShadowMethod, ToneMap, View};
 use lumivox_scene::UpAxis;
 
@@ -43,6 +43,19 @@ pub fn view() -> impl TypedValueParser<Value = View> {
             View::Bricks => "these nodes' bricks, texels pulled apart; neighbours' are orange",
         };
         (view.name(), help)
+    })
+}
+
+/// How triangles become voxels.
+pub fn voxelizer() -> impl TypedValueParser<Value = VoxelizeMethod> {
+    among(&VoxelizeMethod::ALL, |method| {
+        let help = match method {
+            VoxelizeMethod::Exact => "every voxel that is touched, with the surface in it",
+            VoxelizeMethod::DominantAxis => "rasterized along the normal's largest axis: has gaps",
+            VoxelizeMethod::Conservative => "the same, every pixel touched: some voxels too many",
+            VoxelizeMethod::ThreePlane => "rasterized along all three axes: fewer gaps",
+        };
+        (method.name(), help)
     })
 }
 

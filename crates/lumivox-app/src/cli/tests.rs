@@ -1,4 +1,6 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
+use glam::Vec3;
+use lumivox::Directionality;
 use lumivox_render::{Exposure, RenderSettings, ShadowMethod};
 
 use super::*;
@@ -113,7 +115,7 @@ fn no_argument_gives_the_renderers_defaults() {
 #[test]
 fn arguments_reach_the_settings() {
     let line = "lumivox render a.glb -o a.png --size 8x9 --resolution 64 --grid-offset 0,0.5,0 \
-                --isotropic --bounces 2 --frames 3 --view voxels --level 2 --exposure -1.5 \
+                --isotropic --voxelizer three-plane --bounces 2 --frames 3 --view voxels --level 2 --exposure -1.5 \
                 --tone-map aces --shadows cone --shadow-resolution 64 --preset fast";
     let Some(Command::Render(args)) = Cli::try_parse_from(line.split_whitespace()).unwrap().command
     else {
@@ -124,6 +126,7 @@ fn arguments_reach_the_settings() {
         resolution: 64,
         grid_offset: Vec3::new(0.0, 0.5, 0.0),
         directionality: Directionality::Isotropic,
+        voxelizer: lumivox::VoxelizeMethod::ThreePlane,
         trace: lumivox::TraceSettings::preset(lumivox::Preset::Fast),
         bounces: 2,
         frames: 3,

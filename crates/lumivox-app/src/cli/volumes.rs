@@ -18,6 +18,7 @@ Examples:
 
 /// The arguments of `volumes`.
 #[derive(Args, Debug)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct VolumesArgs {
     /// The scene.
     #[command(flatten)]

@@ -1,14 +1,18 @@
-//! How voxels are made, and where their light is stored.
+//! How voxels are made and where their light is stored, and the comparison of the ways to make them.
+
+use std::path::PathBuf;
 
 use clap::Args;
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use lumivox::{
     Directionality, Duplication, GiConfig, Grid, Mipmapping, OctreeBuilder, OctreeOptions,
-    VolumeKind,
+    VolumeKind, VoxelizeMethod,
 };
 
+use super::{GpuArgs, SceneArg};
+use crate::args::camera::{self, CameraChoice};
 use crate::args::choices::{self, VolumeChoice};
-use crate::args::{load, number};
+use crate::args::{load, number, size};
 
 /// How voxels are made.
 #[derive(Args, Debug)]
@@ -62,6 +66,13 @@ pub struct VoxelArgs {
     /// What does not fit is refused before it is allocated, with both numbers.
     #[arg(long, value_name = "SIZE", value_parser = load::bytes, allow_hyphen_values = true)]
     pub volume_memory: Option<u64>,
+    /// How triangles become voxels
+    ///
+    /// All but the exact way use the GPU's rasterizer, and are there to be compared with it
+    /// (`lumivox voxels SCENE --compare-voxelizers`).
+    #[arg(long, value_name = "METHOD", value_parser = choices::voxelizer())]
+    #[arg(default_value = "exact")]
+    pub voxelizer: VoxelizeMethod,
 }
 
 impl VoxelArgs {
@@ -89,6 +100,63 @@ impl VoxelArgs {
             directionality: self.directionality(),
             volume: self.volume(),
             memory_budget: self.volume_memory,
+            method: self.voxelizer,
         }
     }
+}
+
+/// The arguments of `voxels`.
+#[derive(Args, Debug)]
+pub struct VoxelsArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArg,
+
+    /// The voxels.
+    #[command(flatten)]
+    pub voxels: VoxelArgs,
+
+    /// The comparison.
+    #[command(flatten)]
+    pub comparison: VoxelizersArgs,
+
+    /// Print one JSON object instead of text [default: off]
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+
+    /// The GPU.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+}
+
+/// The comparison of all ways to make voxels.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Comparison")]
+pub struct VoxelizersArgs {
+    /// Voxelize in every way that there is, and tell how far each is from the exact one [default: off]
+    ///
+    /// Voxels found, missing and too many; the share of the surface that is missed; the error of
+    /// colours; and the time.
+    #[arg(long, conflicts_with = "voxelizer")]
+    pub compare_voxelizers: bool,
+
+    /// A picture's file, .png: what each way finds as cubes, what it misses in magenta, what it finds
+    /// too many in cyan [default: none]
+    ///
+    /// A file of that name is replaced once the picture is complete, never half.
+    #[arg(short, long, value_name = "FILE", requires = "compare_voxelizers")]
+    pub output: Option<PathBuf>,
+
+    /// Width and height of each way's part of the picture in pixels, each from 1 to 32768
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, requires = "output")]
+    #[arg(default_value = "400x300", allow_hyphen_values = true)]
+    pub size: UVec2,
+
+    /// Where from: a camera's name or number, or position and target in metres [default: the
+    /// scene's first camera, else `framing`, the view that shows it best]
+    ///
+    /// As of `lumivox render`.
+    #[arg(long, value_name = "NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]", value_parser = camera::camera)]
+    #[arg(allow_hyphen_values = true, requires = "output")]
+    pub camera: Option<CameraChoice>,
 }

@@ -1,5 +1,8 @@
 //! `lumivox voxels`: what the voxelization of a scene finds, and what it takes.
 
+mod compare;
+mod picture;
+
 use std::time::Instant;
 
 use indicatif::MultiProgress;
@@ -22,6 +25,9 @@ use crate::report::{
 /// # Errors
 /// When the scene cannot be read, or its voxels do not fit the GPU.
 pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    if args.comparison.compare_voxelizers {
+        return compare::run(args, bars);
+    }
     args.scene.scene.check()?;
     let progress = Progress::start(bars, "loading");
     let gpu = open_gpu(&args.gpu)?;
@@ -60,6 +66,7 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
 struct Report {
     scene: SceneCounts,
     grid: GridReport,
+    voxelizer: &'static str,
     /// Triangles given to the voxelizer.
     triangles: u64,
     /// Of those, the ones without an area.
@@ -119,6 +126,7 @@ impl Report {
         Self {
             scene: SceneCounts::new(scene),
             grid: GridReport::new(grid),
+            voxelizer: gi.method().name(),
             triangles: stats.triangles,
             skipped: stats.skipped,
             outside: stats.outside,

@@ -8,6 +8,7 @@ mod memory_chart;
 mod report;
 mod strip;
 
+pub use canvas::{Align, Canvas};
 pub use chart::{Point, error_against_cost};
 pub use measure::{Leak, Measured, Subject, Truth, reference};
 pub use memory_chart::{MemoryPoint, memory_against_resolution};

@@ -89,7 +89,7 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
 #[derive(Debug)]
 pub(crate) enum Volume {
     /// 3D textures over the whole grid.
-    Dense(DenseVolume),
+    Dense(Box<DenseVolume>),
     /// Nodes and bricks where there is surface.
     Octree(Box<OctreeVolume>),
 }
@@ -106,9 +106,8 @@ impl Volume {
     ) -> Result<Self, GiError> {
         mount(shaders, kind, directionality);
         match kind {
-            VolumeKind::Dense => {
-                DenseVolume::new(device, shaders, grid, directionality, budget).map(Self::Dense)
-            }
+            VolumeKind::Dense => DenseVolume::new(device, shaders, grid, directionality, budget)
+                .map(|dense| Self::Dense(Box::new(dense))),
             VolumeKind::Octree(options) => {
                 OctreeVolume::new(device, shaders, grid, options, budget)
                     .map(|octree| Self::Octree(Box::new(octree)))

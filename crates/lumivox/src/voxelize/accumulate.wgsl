@@ -9,8 +9,8 @@ import package::constants::{
 import package::gpu::random::hash;
 import package::voxelize::faces::VoxelFaces;
 import package::voxelize::items::{Item, find_item};
-import package::voxelize::piece::piece_in_voxel;
-import package::voxelize::surface::{surface_at, surface_map, PIERCED, UNIFORM, VARIED};
+import package::voxelize::piece::{Piece, piece_in_voxel};
+import package::voxelize::surface::{SurfaceMap, surface_at, surface_map, PIERCED, UNIFORM, VARIED};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
 import package::voxelize::footprint::turn_back;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
@@ -94,37 +94,56 @@ fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
     }
 }
 
+// What does not change over a triangle.
+struct Summing {
+    map: SurfaceMap,
+    // Of its normal, and how many sides it has.
+    lobe: u32,
+    sides: u32,
+    seed: u32,
+    // Vector area over projected area.
+    normal: vec3f,
+}
+
+fn summing_begin(walk: ptr<function, Walk>) -> Summing {
+    return Summing(
+        surface_map(walk),
+        2u * (*walk).axis + select(0u, 1u, (*walk).normal.z < 0.0),
+        select(1u, 2u, (draws[(*walk).draw].flags & DOUBLE_SIDED) != 0u),
+        seed_of(walk),
+        turn_back((*walk).normal / abs((*walk).normal.z), (*walk).axis),
+    );
+}
+
+// Adds the piece in the walk's current voxel, if there is one.
+fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there: bool, detail: u32) {
+    let surface = surface_at(walk, summing.map, piece.centroid, detail);
+    let code = morton_encode(walk_cell(walk));
+    let cell = cells[code / 32u];
+    let is_occupied = (cell.x & (1u << (code % 32u))) != 0u;
+    if is_there && is_occupied && piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE {
+        let faces = voxels[cell.y + bits_below(cell.x, code % 32u)];
+        let area = piece.area * surface.coverage;
+        let position = turn_back(piece.centroid - vec3f((*walk).voxel), (*walk).axis);
+        let part = Part(
+            faces.first_face * FACE_WORDS,
+            bitcast<f32>(faces.area_low),
+            faces.lobes,
+            summing.normal * area,
+            surface.reflectance * area,
+            position * area,
+            surface.emission * area,
+        );
+        add_to_faces(part, summing.lobe, summing.sides, hash(summing.seed + code));
+    }
+}
+
 fn accumulate(item: Item, detail: u32) {
     var walk = walk_begin(item);
-    let map = surface_map(&walk);
-    let flags = draws[walk.draw].flags;
-    let sides = select(1u, 2u, (flags & DOUBLE_SIDED) != 0u);
-    let lobe = 2u * walk.axis + select(0u, 1u, walk.normal.z < 0.0);
-    let seed = seed_of(&walk);
-    // Vector area over projected area.
-    let normal = turn_back(walk.normal / abs(walk.normal.z), walk.axis);
+    let summing = summing_begin(&walk);
     var is_there = walk_on(&walk);
     loop {
-        let piece = piece_in_voxel(&walk);
-        let surface = surface_at(&walk, map, piece.centroid, detail);
-        let code = morton_encode(walk_cell(&walk));
-        let cell = cells[code / 32u];
-        let is_occupied = (cell.x & (1u << (code % 32u))) != 0u;
-        if is_there && is_occupied && piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE {
-            let faces = voxels[cell.y + bits_below(cell.x, code % 32u)];
-            let area = piece.area * surface.coverage;
-            let position = turn_back(piece.centroid - vec3f(walk.voxel), walk.axis);
-            let part = Part(
-                faces.first_face * FACE_WORDS,
-                bitcast<f32>(faces.area_low),
-                faces.lobes,
-                normal * area,
-                surface.reflectance * area,
-                position * area,
-                surface.emission * area,
-            );
-            add_to_faces(part, lobe, sides, hash(seed + code));
-        }
+        add_piece(&walk, summing, piece_in_voxel(&walk), is_there, detail);
         continuing {
             is_there = walk_on(&walk);
             break if !is_there;

@@ -77,6 +77,7 @@ impl Fallbacks {
 #[derive(Debug)]
 pub(super) struct GroupDispatch {
     run: wgpu::BindGroup,
+    triangles: std::ops::Range<u32>,
     /// What there is to sample.
     pub detail: Detail,
 }
@@ -139,6 +140,7 @@ impl SplitBatch {
         let arguments = kernels.indirect.arguments(recorder, &item_starts, &runs, &counts);
         let dispatch = |group: &DrawGroup| GroupDispatch {
             run: run_group(device, layouts, fallbacks, group, &materials[group.material as usize]),
+            triangles: group.triangles.clone(),
             detail: group.detail,
         };
         let groups = prepared.groups.iter().map(dispatch).collect();
@@ -161,6 +163,28 @@ impl SplitBatch {
                 &self.arguments,
                 index as u64 * Indirect::STRIDE,
             );
+        }
+    }
+}
+
+impl SplitBatch {
+    /// Draws the triangles of all groups, each with the pipeline that is chosen for it, as often as there are
+    /// planes; `pass_group` is bind group 2.
+    pub fn draw<'p>(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        grid: &wgpu::BindGroup,
+        pass_group: &wgpu::BindGroup,
+        planes: u32,
+        choose: impl Fn(Detail) -> &'p wgpu::RenderPipeline,
+    ) {
+        for group in &self.groups {
+            pass.set_pipeline(choose(group.detail));
+            let bound = [grid, &self.triangles, pass_group, &group.run];
+            for (index, bind_group) in (0..).zip(bound) {
+                pass.set_bind_group(index, bind_group, &[]);
+            }
+            pass.draw(3 * group.triangles.start..3 * group.triangles.end, 0..planes);
         }
     }
 }

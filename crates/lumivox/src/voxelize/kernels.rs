@@ -20,18 +20,22 @@ pub(super) struct Layouts {
 
 impl Layouts {
     fn new(device: &wgpu::Device) -> Self {
+        use wgpu::ShaderStages;
         let compute = LayoutBuilder::compute;
-        let triangles = compute().storage().storage().storage().storage();
+        // The walks are compute kernels or the rasterizer's.
+        let walk = || LayoutBuilder::new(ShaderStages::COMPUTE | ShaderStages::VERTEX_FRAGMENT);
+        let pass = || LayoutBuilder::new(ShaderStages::COMPUTE | ShaderStages::FRAGMENT);
+        let triangles = walk().storage().storage().storage().storage();
         let split = compute().uniform().storage_mut().storage_mut();
-        let lobes = compute().storage().storage().storage_mut().storage_mut();
-        let accumulate = compute().storage().storage().storage().storage_mut();
-        let run = (0..3).fold(compute().uniform(), |run, _| run.texture_2d().sampler());
+        let lobes = pass().storage().storage().storage_mut().storage_mut();
+        let accumulate = pass().storage().storage().storage().storage_mut();
+        let run = (0..3).fold(walk().uniform(), |run, _| run.texture_2d().sampler());
         let resolve = compute().uniform().storage().storage_mut().storage_mut();
         Self {
-            grid: compute().uniform().build(device, "grid"),
+            grid: walk().uniform().build(device, "grid"),
             triangles: triangles.build(device, "voxelize::triangles"),
             split: split.build(device, "voxelize::split"),
-            mark: compute().storage().storage_mut().build(device, "voxelize::mark"),
+            mark: pass().storage().storage_mut().build(device, "voxelize::mark"),
             lobes: lobes.build(device, "voxelize::lobes"),
             accumulate: accumulate.build(device, "voxelize::accumulate"),
             run: run.build(device, "voxelize::run"),

@@ -14,6 +14,9 @@
 //! Walking three times costs less memory than storing the pieces, of which a fine mesh has millions, and every
 //! buffer is sized from counts: of items on the GPU, of voxels and faces by two read-backs.
 //!
+//! That is [`VoxelizeMethod::Exact`]. The other methods walk over the fragments of the hardware rasterizer
+//! (`raster`) instead of the items, and share all else.
+//!
 //! # Sums
 //! All that many threads write at once is a bit set or an integer sum, so that neither scheduling nor the order
 //! of the triangles shows in the result. The sums' scale is chosen voxel by voxel from the surface in it, as
@@ -26,6 +29,8 @@ mod kernels;
 #[cfg(test)]
 mod layouts_test;
 mod memory;
+mod method;
+mod raster;
 
 use std::mem::offset_of;
 
@@ -40,6 +45,10 @@ use crate::{Geometry, GiError, Grid};
 use batch::{Fallbacks, SplitBatch, SplitCounts};
 use kernels::Kernels;
 pub(crate) use memory::{Memory, Remedy};
+use method::Step;
+pub use method::VoxelizeMethod;
+pub(crate) use raster::MODULES as RASTER_MODULES;
+use raster::Raster;
 
 /// Columns of voxels along the side of a work item's tile.
 const TILE_EDGE: u32 = 4;
@@ -74,6 +83,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE)
         .constant_u32("HAS_COLORS", input::HAS_COLORS);
+    raster::add_constants(library);
 }
 
 /// `VoxelFaces` of `faces.wgsl`.
@@ -103,9 +113,9 @@ pub struct VoxelizeStats {
     pub skipped: u64,
     /// Of those, the ones that lie wholly outside the grid.
     pub outside: u64,
-    /// Tiles of triangles: the threads of each walk.
+    /// Tiles of triangles: the threads of each walk of [`VoxelizeMethod::Exact`].
     pub work_items: u64,
-    /// Pieces of triangles in voxels.
+    /// Pieces of triangles in voxels; those that a rasterizer finds more than once count as often.
     pub fragments: u64,
     /// Occupied voxels.
     pub voxels: u32,
@@ -119,15 +129,31 @@ pub struct VoxelizeStats {
 #[derive(Debug)]
 pub struct Voxelizer {
     kernels: Kernels,
+    /// The pipelines that take the place of the kernels' walks.
+    raster: Option<Raster>,
 }
 
 impl Voxelizer {
-    /// Compiles the kernels.
+    /// Compiles the kernels of the exact method.
     ///
     /// # Errors
     /// [`GiError::Shader`] when a shader does not link, which is a defect of this crate.
     pub fn new(device: &wgpu::Device, shaders: &ShaderLibrary) -> Result<Self, GiError> {
-        Ok(Self { kernels: Kernels::new(device, shaders)? })
+        Self::with_method(device, shaders, VoxelizeMethod::Exact)
+    }
+
+    /// As [`Self::new`], with any method.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_method(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        method: VoxelizeMethod,
+    ) -> Result<Self, GiError> {
+        let kernels = Kernels::new(device, shaders)?;
+        let raster = Raster::new(device, shaders, &kernels.layouts, method)?;
+        Ok(Self { kernels, raster })
     }
 
     /// Voxelizes triangles: the list of voxels, what was found, and the time of each pass if asked for.
@@ -169,11 +195,7 @@ impl Voxelizer {
                     .build(device, "voxelize::mark")
             })
             .collect();
-        recorder.compute("voxelize::mark", |pass| {
-            for (batch, group) in batches.iter().zip(&mark) {
-                batch.walk(pass, &globals, group, |run| kernels.mark.choose(run.detail));
-            }
-        });
+        self.walk(&mut recorder, (grid, &globals), &batches, &mark, Step::Mark);
         kernels.list.rank(&mut recorder, &kernels.scan, &globals, grid, &occupied);
         let (level_starts, splits) =
             read_marked(&mut recorder, device, queue, grid, &occupied, &batches).await?;
@@ -206,11 +228,7 @@ impl Voxelizer {
                     .build(device, "voxelize::lobes")
             })
             .collect();
-        recorder.compute("voxelize::lobes", |pass| {
-            for (batch, group) in batches.iter().zip(&lobes) {
-                batch.walk(pass, &globals, group, |run| kernels.lobes.choose(run.detail));
-            }
-        });
+        self.walk(&mut recorder, (grid, &globals), &batches, &lobes, Step::Lobes);
         let faces_group = BindGroupBuilder::new(&layouts.faces)
             .buffer(&voxels)
             .buffer(&first_faces)
@@ -242,11 +260,7 @@ impl Voxelizer {
                     .build(device, "voxelize::accumulate")
             })
             .collect();
-        recorder.compute("voxelize::accumulate", |pass| {
-            for (batch, group) in batches.iter().zip(&accumulate) {
-                batch.walk(pass, &globals, group, |run| kernels.accumulate.choose(run.detail));
-            }
-        });
+        self.walk(&mut recorder, (grid, &globals), &batches, &accumulate, Step::Accumulate);
         let params = ResolveParams { voxel_count, emission_scale };
         let params = uniform_buffer(device, "resolve parameters", &params);
         let resolve = BindGroupBuilder::new(&layouts.resolve)

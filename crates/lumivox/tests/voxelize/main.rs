@@ -6,6 +6,7 @@ mod common;
 mod materials;
 mod overlap;
 mod promises;
+mod raster;
 mod read;
 mod scenes;
 mod speed;

@@ -8,7 +8,7 @@ use crate::read::{Lab, along};
 use crate::scenes::Mesh;
 
 /// A square texture with all its mips, each texel the mean of four.
-fn texture(lab: &Lab, edge: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> wgpu::TextureView {
+pub fn texture(lab: &Lab, edge: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> wgpu::TextureView {
     let levels = edge.ilog2() + 1;
     let texture = lab.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("test"),
@@ -59,12 +59,12 @@ fn sampler(lab: &Lab) -> wgpu::Sampler {
     })
 }
 
-fn textured(lab: &Lab, view: wgpu::TextureView) -> SurfaceTexture {
+pub fn textured(lab: &Lab, view: wgpu::TextureView) -> SurfaceTexture {
     SurfaceTexture::new(view, sampler(lab))
 }
 
 /// A wall of 8 by 8 voxels in the middle of a layer, with texture coordinates from 0 to 1.
-fn wall() -> Mesh {
+pub fn wall() -> Mesh {
     let mut mesh = Mesh::default();
     let corner = |x: f32, y: f32| Vec3::new(4.0 + 8.0 * x, 4.0 + 8.0 * y, 6.5);
     let square = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
@@ -74,7 +74,7 @@ fn wall() -> Mesh {
 }
 
 /// The faces with surface, by the voxel's column.
-fn columns(lab: &Lab, geometry: &Geometry) -> Vec<([u32; 2], lumivox::voxels::FaceRecord)> {
+pub fn columns(lab: &Lab, geometry: &Geometry) -> Vec<([u32; 2], lumivox::voxels::FaceRecord)> {
     let list = lab.voxelize(&unit_grid(16), geometry);
     let mut faces = Vec::new();
     for face in list.faces.iter().filter(|face| along(face) > 1e-4) {

@@ -8,7 +8,7 @@ use crate::overlap::unit_grid;
 use crate::read::Lab;
 use crate::scenes::{Mesh, Random, cornell_box};
 
-fn triangle_soup() -> Vec<[Vec3; 3]> {
+pub fn triangle_soup() -> Vec<[Vec3; 3]> {
     let mut random = Random(21);
     let mut triangles: Vec<_> = (0..3000)
         .map(|i| {

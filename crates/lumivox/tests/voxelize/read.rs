@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use glam::{UVec3, Vec3};
 use lumivox::gpu::{Timing, read_buffer};
 use lumivox::voxels::{FaceRecord, NodeRecord};
-use lumivox::{Geometry, Grid, VoxelizeStats, Voxelizer};
+use lumivox::{Geometry, Grid, VoxelizeMethod, VoxelizeStats, Voxelizer};
 
 /// All of a list.
 #[derive(Debug)]
@@ -30,8 +30,13 @@ pub struct Lab {
 
 impl Lab {
     pub fn new() -> Self {
+        Self::with_method(VoxelizeMethod::Exact)
+    }
+
+    pub fn with_method(method: VoxelizeMethod) -> Self {
         let (device, queue) = crate::common::device();
-        let voxelizer = Voxelizer::new(&device, &lumivox::shaders::library()).expect("kernels");
+        let library = lumivox::shaders::library();
+        let voxelizer = Voxelizer::with_method(&device, &library, method).expect("kernels");
         Self { device, queue, voxelizer }
     }
 

@@ -5,7 +5,7 @@ use glam::UVec3;
 use super::GROWTH;
 use super::layout::AtlasSize;
 use super::topology::Topology;
-use super::{Duplication, Mipmapping, OctreeOptions};
+use super::{Duplication, Input, Mipmapping, OctreeOptions};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderLibrary, read_buffer,
     storage_buffer, uniform_buffer,
@@ -164,13 +164,11 @@ impl ContentKernels {
     pub async fn build(
         &self,
         recorder: &mut Recorder,
-        grid: &Grid,
-        grid_uniform: &wgpu::Buffer,
-        voxels: &VoxelList,
+        input: &Input<'_>,
         radiance: &wgpu::Buffer,
         topology: &mut Topology,
-        memory_budget: Option<u64>,
     ) -> Result<Content, GiError> {
+        let Input { grid, grid_uniform, voxels, memory_budget } = *input;
         let device = recorder.device().clone();
         let globals = BindGroupBuilder::new(&self.write_layout)
             .buffer(grid_uniform)

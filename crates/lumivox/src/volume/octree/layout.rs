@@ -103,7 +103,7 @@ impl AtlasSize {
     /// About as many slices as bricks in a row.
     pub fn of(bricks: u32) -> Self {
         let bricks = bricks.max(1);
-        let row_bits = (bricks.ilog2() + 2) / 3;
+        let row_bits = bricks.ilog2().div_ceil(3);
         Self { row_bits, slices: bricks.div_ceil(1 << (2 * row_bits)) }
     }
 

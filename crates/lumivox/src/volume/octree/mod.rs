@@ -2,7 +2,7 @@
 //!
 //! Nodes in groups of eight behind one child pointer; for each node and each part that it has (`../parts.wgsl`) a
 //! brick of 3x3x3 texels in one 3D texture: the node's 2x2x2 cells and a layer of its neighbours', so that the
-//! hardware's trilinear filter is right inside a brick (Crassin et al. 2009, "GigaVoxels", and 2011, section 4.1).
+//! hardware's trilinear filter is right inside a brick (Crassin et al. 2009, "`GigaVoxels`", and 2011, section 4.1).
 //! `tree.wgsl` says what is where; the folder's files follow the steps:
 //!
 //! | step | once per | files |
@@ -134,7 +134,7 @@ pub struct OctreeStats {
 #[derive(Debug)]
 pub(crate) struct OctreeVolume {
     grid: Grid,
-    budget: Option<u64>,
+    memory_budget: Option<u64>,
     globals_layout: wgpu::BindGroupLayout,
     globals: wgpu::BindGroup,
     grid_uniform: wgpu::Buffer,
@@ -142,6 +142,17 @@ pub(crate) struct OctreeVolume {
     topology_kernels: TopologyKernels,
     content_kernels: ContentKernels,
     built: Option<Built>,
+}
+
+/// What an octree is built from.
+#[derive(Clone, Copy, Debug)]
+struct Input<'a> {
+    grid: &'a Grid,
+    /// `Grid` of `grid.wgsl`.
+    grid_uniform: &'a wgpu::Buffer,
+    voxels: &'a VoxelList,
+    /// The most bytes that it may take.
+    memory_budget: Option<u64>,
 }
 
 /// What belongs to the current voxel list.
@@ -157,7 +168,7 @@ impl OctreeVolume {
         shaders: &mut ShaderLibrary,
         grid: &Grid,
         options: OctreeOptions,
-        budget: Option<u64>,
+        memory_budget: Option<u64>,
     ) -> Result<Self, GiError> {
         let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
         let globals_layout = LayoutBuilder::compute()
@@ -189,7 +200,7 @@ impl OctreeVolume {
             .build(device, "globals");
         Ok(Self {
             grid: *grid,
-            budget,
+            memory_budget,
             globals_layout,
             globals,
             grid_uniform,
@@ -209,22 +220,14 @@ impl OctreeVolume {
     ) -> Result<(), GiError> {
         recorder.stage("volume");
         let device = recorder.device().clone();
-        let mut topology = self
-            .topology_kernels
-            .build(recorder, &self.grid, &self.grid_uniform, voxels, self.budget)
-            .await?;
-        let content = self
-            .content_kernels
-            .build(
-                recorder,
-                &self.grid,
-                &self.grid_uniform,
-                voxels,
-                radiance,
-                &mut topology,
-                self.budget,
-            )
-            .await?;
+        let input = Input {
+            grid: &self.grid,
+            grid_uniform: &self.grid_uniform,
+            voxels,
+            memory_budget: self.memory_budget,
+        };
+        let mut topology = self.topology_kernels.build(recorder, &input).await?;
+        let content = self.content_kernels.build(recorder, &input, radiance, &mut topology).await?;
         self.globals = BindGroupBuilder::new(&self.globals_layout)
             .buffer(&self.grid_uniform)
             .buffer(&topology.tree)

@@ -3,7 +3,7 @@
 use super::GROWTH;
 use super::layout::TreeLayout;
 use super::locks::LockBuilder;
-use super::{OctreeBuilder, OctreeStats};
+use super::{Input, OctreeBuilder, OctreeStats};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderLibrary, read_buffer,
     uniform_buffer,
@@ -96,11 +96,9 @@ impl TopologyKernels {
     pub async fn build(
         &self,
         recorder: &mut Recorder,
-        grid: &Grid,
-        grid_uniform: &wgpu::Buffer,
-        voxels: &VoxelList,
-        memory_budget: Option<u64>,
+        input: &Input<'_>,
     ) -> Result<Topology, GiError> {
+        let Input { grid, grid_uniform, voxels, memory_budget } = *input;
         let device = recorder.device().clone();
         let queue = recorder.queue().clone();
         let layout = TreeLayout::new(grid);

@@ -3,7 +3,12 @@ use lumivox_scene::{Texture, TextureRef};
 use super::*;
 
 fn voxels() -> VoxelArgs {
-    VoxelArgs { resolution: 64, grid_offset: Vec3::ZERO, isotropic: false }
+    VoxelArgs {
+        resolution: 64,
+        grid_offset: Vec3::ZERO,
+        isotropic: false,
+        voxelizer: lumivox::VoxelizeMethod::Exact,
+    }
 }
 
 #[test]

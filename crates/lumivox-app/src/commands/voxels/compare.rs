@@ -1,0 +1,236 @@
+//! All ways to make voxels of one scene, held against the exact one.
+
+use std::time::Instant;
+
+use indicatif::MultiProgress;
+use lumivox::gpu::Timing;
+use lumivox::{Geometry, GiError, Grid, VoxelizeMethod, Voxelizer};
+use lumivox_render::{Gpu, GpuScene, Lighting, VoxelSet, radiance_unit};
+use serde::Serialize;
+
+use super::picture::{Panel, picture};
+use crate::args::camera::resolve;
+use crate::args::output;
+use crate::cli::VoxelsArgs;
+use crate::commands::compare::write_strip;
+use crate::commands::open_gpu;
+use crate::progress::Progress;
+use crate::report::{AdapterReport, GridReport, SceneCounts, Table, count, print, print_json};
+
+/// Voxelizations whose fastest is the time told.
+const TIMED_RUNS: u32 = 3;
+
+/// Voxelizes in all ways, compares, reports.
+///
+/// # Errors
+/// When the scene cannot be read, its voxels do not fit the GPU, or the picture cannot be written.
+pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    let comparison = &args.comparison;
+    if let Some(file) = &comparison.output {
+        output::check_kind(file, "png", "pictures of voxelizers are written as PNG")?;
+    }
+    args.scene.scene.check()?;
+    let progress = Progress::start(bars, "loading");
+    let gpu = open_gpu(&args.gpu)?;
+    let scene = args.scene.load(&progress)?;
+    let size = comparison.size;
+    let camera = match &comparison.output {
+        Some(_) => {
+            let aspect = size.x as f32 / size.y as f32;
+            Some(resolve(comparison.camera.as_ref(), &scene, aspect)?)
+        }
+        None => None,
+    };
+    let bounds = scene.bounds();
+    let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
+    let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
+    progress.set("uploading", 0, 1);
+    let lighting = Lighting::of(&scene);
+    let unit = radiance_unit(&scene, &lighting);
+    let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
+    gpu.wait("uploading the scene")?;
+
+    let total = VoxelizeMethod::ALL.len() as u32;
+    let mut found = Vec::new();
+    for (done, method) in (0..).zip(VoxelizeMethod::ALL) {
+        progress.set("voxelizing", done, total);
+        found.push(Found::new(&gpu, &grid, &uploaded.geometry, method)?);
+    }
+    let (exact, _) = found.split_first().unwrap_or_else(|| unreachable!("there are methods"));
+    let exact = &exact.set;
+    let methods: Vec<_> = found.iter().map(|found| MethodReport::new(found, exact)).collect();
+
+    if let (Some(file), Some(camera)) = (&comparison.output, &camera) {
+        progress.set("drawing", 0, 1);
+        let panels: Vec<_> = found
+            .iter()
+            .zip(&methods)
+            .map(|(found, report)| Panel { set: &found.set, caption: report.caption() })
+            .collect();
+        write_strip(file, &picture(&panels, exact, camera, size))?;
+    }
+    drop(progress);
+    let report = Report {
+        scene: SceneCounts::new(&scene),
+        grid: GridReport::new(&grid),
+        methods,
+        picture: comparison.output.as_ref().map(|file| file.display().to_string()),
+        adapter: AdapterReport::new(&gpu.adapter_info),
+    };
+    if args.json {
+        return print_json(&report);
+    }
+    print(&report.text())
+}
+
+/// What one method finds, and how fast.
+struct Found {
+    method: VoxelizeMethod,
+    set: VoxelSet,
+    fragments: u64,
+    faces: u32,
+    wall_ms: f64,
+}
+
+impl Found {
+    fn new(
+        gpu: &Gpu,
+        grid: &Grid,
+        geometry: &Geometry,
+        method: VoxelizeMethod,
+    ) -> anyhow::Result<Self> {
+        let library = lumivox::shaders::library();
+        let voxelizer = Voxelizer::with_method(&gpu.device, &library, method)?;
+        let once = || {
+            let work = voxelizer.voxelize(&gpu.device, &gpu.queue, grid, geometry, Timing::Off);
+            match pollster::block_on(work) {
+                Ok((list, stats, _)) => Ok(Some((list, stats))),
+                // Where all triangles are small, pixels' centres may miss them all.
+                Err(GiError::NothingToVoxelize { .. }) => Ok(None),
+                Err(error) => Err(error),
+            }
+        };
+        // The first one is not timed: drivers compile kernels when they are first used.
+        let voxelized = once()?;
+        gpu.wait("voxelizing")?;
+        let mut wall_ms = f64::INFINITY;
+        for _ in 0..TIMED_RUNS {
+            let start = Instant::now();
+            once()?;
+            gpu.wait("voxelizing")?;
+            wall_ms = wall_ms.min(start.elapsed().as_secs_f64() * 1e3);
+        }
+        let (set, fragments, faces) = match voxelized {
+            Some((list, stats)) => {
+                let set = pollster::block_on(VoxelSet::read(gpu, grid, &list))?;
+                (set, stats.fragments, stats.faces)
+            }
+            None => (VoxelSet::new(*grid, Vec::new()), 0, 0),
+        };
+        gpu.check("reading voxels")?;
+        Ok(Self { method, set, fragments, faces, wall_ms })
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Report {
+    scene: SceneCounts,
+    grid: GridReport,
+    methods: Vec<MethodReport>,
+    picture: Option<String>,
+    adapter: AdapterReport,
+}
+
+/// One method against the exact one.
+#[derive(Clone, Debug, Serialize)]
+struct MethodReport {
+    name: &'static str,
+    voxels: u32,
+    /// Of the exact method's voxels, those not found.
+    missing: u32,
+    /// Of those, the ones that surfaces touch without having any area in them.
+    missing_touched: u32,
+    /// Voxels found that the exact method has not.
+    extra: u32,
+    /// Share of the exact method's surface that is in missing voxels, 0 to 1.
+    missing_area: f64,
+    /// Surface found over that of the exact method.
+    area: f64,
+    /// RMSE of the voxels' reflectance, 0 to 1, over the voxels in which both have surface.
+    color_rmse: f64,
+    faces: u32,
+    /// Pieces of triangles in voxels.
+    fragments: u64,
+    /// Of the fastest of a few voxelizations, by the clock on the wall.
+    wall_ms: f64,
+}
+
+impl MethodReport {
+    fn new(found: &Found, exact: &VoxelSet) -> Self {
+        let difference = found.set.difference(exact);
+        Self {
+            name: found.method.name(),
+            voxels: difference.voxels,
+            missing: difference.missing,
+            missing_touched: difference.missing_touched,
+            extra: difference.extra,
+            missing_area: difference.missing_area,
+            area: difference.area,
+            color_rmse: difference.color_rmse,
+            faces: found.faces,
+            fragments: found.fragments,
+            wall_ms: found.wall_ms,
+        }
+    }
+
+    fn caption(&self) -> [String; 2] {
+        let [voxels, missing, extra] =
+            [self.voxels, self.missing, self.extra].map(|number| count(number.into()));
+        [
+            format!("{}: {voxels} voxels", self.name),
+            format!("{missing} missing, {extra} too many, colour RMSE {:.4}", self.color_rmse),
+        ]
+    }
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut table = Table::new(&[
+            "voxelizer",
+            "voxels",
+            "missing",
+            "(touched)",
+            "too many",
+            "surface missed",
+            "surface in all",
+            "colour RMSE",
+            "fragments",
+            "ms",
+        ]);
+        for method in &self.methods {
+            let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+            table.row([
+                method.name.to_owned(),
+                count(method.voxels.into()),
+                count(method.missing.into()),
+                count(method.missing_touched.into()),
+                count(method.extra.into()),
+                percent(method.missing_area),
+                percent(method.area),
+                format!("{:.5}", method.color_rmse),
+                count(method.fragments),
+                format!("{:.1}", method.wall_ms),
+            ]);
+        }
+        let [x, y, z] = self.grid.dimensions;
+        let mut text = format!("{}, {x} x {y} x {z} voxels\n\n{}", self.scene.name, table.text());
+        text += "\nMissing and too many: against the exact voxels; touched: of the missing, those without \
+                 any surface\nin them. Surface: areas along the sides of voxels, as shares of the exact \
+                 one. Colour: reflectance\nof the voxels in which both have surface.\n";
+        text += &format!("Times on {}: the fastest of {TIMED_RUNS}.\n", self.adapter.description);
+        if let Some(picture) = &self.picture {
+            text += &format!("The picture is {picture}.\n");
+        }
+        text
+    }
+}

@@ -1,0 +1,187 @@
+//! Voxelization by the hardware rasterizer: each fragment stands for a voxel, or for the few of its column.
+//!
+//! This is how voxel cone tracing was done at first (Crassin and Green 2012, OpenGL Insights, chapter 22). It is
+//! here to be compared with the exact walk, and shares all with it but the way to the voxels: the same three
+//! walks, the same bits and integer sums, the same list. Corners are pulled from storage buffers, since there is
+//! no geometry shader that could choose the plane or widen a triangle; the picture has a pixel for each column
+//! of voxels, and nothing is drawn into it.
+
+use crate::gpu::{Recorder, ShaderError, ShaderLibrary};
+use crate::{Grid, VoxelizeMethod};
+
+use super::batch::SplitBatch;
+use super::kernels::{Detail, Layouts};
+use super::method::Step;
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[
+    ("voxelize::raster::accumulate", include_str!("accumulate.wgsl")),
+    ("voxelize::raster::corners", include_str!("corners.wgsl")),
+    ("voxelize::raster::fragment", include_str!("fragment.wgsl")),
+    ("voxelize::raster::lobes", include_str!("lobes.wgsl")),
+    ("voxelize::raster::mark", include_str!("mark.wgsl")),
+    ("voxelize::raster::share", include_str!("share.wgsl")),
+    ("voxelize::raster::widen", include_str!("widen.wgsl")),
+];
+
+/// `RASTER_METHOD` where only pixel centres along the dominant axis count.
+const DOMINANT_AXIS: u32 = 0;
+/// Where every pixel that is touched counts.
+const CONSERVATIVE: u32 = 1;
+/// Where triangles are drawn along all three axes.
+const THREE_PLANE: u32 = 2;
+
+/// The picture that WebGPU wants to have; one byte a pixel, and never written.
+const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library
+        .constant_u32("RASTER_CONSERVATIVE", CONSERVATIVE)
+        .constant_u32("RASTER_THREE_PLANE", THREE_PLANE)
+        .constant_u32("RASTER_METHOD", DOMINANT_AXIS);
+}
+
+/// The pipelines of a walk, one for each [`Detail`].
+type Variants = [wgpu::RenderPipeline; 3];
+
+/// The pipelines of one method.
+#[derive(Debug)]
+pub(super) struct Raster {
+    mark: Variants,
+    lobes: Variants,
+    accumulate: Variants,
+    /// How often each triangle is drawn.
+    planes: u32,
+}
+
+impl Raster {
+    /// Compiles the pipelines; `None` for the method that needs none.
+    ///
+    /// # Errors
+    /// When a shader does not link.
+    pub fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        layouts: &Layouts,
+        method: VoxelizeMethod,
+    ) -> Result<Option<Self>, ShaderError> {
+        let (constant, planes) = match method {
+            VoxelizeMethod::Exact => return Ok(None),
+            VoxelizeMethod::DominantAxis => (DOMINANT_AXIS, 1),
+            VoxelizeMethod::Conservative => (CONSERVATIVE, 1),
+            VoxelizeMethod::ThreePlane => (THREE_PLANE, 3),
+        };
+        let mut shaders = shaders.clone();
+        shaders.constant_u32("RASTER_METHOD", constant);
+        let (corners, _) = shaders.create(device, "voxelize::raster::corners")?;
+        let pipelines = |module: &str, entries: [&str; 3], pass: &wgpu::BindGroupLayout| {
+            let (fragments, _) = shaders.create(device, module)?;
+            let groups = [&layouts.grid, &layouts.triangles, pass, &layouts.run].map(Some);
+            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(module),
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            });
+            let pipeline = |entry| pipeline(device, &layout, &corners, &fragments, module, entry);
+            let [uniform, varied, pierced] = entries;
+            let first = pipeline(uniform);
+            let second = if varied == uniform { first.clone() } else { pipeline(varied) };
+            Ok::<_, ShaderError>([first, second, pipeline(pierced)])
+        };
+        // Where the surface itself does not matter, what is not pierced is all alike.
+        let by_holes = ["opaque", "opaque", "covered"];
+        let by_detail = ["plain", "varied", "pierced"];
+        Ok(Some(Self {
+            mark: pipelines("voxelize::raster::mark", by_holes, &layouts.mark)?,
+            lobes: pipelines("voxelize::raster::lobes", by_holes, &layouts.lobes)?,
+            accumulate: pipelines("voxelize::raster::accumulate", by_detail, &layouts.accumulate)?,
+            planes,
+        }))
+    }
+
+    /// Draws all batches in one pass; each comes with its bind group 2.
+    pub fn walk<'b>(
+        &self,
+        recorder: &mut Recorder,
+        label: &str,
+        grid: (&Grid, &wgpu::BindGroup),
+        batches: impl Iterator<Item = (&'b SplitBatch, &'b wgpu::BindGroup)>,
+        step: Step,
+    ) {
+        let variants = match step {
+            Step::Mark => &self.mark,
+            Step::Lobes => &self.lobes,
+            Step::Accumulate => &self.accumulate,
+        };
+        let picture = picture(recorder.device(), grid.0);
+        let attachment = wgpu::RenderPassColorAttachment {
+            view: &picture,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                store: wgpu::StoreOp::Discard,
+            },
+        };
+        recorder.render(label, &[Some(attachment)], None, |pass| {
+            for (batch, own) in batches {
+                let choose = |detail: Detail| &variants[detail as usize];
+                batch.draw(pass, grid.1, own, self.planes, choose);
+            }
+        });
+    }
+}
+
+/// The picture: a pixel for each column of voxels, whichever axis they stand along.
+fn picture(device: &wgpu::Device, grid: &Grid) -> wgpu::TextureView {
+    let edge = grid.dimensions.max_element();
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("columns of voxels"),
+        size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: PICTURE_FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::PipelineLayout,
+    corners: &wgpu::ShaderModule,
+    fragments: &wgpu::ShaderModule,
+    module: &str,
+    entry: &str,
+) -> wgpu::RenderPipeline {
+    let target = wgpu::ColorTargetState {
+        format: PICTURE_FORMAT,
+        blend: None,
+        write_mask: wgpu::ColorWrites::empty(),
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(&format!("{module}::{entry}")),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: corners,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        // Both sides of a triangle are surface.
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: fragments,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(target)],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
