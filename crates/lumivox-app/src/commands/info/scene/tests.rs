@@ -1,6 +1,9 @@
 use lumivox_scene::{Texture, TextureRef};
 
+use lumivox::{Duplication, Mipmapping, OctreeBuilder};
+
 use super::*;
+use crate::args::choices::VolumeChoice;
 
 fn voxels() -> VoxelArgs {
     VoxelArgs {
@@ -8,6 +11,11 @@ fn voxels() -> VoxelArgs {
         grid_offset: Vec3::ZERO,
         isotropic: false,
         voxelizer: lumivox::VoxelizeMethod::Exact,
+        volume: VolumeChoice::Dense,
+        octree_builder: OctreeBuilder::default(),
+        octree_duplication: Duplication::default(),
+        octree_mipmaps: Mipmapping::default(),
+        volume_memory: None,
     }
 }
 
