@@ -99,7 +99,10 @@ impl MemoryEstimate {
             "picture" => "ask for a smaller picture",
             "shadow maps" => "lower the shadow maps' resolution",
             "vertices and indices" | "instances" => "simplify the scene",
-            _ => "lower the voxels' resolution, or keep them isotropic",
+            _ => {
+                "lower the voxels' resolution, keep them isotropic, or store them in an octree \
+                 (--volume octree)"
+            }
         };
         RenderError::OutOfMemory {
             what: format!("the scene \"{}\" ({})", self.name, largest.join(", ")),

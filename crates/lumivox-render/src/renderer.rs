@@ -88,7 +88,7 @@ impl Renderer {
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
         let config = settings.gi_config(grid);
-        let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
+        let mut gi = prepare::global_illumination(gpu, config).await?;
         let voxelized = gi.voxelize(&scene.geometry, settings.timing).await?;
         times.add(voxelized.times);
         gpu.check("voxelizing")?;

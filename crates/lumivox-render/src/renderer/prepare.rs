@@ -1,7 +1,10 @@
 //! What a renderer does before its first frame: the scene and its lights on the GPU.
 
 use lumivox::gpu::Recorder;
-use lumivox::{EnvironmentLight, EnvironmentMap, Gi, Lights, Panorama, ShadowMaps};
+use lumivox::{
+    EnvironmentLight, EnvironmentMap, Gi, GiConfig, Lights, Panorama, ShadowMaps,
+    dense_volume_bytes,
+};
 use lumivox_scene::Scene;
 
 use crate::estimate::MemoryEstimate;
@@ -26,6 +29,31 @@ pub(super) async fn upload(
     }
     gpu.check("uploading the scene")?;
     uploaded
+}
+
+/// Makes the voxels' volume and compiles the library's kernels.
+pub(super) async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, RenderError> {
+    // What is done with a texture that could not be made is refused in turn.
+    let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let gi = Gi::new(&gpu.device, &gpu.queue, config);
+    let is_short = scope.pop().await.is_some();
+    let refused = followers.pop().await;
+    if is_short {
+        let [x, y, z] = config.grid.dimensions.to_array();
+        let needed = dense_volume_bytes(&config.grid, config.directionality);
+        return Err(RenderError::OutOfMemory {
+            what: format!("a dense volume of {x} x {y} x {z} voxels"),
+            needed_mib: needed.div_ceil(1 << 20),
+            remedy: "lower the resolution, or store the voxels in an octree (--volume octree)"
+                .to_owned(),
+        });
+    }
+    if let Some(error) = refused {
+        let doing = "making the voxels' volume";
+        return Err(RenderError::Device { doing, reason: error.to_string() });
+    }
+    Ok(gi?)
 }
 
 /// Uploads the environment's map, if there is one.
