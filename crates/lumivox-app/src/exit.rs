@@ -111,7 +111,7 @@ fn of_render_error(error: &RenderError) -> Exit {
 
 fn of_gi_error(error: &GiError) -> Exit {
     match error {
-        GiError::Limit { .. } => Exit::Gpu,
+        GiError::Limit { .. } | GiError::Budget { .. } => Exit::Gpu,
         GiError::Setting { .. } | GiError::Geometry { .. } | GiError::NothingToVoxelize { .. } => {
             Exit::Input
         }
