@@ -4,7 +4,7 @@ use glam::UVec2;
 
 use crate::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{
-    EnvironmentLight, EnvironmentMap, Light, Lighting, Lights, ShadowMaps, lights_layout,
+    EnvironmentLight, EnvironmentMap, Injection, Light, Lighting, Lights, ShadowMaps, lights_layout,
 };
 use crate::trace::{
     Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
@@ -22,12 +22,14 @@ pub struct GiConfig {
     pub grid: Grid,
     /// Six lobes (the default) or one value a voxel.
     pub directionality: Directionality,
+    /// How the light of lamps and suns comes into the voxels: face by face (the default) or by photons.
+    pub injection: Injection,
 }
 
 impl GiConfig {
     /// Everything at its default, over a grid.
     pub fn new(grid: Grid) -> Self {
-        Self { grid, directionality: Directionality::default() }
+        Self { grid, directionality: Directionality::default(), injection: Injection::default() }
     }
 }
 
@@ -74,12 +76,14 @@ impl Gi {
         config: GiConfig,
     ) -> Result<Self, GiError> {
         let mut shaders = crate::shaders::library();
+        let has_photons = config.injection == Injection::Photons;
+        shaders.constant_u32("INJECT_PHOTONS", u32::from(has_photons));
         let volume = Volume::new(device, &mut shaders, &config.grid, config.directionality)?;
         let voxelizer = Voxelizer::new(device, &shaders)?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
         let globals = volume.globals_layout();
-        let lighting = Lighting::new(device, &shaders, globals, &lights_layout)?;
+        let lighting = Lighting::new(device, &shaders, &config, globals, &lights_layout)?;
         let tracer = Tracer::new(device, &shaders, globals, &lights_layout, &gbuffer_layout)?;
         Ok(Self {
             device: device.clone(),
@@ -212,6 +216,12 @@ impl Gi {
     /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
     pub fn face_radiance(&self) -> Option<&wgpu::Buffer> {
         self.lighting.radiance()
+    }
+
+    /// With [`Injection::Photons`], what became of the photons of the last call of [`Self::light`]: one
+    /// [`crate::PhotonFates`].
+    pub fn photon_fates(&self) -> Option<&wgpu::Buffer> {
+        self.lighting.photon_fates()
     }
 
     /// Group 0: the grid and the volume.

@@ -1,7 +1,7 @@
 //! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
 
 use crate::gpu::{ShaderLibrary, assert_layout};
-use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
+use crate::light::{BounceSettings, LightGlobals, LightRecord, PhotonMap, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
 use crate::volume::{MaskLevels, NodeRange};
 use crate::voxels::{FaceRecord, NodeRecord};
@@ -61,6 +61,12 @@ fn structs_lie_in_memory_alike() {
         "light::bounce",
         "BounceSettings",
         BounceSettings { cones, cone_count }
+    );
+    assert_layout!(
+        library,
+        "light::photon_map",
+        "PhotonMap",
+        PhotonMap { world_from_clip, light, first_layer, layer_count, counts_per_flux }
     );
     assert_layout!(
         library,
