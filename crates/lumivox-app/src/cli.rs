@@ -145,17 +145,26 @@ pub struct VoxelArgs {
     #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
     pub grid_offset: Vec3,
 
-    /// Keep one radiance a voxel instead of one for each of six directions [default: off]
+    /// Keep one radiance a voxel instead of one for each of six directions [default: off; preset
+    /// report: on]
     ///
     /// A ninth of the memory; surfaces light and shadow themselves, thin walls leak.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "six_lobes")]
     pub isotropic: bool,
+
+    /// Keep a radiance for each of six directions [default: on; preset report: off]
+    #[arg(long)]
+    pub six_lobes: bool,
 }
 
 impl VoxelArgs {
-    /// The library's word for it.
-    pub fn directionality(&self) -> Directionality {
-        if self.isotropic { Directionality::Isotropic } else { Directionality::SixLobes }
+    /// The library's word for it, if the command line says so.
+    pub fn directionality(&self) -> Option<Directionality> {
+        match (self.isotropic, self.six_lobes) {
+            (true, _) => Some(Directionality::Isotropic),
+            (_, true) => Some(Directionality::SixLobes),
+            _ => None,
+        }
     }
 }
 

@@ -8,7 +8,7 @@
 use std::collections::HashSet;
 
 use glam::Vec3;
-use lumivox::{Directionality, Grid};
+use lumivox::{Directionality, Grid, Injection};
 use lumivox_scene::{LightKind, Material, Scene, Shading, Texture};
 
 use crate::memory::available_memory;
@@ -21,6 +21,8 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 const FACES_PER_VOXEL: f64 = 1.25;
 /// The record of the list (64 bytes), and its light: two colours in full floats.
 const FACE_BYTES: u64 = 64 + 32;
+/// What photons sum up.
+const FLUX_BYTES: u64 = 4;
 const NODE_BYTES: u64 = 8;
 
 /// The GPU memory that a scene will take under given settings, by what it holds.
@@ -54,7 +56,7 @@ impl MemoryEstimate {
             ("instances", (scene.instances.len() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             ("voxel volume", volume_bytes(&grid, settings.directionality)),
-            ("voxel list (about)", list_bytes(&grid, voxels)),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings.injection)),
             ("picture", pixels * (BYTES_PER_PIXEL + tint)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
@@ -138,13 +140,17 @@ fn voxel_count(scene: &Scene, grid: &Grid) -> u64 {
 }
 
 /// Bits, ranks, nodes of all levels, faces and their light.
-fn list_bytes(grid: &Grid, voxels: u64) -> u64 {
+fn list_bytes(grid: &Grid, voxels: u64, injection: Injection) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // A surface of the next level has a quarter of the cells.
     let nodes = voxels + voxels / 3;
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let face_bytes = match injection {
+        Injection::Direct => FACE_BYTES,
+        Injection::Photons => FACE_BYTES + FLUX_BYTES,
+    };
     // The ranks: a word for each word of bits.
-    2 * cells.div_ceil(8) + nodes * NODE_BYTES + voxels * 4 + faces * FACE_BYTES
+    2 * cells.div_ceil(8) + nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
 }
 
 /// Each texture with its mips, once as colours and once as data if it is used as both.

@@ -87,7 +87,11 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let config = GiConfig { directionality: settings.directionality, ..GiConfig::new(grid) };
+        let config = GiConfig {
+            directionality: settings.directionality,
+            injection: settings.injection,
+            ..GiConfig::new(grid)
+        };
         let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
         let voxelized = gi.voxelize(&scene.geometry, settings.timing).await?;
         times.add(voxelized.times);
@@ -109,7 +113,7 @@ impl Renderer {
             &scene,
             (&lighting, map.as_ref()),
             &gi,
-            settings.shadow_resolution,
+            &settings,
         );
         if settings.timing != Timing::Off {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
@@ -193,7 +197,7 @@ impl Renderer {
             &self.scene,
             (&lighting, self.environment.as_ref()),
             gi,
-            settings.shadow_resolution,
+            settings,
         );
         recorder.stage("light");
         gi.light(&mut recorder, &self.lights, settings.bounces, &settings.trace)?;

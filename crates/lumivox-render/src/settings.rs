@@ -2,7 +2,7 @@
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, TraceSettings};
+use lumivox::{Directionality, Injection, TraceSettings};
 use lumivox_scene::Bounds;
 
 use crate::RenderError;
@@ -193,6 +193,8 @@ pub struct RenderSettings {
     pub grid_bounds: Option<Bounds>,
     /// Whether voxels keep a radiance for each direction. Default: six lobes.
     pub directionality: Directionality,
+    /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
+    pub injection: Injection,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -215,7 +217,7 @@ pub struct RenderSettings {
     pub shadows: ShadowMethod,
     /// Edge of a shadow map in texels, 16 to the device's `max_texture_dimension_2d`. Default: 1024.
     /// Higher: sharper shadows that begin nearer to their caster; four bytes a texel, six maps for a
-    /// point light.
+    /// point light. Photons need texels of at most half a voxel.
     pub shadow_resolution: u32,
     /// How times of the stages are taken. Default: not at all.
     pub timing: Timing,
@@ -229,6 +231,7 @@ impl Default for RenderSettings {
             grid_offset: Vec3::ZERO,
             grid_bounds: None,
             directionality: Directionality::default(),
+            injection: Injection::default(),
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,

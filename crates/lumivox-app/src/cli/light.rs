@@ -2,6 +2,7 @@
 
 use clap::Args;
 use glam::Vec3;
+use lumivox::Injection;
 use lumivox_render::ShadowMethod;
 use lumivox_scene::Light;
 
@@ -86,9 +87,16 @@ pub struct LightArgs {
 
     /// Edge of a shadow map in texels, 16 to 32768 (or less, as the GPU allows)
     ///
-    /// Higher: sharper shadows that begin nearer to their caster. Four bytes a texel; a point light
-    /// has six maps.
+    /// Higher: sharper shadows that begin nearer to their caster, and photons that scatter less. Four
+    /// bytes a texel; a point light has six maps.
     #[arg(long, value_name = "TEXELS", value_parser = number::whole(16..=size::LONGEST_EDGE))]
     #[arg(default_value = "1024", allow_negative_numbers = true)]
     pub shadow_resolution: u32,
+
+    /// How the light of lamps and sun comes into the voxels [default: direct; preset report: photons]
+    ///
+    /// Both give the same light in the mean. Photons scatter with the texels that a voxel is seen by, and
+    /// follow shadows within a voxel. Lights without shadow maps are injected directly.
+    #[arg(long, value_name = "HOW", value_parser = choices::injection())]
+    pub injection: Option<Injection>,
 }

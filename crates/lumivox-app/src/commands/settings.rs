@@ -1,13 +1,32 @@
 //! The settings of a rendering: from the command line, and back under its names.
 
 use glam::UVec2;
-use lumivox::{Directionality, TraceResolution};
+use lumivox::{Directionality, Injection, Preset, TraceResolution};
 use lumivox_render::RenderSettings;
 use serde::Serialize;
 
 use crate::args::choices;
 use crate::args::cones::ConeArgs;
 use crate::cli::{LightArgs, RenderArgs, VoxelArgs};
+
+/// What a preset brings along besides its cones, where the command line does not say otherwise.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Companions {
+    pub directionality: Directionality,
+    pub injection: Injection,
+}
+
+impl Companions {
+    /// Those of a preset.
+    pub fn of(preset: Preset) -> Self {
+        match preset {
+            Preset::Fast | Preset::Balanced | Preset::High => Self::default(),
+            Preset::Report => {
+                Self { directionality: Directionality::Isotropic, injection: Injection::Photons }
+            }
+        }
+    }
+}
 
 /// What the arguments of `render` ask for; times are not taken.
 pub fn of_render(args: &RenderArgs) -> RenderSettings {
@@ -28,12 +47,14 @@ pub fn still(
     light: &LightArgs,
     cones: &ConeArgs,
 ) -> RenderSettings {
+    let companions = Companions::of(cones.preset());
     RenderSettings {
         size,
         frames,
         resolution: voxels.resolution,
         grid_offset: voxels.grid_offset,
-        directionality: voxels.directionality(),
+        directionality: voxels.directionality().unwrap_or(companions.directionality),
+        injection: light.injection.unwrap_or(companions.injection),
         trace: cones.settings(),
         bounces: light.bounces,
         shadows: light.shadows,
@@ -55,6 +76,7 @@ pub struct SettingsReport {
     tone_map: &'static str,
     shadows: &'static str,
     shadow_resolution: u32,
+    injection: &'static str,
     cones: u32,
     half: bool,
     voxel_per_diameter: f32,
@@ -66,6 +88,10 @@ pub struct SettingsReport {
     specular_share: f32,
     /// None is unlimited.
     occlusion_distance: Option<f32>,
+    jitter: bool,
+    clear_of_walls: bool,
+    width_attenuation: f32,
+    level_gain: f32,
 }
 
 impl SettingsReport {
@@ -84,6 +110,7 @@ impl SettingsReport {
             tone_map: settings.tone_map.name(),
             shadows: choices::shadows_name(settings.shadows),
             shadow_resolution: settings.shadow_resolution,
+            injection: choices::injection_name(settings.injection),
             cones: trace.diffuse_cones,
             half: trace.resolution == TraceResolution::Half,
             voxel_per_diameter: trace.voxel_per_diameter,
@@ -94,6 +121,10 @@ impl SettingsReport {
             specular: trace.specular,
             specular_share: trace.specular_share,
             occlusion_distance: reach_m.is_finite().then_some(reach_m),
+            jitter: trace.jitter,
+            clear_of_walls: trace.clear_of_walls,
+            width_attenuation: trace.width_attenuation,
+            level_gain: trace.level_gain,
         }
     }
 }

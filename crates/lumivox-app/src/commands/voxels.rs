@@ -34,7 +34,10 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let lighting = Lighting::of(&scene);
     let unit = radiance_unit(&scene, &lighting);
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
-    let config = GiConfig { directionality: args.voxels.directionality(), ..GiConfig::new(grid) };
+    let config = GiConfig {
+        directionality: args.voxels.directionality().unwrap_or_default(),
+        ..GiConfig::new(grid)
+    };
     let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
     gpu.wait("uploading the scene")?;
 

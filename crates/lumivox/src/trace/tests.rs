@@ -32,7 +32,7 @@ struct ConeIn { origin: vec3f, growth: f32, direction: vec3f, reach: f32, level_
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&traced) { return; }
     let cone = cones[id.x];
-    let settings = ConeSettings(0.25, 0.0, 0.75, 1.0, 0.004, 3e38, 0.0, 0.0);
+    let settings = ConeSettings(0.25, 0.0, 0.75, 1.0, 0.004, 3e38, 0.0, 0.0, 1u, 1u, 0u, 0u);
     let result = trace_cone(Cone(cone.origin, cone.direction, cone.growth, cone.reach, cone.level_offset), settings);
     traced[id.x] = vec4f(result.radiance, result.transmittance);
 }";

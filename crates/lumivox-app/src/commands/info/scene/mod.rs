@@ -97,7 +97,7 @@ impl Report {
         let settings = RenderSettings {
             resolution: voxels.resolution,
             grid_offset: voxels.grid_offset,
-            directionality: voxels.directionality(),
+            directionality: voxels.directionality().unwrap_or_default(),
             ..RenderSettings::default()
         };
         let estimate = MemoryEstimate::new(scene, &settings)?;
