@@ -107,8 +107,7 @@ pub struct ConeArgs {
     #[arg(allow_negative_numbers = true)]
     occlusion_distance: Option<f32>,
 
-    /// Draw the cones' directions and levels at random, in each frame others [default: on; preset
-    /// report: off]
+    /// Draw the cones' directions at random, in each frame others [default: on; preset report: off]
     ///
     /// Without, a fixed set of cones makes bands in place of noise.
     #[arg(long, value_name = "SWITCH", value_parser = choices::switch())]

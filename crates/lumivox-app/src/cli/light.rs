@@ -72,13 +72,13 @@ pub struct LightArgs {
     #[command(flatten)]
     pub sources: SourceArgs,
 
-    /// Reflections of indirect light, 0 to 16
+    /// Reflections of indirect light, 0 to 16 [default: 8; preset report: 1]
     ///
     /// 0 is direct light alone, 1 is light by way of one other surface. N leave out about the share
     /// a^N of the light in a room of albedo a. Each costs one more gather in the voxels, once.
     #[arg(long, value_name = "BOUNCES", value_parser = number::whole(0..=16))]
-    #[arg(default_value = "8", allow_negative_numbers = true)]
-    pub bounces: u32,
+    #[arg(allow_negative_numbers = true)]
+    pub bounces: Option<u32>,
 
     /// How shadows of lamps and sun are found
     #[arg(long, value_name = "HOW", value_parser = choices::shadows())]

@@ -1,4 +1,5 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
+use lumivox::Injection;
 use lumivox_render::{Exposure, RenderSettings, ShadowMethod};
 
 use super::*;
@@ -114,7 +115,7 @@ fn no_argument_gives_the_renderers_defaults() {
 fn arguments_reach_the_settings() {
     let line = "lumivox render a.glb -o a.png --size 8x9 --resolution 64 --grid-offset 0,0.5,0 \
                 --isotropic --bounces 2 --frames 3 --view voxels --level 2 --exposure -1.5 \
-                --tone-map aces --shadows cone --shadow-resolution 64 --preset fast";
+                --tone-map aces --shadows cone --shadow-resolution 64 --injection photons --preset fast";
     let Some(Command::Render(args)) = Cli::try_parse_from(line.split_whitespace()).unwrap().command
     else {
         panic!("a render command")
@@ -133,9 +134,35 @@ fn arguments_reach_the_settings() {
         tone_map: ToneMap::Aces,
         shadows: ShadowMethod::Cone,
         shadow_resolution: 64,
+        injection: Injection::Photons,
         ..RenderSettings::default()
     };
     assert_eq!(settings(&args), expected);
+}
+
+#[test]
+fn a_preset_brings_its_companions_unless_told_otherwise() {
+    let settings_of = |options: &str| {
+        let line = format!("lumivox render a.glb -o a.png --preset report {options}");
+        let parsed = Cli::try_parse_from(line.split_whitespace()).unwrap().command;
+        let Some(Command::Render(args)) = parsed else { panic!("a render command") };
+        settings(&args)
+    };
+    let report = RenderSettings {
+        directionality: Directionality::Isotropic,
+        injection: Injection::Photons,
+        trace: lumivox::TraceSettings::preset(lumivox::Preset::Report),
+        bounces: 1,
+        ..RenderSettings::default()
+    };
+    assert_eq!(settings_of(""), report);
+    let explicit = RenderSettings {
+        directionality: Directionality::SixLobes,
+        injection: Injection::Direct,
+        bounces: 3,
+        ..report
+    };
+    assert_eq!(settings_of("--six-lobes --injection direct --bounces 3"), explicit);
 }
 
 #[test]

@@ -10,20 +10,28 @@ use crate::args::cones::ConeArgs;
 use crate::cli::{LightArgs, RenderArgs, VoxelArgs};
 
 /// What a preset brings along besides its cones, where the command line does not say otherwise.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Companions {
     pub directionality: Directionality,
     pub injection: Injection,
+    pub bounces: u32,
 }
 
 impl Companions {
     /// Those of a preset.
     pub fn of(preset: Preset) -> Self {
         match preset {
-            Preset::Fast | Preset::Balanced | Preset::High => Self::default(),
-            Preset::Report => {
-                Self { directionality: Directionality::Isotropic, injection: Injection::Photons }
+            Preset::Fast | Preset::Balanced | Preset::High => {
+                let RenderSettings { directionality, injection, bounces, .. } =
+                    RenderSettings::default();
+                Self { directionality, injection, bounces }
             }
+            // What is seen are photons that were reflected once.
+            Preset::Report => Self {
+                directionality: Directionality::Isotropic,
+                injection: Injection::Photons,
+                bounces: 1,
+            },
         }
     }
 }
@@ -56,7 +64,7 @@ pub fn still(
         directionality: voxels.directionality().unwrap_or(companions.directionality),
         injection: light.injection.unwrap_or(companions.injection),
         trace: cones.settings(),
-        bounces: light.bounces,
+        bounces: light.bounces.unwrap_or(companions.bounces),
         shadows: light.shadows,
         shadow_resolution: light.shadow_resolution,
         ..RenderSettings::default()

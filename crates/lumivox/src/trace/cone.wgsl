@@ -40,7 +40,7 @@ struct ConeSettings {
     width_attenuation: f32,
     // Powers of two that the radiance is multiplied by for each level; 0: none, the physics.
     level_gain_stops: f32,
-    // Whether directions and levels are drawn at random.
+    // Whether directions are drawn at random.
     has_jitter: u32,
     // Whether cones start farther where walls are felt.
     is_clear_of_walls: u32,

@@ -41,8 +41,7 @@ fn gather(
         direction = direction - 2.0 * below * geometric_normal;
         let growth =
             cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
-        let level_offset = select(
-            0.5, fract(level_start + f32(cell) * 0.618034), settings.has_jitter != 0u);
+        let level_offset = fract(level_start + f32(cell) * 0.618034);
         let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings);
         sum.irradiance += weight
             * (traced.radiance + traced.transmittance * environment_radiance(direction, growth));

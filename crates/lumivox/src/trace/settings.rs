@@ -69,8 +69,8 @@ pub struct TraceSettings {
     pub occlusion_distance_m: f32,
     /// Full or half resolution.
     pub resolution: TraceResolution,
-    /// Whether cones draw their directions and levels at random, in each frame others. Default: yes. Without, a
-    /// fixed set of cones stands in the middle of the cells: no noise, but bands, and the mean over frames brings nothing.
+    /// Whether cones draw their directions at random, in each frame others. Default: yes. Without, a fixed set of
+    /// cones stands in the middle of the cells: less noise, but bands, and the mean over frames brings little.
     pub jitter: bool,
     /// Whether cones start farther where a wall is felt at their start. Default: yes. Without, the constant offset
     /// alone counts, and light leaks along walls.

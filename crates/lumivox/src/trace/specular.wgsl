@@ -61,9 +61,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let coat_share = select(0.0, coat_weight / (coat_weight + base_weight), coat_weight > 0.0);
     let is_coat = choice < coat_share;
     let alpha = select(alpha_from_roughness(material.a), coat.alpha, is_coat);
-    let has_jitter = settings.cones.has_jitter != 0u;
     let drawn = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
-    let half_vector = select(vec3f(0.0, 0.0, 1.0), drawn, has_jitter);
+    let half_vector = select(vec3f(0.0, 0.0, 1.0), drawn, settings.cones.has_jitter != 0u);
     let local_light = reflect(-local_view, half_vector);
     let direction = world_from_normal * local_light;
     let cos_plane = dot(direction, surface.geometric_normal);
@@ -81,8 +80,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let origin = cone_start(
         surface.position_in_world, surface.geometric_normal, settings.cones);
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
-    let level_offset = select(
-        0.5, fract(start.x + start.y + 0.754878 * f32(view.frame & 0xffffu)), has_jitter);
+    let level_offset = fract(start.x + start.y + 0.754878 * f32(view.frame & 0xffffu));
     let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings.cones);
     // A mirror shows the surroundings sharply, though its cone never reads the finest cells far away.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);

@@ -153,6 +153,7 @@ impl Work<'_> {
         let settings = RenderSettings {
             directionality: companions.directionality,
             injection: companions.injection,
+            bounces: companions.bounces,
             size: self.args.size,
             frames: self.args.frames,
             resolution: case.resolution,
