@@ -72,6 +72,7 @@ pub fn still(
 }
 
 /// The settings under the names of the command line.
+#[allow(clippy::struct_excessive_bools)] // Switches of the command line.
 #[derive(Clone, Debug, Serialize)]
 pub struct SettingsReport {
     pub resolution: u32,

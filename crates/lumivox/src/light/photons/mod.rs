@@ -136,17 +136,17 @@ pub(crate) struct Photons {
     insert_layout: wgpu::BindGroupLayout,
     reflect_layout: wgpu::BindGroupLayout,
     fates: wgpu::Buffer,
-    faces: Option<Faces>,
+    list: Option<List>,
 }
 
 /// What belongs to the current voxel list.
 #[derive(Debug)]
-struct Faces {
+struct List {
     occupancy: wgpu::Buffer,
     ranks: wgpu::Buffer,
     first_faces: wgpu::Buffer,
     faces: wgpu::Buffer,
-    count: u64,
+    face_count: u64,
     sums: wgpu::Buffer,
 }
 
@@ -188,20 +188,20 @@ impl Photons {
             insert_layout,
             reflect_layout,
             fates: storage_buffer(device, "fates of photons", FATES * 4),
-            faces: None,
+            list: None,
         })
     }
 
     /// Takes a new voxel list.
     pub(crate) fn rebuild(&mut self, device: &wgpu::Device, voxels: &VoxelList) {
-        let count = u64::from(voxels.face_count);
-        self.faces = Some(Faces {
+        let face_count = u64::from(voxels.face_count);
+        self.list = Some(List {
             occupancy: voxels.occupancy.clone(),
             ranks: voxels.ranks.clone(),
             first_faces: voxels.first_faces.clone(),
             faces: voxels.faces.clone(),
-            count,
-            sums: storage_buffer(device, "flux of the faces", count * 4),
+            face_count,
+            sums: storage_buffer(device, "flux of the faces", face_count * 4),
         });
     }
 
@@ -213,7 +213,7 @@ impl Photons {
         direct: &wgpu::Buffer,
         radiance: &wgpu::Buffer,
     ) {
-        let Some(faces) = &self.faces else {
+        let Some(list) = &self.list else {
             return;
         };
         let device = recorder.device().clone();
@@ -225,24 +225,24 @@ impl Photons {
             let map = uniform_buffer(&device, "photon map", &map);
             let insert_group = BindGroupBuilder::new(&self.insert_layout)
                 .buffer(&map)
-                .buffer(&faces.occupancy)
-                .buffer(&faces.ranks)
-                .buffer(&faces.first_faces)
-                .buffer(&faces.faces)
-                .buffer(&faces.sums)
+                .buffer(&list.occupancy)
+                .buffer(&list.ranks)
+                .buffer(&list.first_faces)
+                .buffer(&list.faces)
+                .buffer(&list.sums)
                 .buffer(&self.fates)
                 .build(&device, "insert photons");
             let reflect_group = BindGroupBuilder::new(&self.reflect_layout)
                 .buffer(&map)
-                .buffer(&faces.faces)
-                .buffer(&faces.sums)
+                .buffer(&list.faces)
+                .buffer(&list.sums)
                 .buffer(direct)
                 .buffer(radiance)
                 .build(&device, "reflect photons");
             let groups = [&self.grid_group, &insert_group, &lights.group];
             self.insert.run(recorder, &groups, [width, height, layers]);
             let groups = [&self.grid_group, &reflect_group, &lights.group];
-            self.reflect.run_linear(recorder, &groups, faces.count);
+            self.reflect.run_linear(recorder, &groups, list.face_count);
         }
     }
 
@@ -253,6 +253,6 @@ impl Photons {
 
     /// Bytes on the GPU, by what they hold.
     pub(crate) fn memory(&self) -> (&'static str, u64) {
-        ("light: flux of the faces", self.faces.as_ref().map_or(0, |faces| faces.sums.size()))
+        ("light: flux of the faces", self.list.as_ref().map_or(0, |list| list.sums.size()))
     }
 }

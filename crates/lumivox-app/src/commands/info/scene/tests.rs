@@ -3,7 +3,7 @@ use lumivox_scene::{Texture, TextureRef};
 use super::*;
 
 fn voxels() -> VoxelArgs {
-    VoxelArgs { resolution: 64, grid_offset: Vec3::ZERO, isotropic: false }
+    VoxelArgs { resolution: 64, grid_offset: Vec3::ZERO, isotropic: false, six_lobes: false }
 }
 
 #[test]
