@@ -163,8 +163,9 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
                 pays_back = traced.transmittance < 0.0 && (pays_back || !may_exceed);
                 let taken = taken_by(
                     seen.a * counted / cell, traced.transmittance, may_exceed, pays_back);
-                let width = cone.growth / settings.voxel_per_diameter * distance / side;
-                let shown = shown_of(taken, traced.transmittance, level, width, settings);
+                let diameter = cone.growth / settings.voxel_per_diameter * (distance - 0.5 * length);
+                let shown = shown_of(
+                    taken, traced.transmittance, level, diameter / side, settings);
                 traced.radiance += seen.rgb * (shown / seen.a);
                 traced.transmittance -= taken;
                 pays_back = pays_back || traced.transmittance <= -SURPLUS;
