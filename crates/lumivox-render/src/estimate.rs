@@ -22,7 +22,7 @@ const FACES_PER_VOXEL: f64 = 1.25;
 /// The record of the list (64 bytes), and its light: two colours in full floats.
 const FACE_BYTES: u64 = 64 + 32;
 /// What photons sum up.
-const FLUX_BYTES: u64 = 4;
+const FLUX_BYTES: u64 = 8;
 const NODE_BYTES: u64 = 8;
 
 /// The GPU memory that a scene will take under given settings, by what it holds.

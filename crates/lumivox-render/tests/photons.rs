@@ -49,10 +49,12 @@ fn with_spot(mut scene: Scene) -> Scene {
 #[test]
 fn photons_bring_the_light_that_the_direct_evaluation_finds() {
     let gpu = gpu();
-    // llvmpipe: -0.4, -0.5 and 0.0 % of the reflected light; -0.5, -1.2 and 0.0 % of the indirect light.
+    // llvmpipe: -0.4, -0.7, +0.2 and 0.0 % of the reflected light; -0.5, -2.3, -0.7 and 0.0 % of the indirect light.
     for (scene, name) in [
         (builtin("cornell"), "cornell"),
         (builtin("atrium"), "atrium"),
+        // Here the lamp's black panel shares voxels with the ceiling.
+        (builtin("cornell-rotated"), "cornell, turned"),
         (with_spot(builtin("cornell")), "spot"),
     ] {
         let light = |injection| {
@@ -83,7 +85,7 @@ fn photons_bring_the_light_that_the_direct_evaluation_finds() {
         );
         assert!(none.is_none() && direct > 0.0);
         assert!(in_voxels.abs() < 0.03, "{name}: {in_voxels} more light in the voxels");
-        assert!(in_picture.abs() < 0.03, "{name}: {in_picture} more indirect light");
+        assert!(in_picture.abs() < 0.04, "{name}: {in_picture} more indirect light");
         assert!(fates.kept > 100_000, "{name}: {fates:?}");
         assert!(fates.lost < fates.kept / 1000, "{name}: {fates:?}");
     }

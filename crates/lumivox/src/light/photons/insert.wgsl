@@ -18,10 +18,15 @@ import package::voxels::morton::morton_encode;
 @group(1) @binding(2) var<storage, read> ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(4) var<storage, read> faces: array<Face>;
-// The flux of each face so far.
-@group(1) @binding(5) var<storage, read_write> sums: array<atomic<u32>>;
+// What each face has taken up, `Taken` with atomic members.
+@group(1) @binding(5) var<storage, read_write> sums: array<AtomicTaken>;
 // How many bundles ended how, by the numbers below.
 @group(1) @binding(6) var<storage, read_write> fates: array<atomic<u32>, FATES>;
+
+struct AtomicTaken {
+    flux: atomic<u32>,
+    lead: atomic<u32>,
+}
 
 const FATES: u32 = 4u;
 // Met nothing, or belongs to another layer.
@@ -62,7 +67,7 @@ fn cover(face: u32, direction: vec3f) -> f32 {
 }
 
 // Shares a bundle out to the faces of a voxel.
-fn insert(voxel: u32, direction: vec3f, counts: f32, seed: u32) -> u32 {
+fn insert(position: vec3f, voxel: u32, direction: vec3f, counts: f32, seed: u32) -> u32 {
     let first = first_faces[voxel];
     let end = first_faces[voxel + 1u];
     var covered = 0.0;
@@ -77,7 +82,13 @@ fn insert(voxel: u32, direction: vec3f, counts: f32, seed: u32) -> u32 {
         let dither = f32(hash(seed ^ faces[face].lobe) >> 8u) * (1.0 / 16777216.0);
         let whole = u32(share + dither);
         if whole > 0u {
-            atomicAdd(&sums[face], whole);
+            atomicAdd(&sums[face].flux, whole);
+            let normal = normalize(faces[face].vector_area);
+            let lead = dot(position - faces[face].position_in_world, normal)
+                / (2.0 * grid.voxel_size_m);
+            // Integers wrap around, so that adding a negative number takes away.
+            let weighted = i32(f32(whole) * clamp(lead, -1.0, 1.0));
+            atomicAdd(&sums[face].lead, bitcast<u32>(weighted));
         }
     }
     return FATE_KEPT;
@@ -134,7 +145,7 @@ fn follow(texel: vec2u, layer_in_light: u32) -> u32 {
         let voxel = voxel_at(place + direction * steps[i]);
         if voxel != NO_VOXEL {
             let counts = flux * photon_map.counts_per_flux;
-            fate = min(fate, insert(voxel, direction, counts, seed));
+            fate = min(fate, insert(position, voxel, direction, counts, seed));
         }
     }
     return fate;

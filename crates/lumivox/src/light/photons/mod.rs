@@ -6,10 +6,13 @@
 //! irradiance that the direct evaluation computes face by face; it scatters with the number of texels that a face
 //! is seen by, so maps must be fine enough: a texel of at most half a voxel.
 //!
+//! A voxel does not tell layers behind each other apart (a ceiling, and a lamp's black panel below it). Where light
+//! arrives in front of a face's middle it is evaluated directly (`reflect.wgsl`).
+//!
 //! What it has over the direct evaluation: a face in half shadow gets what reaches its lit part, to the texel, and
 //! time goes with the texels, whatever the number of faces.
 //!
-//! Fluxes are summed up as integers, one word for each face, light after light. The sum of a face is bounded:
+//! Fluxes are summed up as integers, light after light. The sum of a face is bounded:
 //!
 //! - by the light's solid angle, 4 pi for a point light: `incident_light` only takes away from there;
 //! - for parallel light by what a voxel shows of the beam, at most sqrt(3) of its sides (a cube across its diagonal),
@@ -57,6 +60,8 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
 const MAX_LAYERS: usize = 6;
 /// `FATES` of `insert.wgsl`.
 const FATES: u64 = 4;
+/// `Taken` of `photon_map.wgsl`, for each face.
+const SUMS_BYTES: u64 = 8;
 /// The largest sum that can be: half of what a word holds.
 const LARGEST_SUM: f32 = 2_147_483_648.0;
 
@@ -201,7 +206,7 @@ impl Photons {
             first_faces: voxels.first_faces.clone(),
             faces: voxels.faces.clone(),
             face_count,
-            sums: storage_buffer(device, "flux of the faces", face_count * 4),
+            sums: storage_buffer(device, "flux of the faces", face_count * SUMS_BYTES),
         });
     }
 

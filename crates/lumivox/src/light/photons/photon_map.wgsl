@@ -20,3 +20,11 @@ struct PhotonMap {
 }
 
 @group(1) @binding(0) var<uniform> photon_map: PhotonMap;
+
+// What a face has taken up.
+struct Taken {
+    // The flux, in counts.
+    flux: u32,
+    // The flux times how far in front of the face's middle it arrived, in counts times two voxels: a signed number.
+    lead: u32,
+}

@@ -205,7 +205,8 @@ fn a_tilted_plate_takes_up_what_it_covers_of_the_beam() {
 }
 
 /// All that a lamp sends out arrives in a closed room, 4 pi times its intensity, whatever stands in the way. The
-/// texels of its maps tile the sphere, so only what rounding to the grid of their centres makes is left.
+/// texels of its maps tile the sphere, so only faces that are evaluated directly (at edges of the plate and the room)
+/// are left to differ.
 #[test]
 fn a_closed_room_takes_up_all_of_a_lamps_flux() {
     for has_plate in [false, true] {
