@@ -8,7 +8,7 @@
 use std::collections::HashSet;
 
 use glam::Vec3;
-use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
+use lumivox::{Directionality, Grid, Injection, VolumeKind, dense_volume_bytes};
 use lumivox_scene::{LightKind, Material, Scene, Shading, Texture};
 
 use crate::memory::available_memory;
@@ -21,6 +21,8 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 const FACES_PER_VOXEL: f64 = 1.25;
 /// The record of the list (64 bytes), and its light: two colours in full floats.
 const FACE_BYTES: u64 = 64 + 32;
+/// What photons sum up.
+const FLUX_BYTES: u64 = 8;
 const NODE_BYTES: u64 = 8;
 /// 170 to 420 on the scenes of docs/octree.md.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
@@ -58,7 +60,7 @@ impl MemoryEstimate {
             ("instances", (scene.instances.len() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
-            ("voxel list (about)", list_bytes(&grid, voxels)),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings.injection)),
             ("picture", pixels * (BYTES_PER_PIXEL + tint)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
@@ -146,13 +148,17 @@ fn voxel_count(scene: &Scene, grid: &Grid) -> u64 {
 }
 
 /// Bits, ranks, nodes of all levels, faces and their light.
-fn list_bytes(grid: &Grid, voxels: u64) -> u64 {
+fn list_bytes(grid: &Grid, voxels: u64, injection: Injection) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // A surface of the next level has a quarter of the cells.
     let nodes = voxels + voxels / 3;
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let face_bytes = match injection {
+        Injection::Direct => FACE_BYTES,
+        Injection::Photons => FACE_BYTES + FLUX_BYTES,
+    };
     // The ranks: a word for each word of bits.
-    2 * cells.div_ceil(8) + nodes * NODE_BYTES + voxels * 4 + faces * FACE_BYTES
+    2 * cells.div_ceil(8) + nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
 }
 
 /// Each texture with its mips, once as colours and once as data if it is used as both.

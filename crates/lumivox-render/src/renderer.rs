@@ -109,7 +109,7 @@ impl Renderer {
             &scene,
             (&lighting, map.as_ref()),
             &gi,
-            settings.shadow_resolution,
+            &settings,
         );
         if settings.timing != Timing::Off {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
@@ -193,7 +193,7 @@ impl Renderer {
             &self.scene,
             (&lighting, self.environment.as_ref()),
             gi,
-            settings.shadow_resolution,
+            settings,
         );
         recorder.stage("light");
         gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;

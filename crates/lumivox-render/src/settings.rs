@@ -2,7 +2,9 @@
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind, VoxelizeMethod};
+use lumivox::{
+    Directionality, GiConfig, Grid, Injection, TraceSettings, VolumeKind, VoxelizeMethod,
+};
 use lumivox_scene::Bounds;
 
 use crate::RenderError;
@@ -225,6 +227,8 @@ pub struct RenderSettings {
     pub volume_memory: Option<u64>,
     /// How triangles become voxels. Default: exactly.
     pub voxelizer: VoxelizeMethod,
+    /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
+    pub injection: Injection,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -247,7 +251,7 @@ pub struct RenderSettings {
     pub shadows: ShadowMethod,
     /// Edge of a shadow map in texels, 16 to the device's `max_texture_dimension_2d`. Default: 1024.
     /// Higher: sharper shadows that begin nearer to their caster; four bytes a texel, six maps for a
-    /// point light.
+    /// point light. Photons need texels of at most half a voxel.
     pub shadow_resolution: u32,
     /// How times of the stages are taken. Default: not at all.
     pub timing: Timing,
@@ -264,6 +268,7 @@ impl Default for RenderSettings {
             volume: VolumeKind::default(),
             volume_memory: None,
             voxelizer: VoxelizeMethod::default(),
+            injection: Injection::default(),
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,
@@ -295,6 +300,7 @@ impl RenderSettings {
             volume: self.volume,
             memory_budget: self.volume_memory,
             method: self.voxelizer,
+            injection: self.injection,
         }
     }
 

@@ -8,7 +8,7 @@ mod common;
 
 use common::{builtin, gpu, picture, renderer};
 use glam::UVec2;
-use lumivox::{Directionality, TraceResolution, TraceSettings};
+use lumivox::{Directionality, Injection, Preset, TraceResolution, TraceSettings};
 use lumivox_render::{Picture, RenderSettings, ShadowMethod};
 
 /// The bits of a rendering from scratch. Cornell's blocks are turned against the grid, so that many
@@ -43,6 +43,15 @@ fn six_lobes_repeat_to_the_bit() {
 fn isotropic_voxels_repeat_to_the_bit() {
     let directionality = Directionality::Isotropic;
     assert_two_runs_agree(&RenderSettings { directionality, ..RenderSettings::default() });
+}
+
+/// With all that belongs to the report's look.
+#[test]
+fn photons_repeat_to_the_bit() {
+    let trace = TraceSettings::preset(Preset::Report);
+    let (directionality, injection) = (Directionality::Isotropic, Injection::Photons);
+    let settings = RenderSettings { trace, directionality, injection, ..RenderSettings::default() };
+    assert_two_runs_agree(&settings);
 }
 
 #[test]

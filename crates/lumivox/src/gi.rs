@@ -4,7 +4,7 @@ use glam::UVec2;
 
 use crate::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{
-    EnvironmentLight, EnvironmentMap, Light, Lighting, Lights, ShadowMaps, lights_layout,
+    EnvironmentLight, EnvironmentMap, Injection, Light, Lighting, Lights, ShadowMaps, lights_layout,
 };
 use crate::trace::{
     Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
@@ -28,6 +28,8 @@ pub struct GiConfig {
     pub memory_budget: Option<u64>,
     /// How triangles become voxels. Default: exactly.
     pub method: VoxelizeMethod,
+    /// How the light of lamps and suns comes into the voxels: face by face (the default) or by photons.
+    pub injection: Injection,
 }
 
 impl GiConfig {
@@ -39,6 +41,7 @@ impl GiConfig {
             volume: VolumeKind::default(),
             memory_budget: None,
             method: VoxelizeMethod::default(),
+            injection: Injection::default(),
         }
     }
 }
@@ -86,6 +89,8 @@ impl Gi {
         config: GiConfig,
     ) -> Result<Self, GiError> {
         let mut shaders = crate::shaders::library();
+        let has_photons = config.injection == Injection::Photons;
+        shaders.constant_u32("INJECT_PHOTONS", u32::from(has_photons));
         let volume = Volume::new(
             device,
             &mut shaders,
@@ -97,7 +102,7 @@ impl Gi {
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
         let globals = volume.globals_layout();
-        let lighting = Lighting::new(device, &shaders, globals, &lights_layout)?;
+        let lighting = Lighting::new(device, &shaders, &config, globals, &lights_layout)?;
         let tracer = Tracer::new(device, &shaders, globals, &lights_layout, &gbuffer_layout)?;
         Ok(Self {
             device: device.clone(),
@@ -137,7 +142,7 @@ impl Gi {
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         let faces = self.lighting.prepare(&self.device, &voxels);
         self.volume.rebuild(&mut recorder, &voxels, faces.radiance()).await?;
-        self.lighting.take(faces);
+        self.lighting.take(&self.device, &voxels, faces);
         times.extend(recorder.finish().await?);
         self.voxels = Some(voxels);
         Ok(Voxelized { stats, times })
@@ -247,6 +252,12 @@ impl Gi {
     /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
     pub fn face_radiance(&self) -> Option<&wgpu::Buffer> {
         self.lighting.radiance()
+    }
+
+    /// With [`Injection::Photons`], what became of the photons of the last call of [`Self::light`]: one
+    /// [`crate::PhotonFates`].
+    pub fn photon_fates(&self) -> Option<&wgpu::Buffer> {
+        self.lighting.photon_fates()
     }
 
     /// Group 0: the grid and the volume.

@@ -1,7 +1,7 @@
 //! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
 
 use crate::gpu::{ShaderLibrary, assert_layout};
-use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
+use crate::light::{BounceSettings, LightGlobals, LightRecord, PhotonMap, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
 use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
@@ -79,6 +79,12 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
+        "light::photon_map",
+        "PhotonMap",
+        PhotonMap { world_from_clip, light, first_layer, layer_count, counts_per_flux }
+    );
+    assert_layout!(
+        library,
         "trace::cone",
         "ConeSettings",
         ConeSettings {
@@ -88,6 +94,10 @@ fn structs_lie_in_memory_alike() {
             step_per_voxel,
             min_transmittance,
             occlusion_distance,
+            width_attenuation,
+            level_gain_stops,
+            has_jitter,
+            is_clear_of_walls,
         }
     );
     assert_layout!(

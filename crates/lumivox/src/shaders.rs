@@ -23,6 +23,7 @@ pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::new(MODULES);
     let stages = [
         crate::light::MODULES,
+        crate::light::PHOTON_MODULES,
         crate::trace::MODULES,
         crate::voxelize::MODULES,
         crate::voxelize::RASTER_MODULES,
@@ -41,7 +42,9 @@ pub fn library() -> ShaderLibrary {
         .constant_u32("LIGHT_ENVIRONMENT", crate::light::LIGHT_ENVIRONMENT)
         .constant_u32("SHADOW_NONE", crate::light::SHADOW_NONE)
         .constant_u32("SHADOW_MAP", crate::light::SHADOW_MAP)
-        .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE);
+        .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE)
+        // Whether lights with maps are left to the photons; `Gi` sets it.
+        .constant_u32("INJECT_PHOTONS", 0);
     library
 }
 

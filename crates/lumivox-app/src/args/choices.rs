@@ -1,7 +1,10 @@
 //! Choices among a few names, each explained in the help.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumivox::{Duplication, Mipmapping, OctreeBuilder, Preset, VolumeKind, VoxelizeMethod};
+use lumivox::{
+    Duplication, Injection, Mipmapping, OctreeBuilder, OctreeOptions, Preset, VolumeKind,
+    VoxelizeMethod,
+};
 use lumivox_render::{ShadowMethod, ToneMap, View};
 use lumivox_scene::UpAxis;
 
@@ -61,11 +64,14 @@ pub fn voxelizer() -> impl TypedValueParser<Value = VoxelizeMethod> {
 
 /// How much is spent on the cones.
 pub fn preset() -> impl TypedValueParser<Value = Preset> {
-    among(&[Preset::Fast, Preset::Balanced, Preset::High], |preset| {
+    among(&[Preset::Fast, Preset::Balanced, Preset::High, Preset::Report], |preset| {
         let help = match preset {
             Preset::Fast => "6 cones, one pixel in four",
             Preset::Balanced => "6 cones, every pixel",
             Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
+            Preset::Report => {
+                "the SVO report's tuning, which is not physical, with isotropic voxels and photons"
+            }
         };
         (preset_name(preset), help)
     })
@@ -77,6 +83,33 @@ pub fn preset_name(preset: Preset) -> &'static str {
         Preset::Fast => "fast",
         Preset::Balanced => "balanced",
         Preset::High => "high",
+        Preset::Report => "report",
+    }
+}
+
+/// Something that is on or off.
+pub fn switch() -> impl TypedValueParser<Value = bool> {
+    among(&[true, false], |on| if on { ("on", "yes") } else { ("off", "no") })
+}
+
+/// How light comes into the voxels.
+pub fn injection() -> impl TypedValueParser<Value = Injection> {
+    among(&[Injection::Direct, Injection::Photons], |injection| {
+        let help = match injection {
+            Injection::Direct => "each face of a voxel asks each light",
+            Injection::Photons => {
+                "each texel of a shadow map carries its share of the light's flux"
+            }
+        };
+        (injection_name(injection), help)
+    })
+}
+
+/// The name of a way to inject light, as on the command line.
+pub fn injection_name(injection: Injection) -> &'static str {
+    match injection {
+        Injection::Direct => "direct",
+        Injection::Photons => "photons",
     }
 }
 
@@ -107,6 +140,16 @@ pub enum VolumeChoice {
     Dense,
     /// Nodes and bricks where there is surface.
     Octree,
+}
+
+impl VolumeChoice {
+    /// Made as it is made by default.
+    pub fn usual(self) -> VolumeKind {
+        match self {
+            Self::Dense => VolumeKind::Dense,
+            Self::Octree => VolumeKind::Octree(OctreeOptions::default()),
+        }
+    }
 }
 
 /// Where cells are stored.

@@ -15,6 +15,8 @@ const MIN_TRANSMITTANCE: RangeInclusive<f32> = 0.0..=0.1;
 const SPECULAR_SHARE: RangeInclusive<f32> = 0.02..=1.0;
 /// 0, which is off, is allowed besides.
 const CLEARANCE: RangeInclusive<f32> = 0.1..=1.0;
+const WIDTH_ATTENUATION: RangeInclusive<f32> = 0.0..=64.0;
+const LEVEL_GAIN: RangeInclusive<f32> = 1.0..=8.0;
 const OCCLUSION_DISTANCE_M: RangeInclusive<f32> = 0.0..=1e9;
 
 /// The cones.
@@ -23,7 +25,7 @@ const OCCLUSION_DISTANCE_M: RangeInclusive<f32> = 0.0..=1e9;
 pub struct ConeArgs {
     /// How much is spent on the cones
     ///
-    /// All presets obey the same physics; they differ in noise, sharpness and cost. The options
+    /// All but report obey the same physics; they differ in noise, sharpness and cost. The options
     /// below change single values of the preset.
     #[arg(long, value_name = "NAME", value_parser = choices::preset(), default_value = "balanced")]
     preset: Option<Preset>,
@@ -46,7 +48,7 @@ pub struct ConeArgs {
     full: bool,
 
     /// Sampled voxel's edge as a share of the cone's diameter, 0.05 to 1 [default: 0.125; preset
-    /// fast: 0.5; preset high: 0.0625]
+    /// fast: 0.5; preset high: 0.0625; preset report: 1]
     ///
     /// Finer (lower): sharper indirect light, at a higher cost.
     #[arg(long, value_name = "SHARE", value_parser = number(VOXEL_PER_DIAMETER))]
@@ -55,14 +57,15 @@ pub struct ConeArgs {
 
     /// Growth of the sampled voxel's edge per metre travelled and per cosine against the normal, at
     /// most: 0.1 to 1, or 0 for no bound [default: 0.333; preset fast: 0.5; preset
-    /// high: 0]
+    /// high: 0; preset report: 0]
     ///
     /// Cones that leave at a grazing angle then keep clear of the surface that they start from.
     /// Lower: finer samples near the surface, at a higher cost.
     #[arg(long, value_name = "RATIO", value_parser = clearance, allow_negative_numbers = true)]
     clearance: Option<f32>,
 
-    /// Start of the cones above the surface in voxels, 0 to 4 [default: 0.5]
+    /// Start of the cones above the surface in voxels, 0 to 4 [default: 0.5; preset
+    /// report: 1]
     ///
     /// Cones move away from walls beside them by themselves. Higher passes over near detail, lower makes
     /// oblique surfaces darken themselves.
@@ -84,7 +87,8 @@ pub struct ConeArgs {
     #[arg(allow_negative_numbers = true)]
     min_transmittance: Option<f32>,
 
-    /// Width of a glossy cone as a share of the lobe's solid angle, 0.02 to 1 [default: 0.25]
+    /// Width of a glossy cone as a share of the lobe's solid angle, 0.02 to 1 [default: 0.25;
+    /// preset report: 1]
     ///
     /// Lower: sharper but noisier reflections; frames draw other directions, so that their mean is
     /// the whole lobe.
@@ -102,6 +106,34 @@ pub struct ConeArgs {
     #[arg(long, value_name = "METRES", value_parser = number(OCCLUSION_DISTANCE_M))]
     #[arg(allow_negative_numbers = true)]
     occlusion_distance: Option<f32>,
+
+    /// Draw the cones' directions at random, in each frame others [default: on; preset report: off]
+    ///
+    /// Without, a fixed set of cones makes bands in place of noise.
+    #[arg(long, value_name = "SWITCH", value_parser = choices::switch())]
+    jitter: Option<bool>,
+
+    /// Start cones farther where walls are beside them [default: on; preset report: off]
+    ///
+    /// Without, --normal-offset alone counts, and light leaks along walls.
+    #[arg(long, value_name = "SWITCH", value_parser = choices::switch())]
+    clear_of_walls: Option<bool>,
+
+    /// Share of a sample's radiance that is lost when the cone is as wide as the scene, 0 to 64
+    /// [default: 0; preset report: 1]
+    ///
+    /// 0 is the physics. Higher dims what is far away.
+    #[arg(long, value_name = "SHARE", value_parser = number(WIDTH_ATTENUATION))]
+    #[arg(allow_negative_numbers = true)]
+    width_attenuation: Option<f32>,
+
+    /// Number that a sample's radiance is multiplied by for each level of its voxel, 1 to 8
+    /// [default: 1; preset report: 8]
+    ///
+    /// 1 is the physics. Higher brightens what is far away, up to what full voxels would give.
+    #[arg(long, value_name = "NUMBER", value_parser = number(LEVEL_GAIN))]
+    #[arg(allow_negative_numbers = true)]
+    level_gain: Option<f32>,
 }
 
 fn clearance(text: &str) -> Result<f32, super::Refused> {
@@ -117,9 +149,14 @@ fn clearance(text: &str) -> Result<f32, super::Refused> {
 }
 
 impl ConeArgs {
+    /// The preset that the settings start from.
+    pub fn preset(&self) -> Preset {
+        self.preset.unwrap_or_default()
+    }
+
     /// The preset's settings with the changes made to it.
     pub fn settings(&self) -> TraceSettings {
-        let preset = TraceSettings::preset(self.preset.unwrap_or_default());
+        let preset = TraceSettings::preset(self.preset());
         let resolution = match (self.half, self.full) {
             (true, _) => TraceResolution::Half,
             (_, true) => TraceResolution::Full,
@@ -141,6 +178,10 @@ impl ConeArgs {
             specular_share: self.specular_share.unwrap_or(preset.specular_share),
             occlusion_distance_m: self.occlusion_distance.unwrap_or(preset.occlusion_distance_m),
             resolution,
+            jitter: self.jitter.unwrap_or(preset.jitter),
+            clear_of_walls: self.clear_of_walls.unwrap_or(preset.clear_of_walls),
+            width_attenuation: self.width_attenuation.unwrap_or(preset.width_attenuation),
+            level_gain: self.level_gain.unwrap_or(preset.level_gain),
         }
     }
 }
@@ -167,6 +208,7 @@ mod tests {
         assert_eq!(settings(""), TraceSettings::default());
         assert_eq!(settings("--preset fast"), TraceSettings::preset(Preset::Fast));
         assert_eq!(settings("--preset high"), TraceSettings::preset(Preset::High));
+        assert_eq!(settings("--preset report"), TraceSettings::preset(Preset::Report));
     }
 
     #[test]
@@ -180,6 +222,10 @@ mod tests {
             ..TraceSettings::preset(Preset::High)
         };
         assert_eq!(changed, expected);
+        let physical = "--preset report --jitter on --clear-of-walls on --width-attenuation 0 \
+                        --level-gain 1 --voxel-per-diameter 0.125 --clearance 0.33333334 \
+                        --normal-offset 0.5 --specular-share 0.25";
+        assert_eq!(settings(physical), TraceSettings::default());
         assert_eq!(settings("--preset fast --full").resolution, TraceResolution::Full);
         assert!(Line::try_parse_from(["test", "--half", "--full"]).is_err());
         assert!(Line::try_parse_from(["test", "--cones", "7"]).is_err());
@@ -195,13 +241,15 @@ mod tests {
             set(&mut settings, value);
             settings.validate().is_ok()
         };
-        let cases: [(RangeInclusive<f32>, Set); 6] = [
+        let cases: [(RangeInclusive<f32>, Set); 8] = [
             (VOXEL_PER_DIAMETER, |s, v| s.voxel_per_diameter = v),
             (NORMAL_OFFSET_VOXELS, |s, v| s.normal_offset_voxels = v),
             (STEP_PER_VOXEL, |s, v| s.step_per_voxel = v),
             (MIN_TRANSMITTANCE, |s, v| s.min_transmittance = v),
             (SPECULAR_SHARE, |s, v| s.specular_share = v),
             (CLEARANCE, |s, v| s.clearance = v),
+            (WIDTH_ATTENUATION, |s, v| s.width_attenuation = v),
+            (LEVEL_GAIN, |s, v| s.level_gain = v),
         ];
         for (range, set) in cases {
             let (low, high) = (*range.start(), *range.end());
@@ -222,23 +270,39 @@ mod tests {
             let argument = command.get_arguments().find(|a| a.get_id() == id).unwrap();
             argument.get_help().unwrap().to_string()
         };
-        let [balanced, fast, high] =
-            [Preset::Balanced, Preset::Fast, Preset::High].map(TraceSettings::preset);
+        let presets = [Preset::Balanced, Preset::Fast, Preset::High, Preset::Report];
+        let [balanced, fast, high, report] = presets.map(TraceSettings::preset);
         let expect = |id: &str, text: String| {
             assert!(help_of(id).contains(&text), "{}: {text}", help_of(id));
         };
         let (low, fine) = (balanced.diffuse_cones, high.diffuse_cones);
         expect("cones", format!("[default: {low}; preset high: {fine}]"));
-        let [coarse, low, fine] = [fast, balanced, high].map(|p| p.voxel_per_diameter);
-        let text = format!("[default: {low}; preset fast: {coarse}; preset high: {fine}]");
+        let told = |value: fn(&TraceSettings) -> f32| {
+            let (low, coarse, fine) = (value(&balanced), value(&fast), value(&high));
+            let low = (low * 1000.0).floor() / 1000.0;
+            let report = value(&report);
+            format!(
+                "[default: {low}; preset fast: {coarse}; preset high: {fine}; preset report: {report}]"
+            )
+        };
+        let text = told(|p| p.voxel_per_diameter);
         expect("voxel_per_diameter", text);
-        let [coarse, low, fine] = [fast, balanced, high].map(|p| p.clearance);
-        let text = format!("[default: {low:.3}; preset fast: {coarse}; preset high: {fine}]");
+        let text = told(|p| p.clearance);
         expect("clearance", text);
-        expect("normal_offset", format!("[default: {}]", balanced.normal_offset_voxels));
+        let told = |value: fn(&TraceSettings) -> f32| {
+            format!("[default: {}; preset report: {}]", value(&balanced), value(&report))
+        };
+        expect("normal_offset", told(|p| p.normal_offset_voxels));
+        expect("specular_share", told(|p| p.specular_share));
+        expect("width_attenuation", told(|p| p.width_attenuation));
+        expect("level_gain", told(|p| p.level_gain));
+        for id in ["jitter", "clear_of_walls"] {
+            expect(id, "[default: on; preset report: off]".to_owned());
+        }
+        assert_eq!([balanced.jitter, balanced.clear_of_walls], [true; 2]);
+        assert_eq!([report.jitter, report.clear_of_walls], [false; 2]);
         expect("step", format!("[default: {}]", balanced.step_per_voxel));
         expect("min_transmittance", format!("[default: {}]", balanced.min_transmittance));
-        expect("specular_share", format!("[default: {}]", balanced.specular_share));
         assert!(balanced.occlusion_distance_m.is_infinite() && balanced.specular);
         assert_eq!(
             [fast, balanced, high].map(|preset| preset.resolution),

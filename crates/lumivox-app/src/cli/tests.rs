@@ -1,6 +1,6 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use glam::Vec3;
-use lumivox::Directionality;
+use lumivox::{Directionality, Injection, OctreeOptions, VolumeKind};
 use lumivox_render::{Exposure, RenderSettings, ShadowMethod};
 
 use super::*;
@@ -115,8 +115,9 @@ fn no_argument_gives_the_renderers_defaults() {
 #[test]
 fn arguments_reach_the_settings() {
     let line = "lumivox render a.glb -o a.png --size 8x9 --resolution 64 --grid-offset 0,0.5,0 \
-                --isotropic --voxelizer three-plane --bounces 2 --frames 3 --view voxels --level 2 --exposure -1.5 \
-                --tone-map aces --shadows cone --shadow-resolution 64 --preset fast";
+                --isotropic --voxelizer three-plane --volume octree --volume-memory 1GiB --bounces 2 \
+                --frames 3 --view voxels --level 2 --exposure -1.5 --tone-map aces --shadows cone \
+                --shadow-resolution 64 --injection photons --preset fast";
     let Some(Command::Render(args)) = Cli::try_parse_from(line.split_whitespace()).unwrap().command
     else {
         panic!("a render command")
@@ -127,6 +128,8 @@ fn arguments_reach_the_settings() {
         grid_offset: Vec3::new(0.0, 0.5, 0.0),
         directionality: Directionality::Isotropic,
         voxelizer: lumivox::VoxelizeMethod::ThreePlane,
+        volume: VolumeKind::Octree(OctreeOptions::default()),
+        volume_memory: Some(1 << 30),
         trace: lumivox::TraceSettings::preset(lumivox::Preset::Fast),
         bounces: 2,
         frames: 3,
@@ -136,9 +139,37 @@ fn arguments_reach_the_settings() {
         tone_map: ToneMap::Aces,
         shadows: ShadowMethod::Cone,
         shadow_resolution: 64,
+        injection: Injection::Photons,
         ..RenderSettings::default()
     };
     assert_eq!(settings(&args), expected);
+}
+
+#[test]
+fn a_preset_brings_its_companions_unless_told_otherwise() {
+    let settings_of = |options: &str| {
+        let line = format!("lumivox render a.glb -o a.png --preset report {options}");
+        let parsed = Cli::try_parse_from(line.split_whitespace()).unwrap().command;
+        let Some(Command::Render(args)) = parsed else { panic!("a render command") };
+        settings(&args)
+    };
+    let report = RenderSettings {
+        directionality: Directionality::Isotropic,
+        volume: VolumeKind::Octree(OctreeOptions::default()),
+        injection: Injection::Photons,
+        trace: lumivox::TraceSettings::preset(lumivox::Preset::Report),
+        bounces: 1,
+        ..RenderSettings::default()
+    };
+    assert_eq!(settings_of(""), report);
+    let explicit = RenderSettings {
+        directionality: Directionality::SixLobes,
+        volume: VolumeKind::Dense,
+        injection: Injection::Direct,
+        bounces: 3,
+        ..report
+    };
+    assert_eq!(settings_of("--six-lobes --volume dense --injection direct --bounces 3"), explicit);
 }
 
 #[test]

@@ -33,18 +33,23 @@ pub struct VoxelArgs {
     #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
     pub grid_offset: Vec3,
 
-    /// Keep one radiance a voxel instead of one for each of six directions [default: off]
+    /// Keep one radiance a voxel instead of one for each of six directions [default: off; preset
+    /// report: on]
     ///
     /// A ninth of the memory; surfaces light and shadow themselves, thin walls leak.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "six_lobes")]
     pub isotropic: bool,
 
-    /// Where the voxels' light is stored for the cones
+    /// Keep a radiance for each of six directions [default: on; preset report: off]
+    #[arg(long)]
+    pub six_lobes: bool,
+
+    /// Where the voxels' light is stored for the cones [default: dense; preset report: octree]
     ///
     /// The picture is the same to 0.2 % in the mean. A dense volume is a little faster and takes memory with the
     /// cube of the resolution; an octree takes it with the surface.
-    #[arg(long, value_name = "KIND", value_parser = choices::volume(), default_value = "dense")]
-    pub volume: VolumeChoice,
+    #[arg(long, value_name = "KIND", value_parser = choices::volume())]
+    pub volume: Option<VolumeChoice>,
 
     /// How the nodes of an octree come into being
     #[arg(long, value_name = "HOW", value_parser = choices::octree_builder())]
@@ -76,14 +81,18 @@ pub struct VoxelArgs {
 }
 
 impl VoxelArgs {
-    /// The library's word for it.
-    pub fn directionality(&self) -> Directionality {
-        if self.isotropic { Directionality::Isotropic } else { Directionality::SixLobes }
+    /// The library's word for it, if the command line says so.
+    pub fn directionality(&self) -> Option<Directionality> {
+        match (self.isotropic, self.six_lobes) {
+            (true, _) => Some(Directionality::Isotropic),
+            (_, true) => Some(Directionality::SixLobes),
+            _ => None,
+        }
     }
 
     /// Where cells are stored.
-    pub fn volume(&self) -> VolumeKind {
-        match self.volume {
+    pub fn volume(&self, default: VolumeChoice) -> VolumeKind {
+        match self.volume.unwrap_or(default) {
             VolumeChoice::Dense => VolumeKind::Dense,
             VolumeChoice::Octree => VolumeKind::Octree(OctreeOptions {
                 builder: self.octree_builder,
@@ -96,11 +105,11 @@ impl VoxelArgs {
     /// What the library is made for.
     pub fn config(&self, grid: Grid) -> GiConfig {
         GiConfig {
-            grid,
-            directionality: self.directionality(),
-            volume: self.volume(),
+            directionality: self.directionality().unwrap_or_default(),
+            volume: self.volume(VolumeChoice::Dense),
             memory_budget: self.volume_memory,
             method: self.voxelizer,
+            ..GiConfig::new(grid)
         }
     }
 }

@@ -1,13 +1,42 @@
 //! The settings of a rendering: from the command line, and back under its names.
 
 use glam::UVec2;
-use lumivox::{Directionality, TraceResolution};
+use lumivox::{Directionality, Injection, Preset, TraceResolution};
 use lumivox_render::RenderSettings;
 use serde::Serialize;
 
-use crate::args::choices;
+use crate::args::choices::{self, VolumeChoice};
 use crate::args::cones::ConeArgs;
 use crate::cli::{LightArgs, RenderArgs, VoxelArgs};
+
+/// What a preset brings along besides its cones, where the command line does not say otherwise.
+#[derive(Clone, Copy, Debug)]
+pub struct Companions {
+    pub directionality: Directionality,
+    pub volume: VolumeChoice,
+    pub injection: Injection,
+    pub bounces: u32,
+}
+
+impl Companions {
+    /// Those of a preset.
+    pub fn of(preset: Preset) -> Self {
+        match preset {
+            Preset::Fast | Preset::Balanced | Preset::High => {
+                let RenderSettings { directionality, injection, bounces, .. } =
+                    RenderSettings::default();
+                Self { directionality, volume: VolumeChoice::Dense, injection, bounces }
+            }
+            // What is seen are photons that were reflected once.
+            Preset::Report => Self {
+                directionality: Directionality::Isotropic,
+                volume: VolumeChoice::Octree,
+                injection: Injection::Photons,
+                bounces: 1,
+            },
+        }
+    }
+}
 
 /// What the arguments of `render` ask for; times are not taken.
 pub fn of_render(args: &RenderArgs) -> RenderSettings {
@@ -28,17 +57,19 @@ pub fn still(
     light: &LightArgs,
     cones: &ConeArgs,
 ) -> RenderSettings {
+    let companions = Companions::of(cones.preset());
     RenderSettings {
         size,
         frames,
         resolution: voxels.resolution,
         grid_offset: voxels.grid_offset,
-        directionality: voxels.directionality(),
-        volume: voxels.volume(),
+        directionality: voxels.directionality().unwrap_or(companions.directionality),
+        volume: voxels.volume(companions.volume),
         volume_memory: voxels.volume_memory,
         voxelizer: voxels.voxelizer,
+        injection: light.injection.unwrap_or(companions.injection),
         trace: cones.settings(),
-        bounces: light.bounces,
+        bounces: light.bounces.unwrap_or(companions.bounces),
         shadows: light.shadows,
         shadow_resolution: light.shadow_resolution,
         ..RenderSettings::default()
@@ -46,6 +77,7 @@ pub fn still(
 }
 
 /// The settings under the names of the command line.
+#[allow(clippy::struct_excessive_bools)] // Switches of the command line.
 #[derive(Clone, Debug, Serialize)]
 pub struct SettingsReport {
     pub resolution: u32,
@@ -60,6 +92,7 @@ pub struct SettingsReport {
     tone_map: &'static str,
     shadows: &'static str,
     shadow_resolution: u32,
+    injection: &'static str,
     cones: u32,
     half: bool,
     voxel_per_diameter: f32,
@@ -71,6 +104,10 @@ pub struct SettingsReport {
     specular_share: f32,
     /// None is unlimited.
     occlusion_distance: Option<f32>,
+    jitter: bool,
+    clear_of_walls: bool,
+    width_attenuation: f32,
+    level_gain: f32,
 }
 
 impl SettingsReport {
@@ -91,6 +128,7 @@ impl SettingsReport {
             tone_map: settings.tone_map.name(),
             shadows: choices::shadows_name(settings.shadows),
             shadow_resolution: settings.shadow_resolution,
+            injection: choices::injection_name(settings.injection),
             cones: trace.diffuse_cones,
             half: trace.resolution == TraceResolution::Half,
             voxel_per_diameter: trace.voxel_per_diameter,
@@ -101,6 +139,10 @@ impl SettingsReport {
             specular: trace.specular,
             specular_share: trace.specular_share,
             occlusion_distance: reach_m.is_finite().then_some(reach_m),
+            jitter: trace.jitter,
+            clear_of_walls: trace.clear_of_walls,
+            width_attenuation: trace.width_attenuation,
+            level_gain: trace.level_gain,
         }
     }
 }

@@ -2,15 +2,18 @@
 
 use lumivox::gpu::Recorder;
 use lumivox::{
-    EnvironmentLight, EnvironmentMap, Gi, GiConfig, Lights, Panorama, ShadowMaps,
-    dense_volume_bytes,
+    EnvironmentLight, EnvironmentMap, Gi, GiConfig, Injection, Light, LightSource, Lights,
+    Panorama, Shadow, ShadowLayer, ShadowMaps, dense_volume_bytes,
 };
-use lumivox_scene::Scene;
+use lumivox_scene::{Bounds, Scene};
 
 use crate::estimate::MemoryEstimate;
 use crate::shadow_maps::ShadowMapPass;
-use crate::upload::{GpuScene, Lighting};
+use crate::upload::{GpuScene, Lighting, corners};
 use crate::{Gpu, RenderError, RenderSettings};
+
+/// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
+const MAX_PHOTON_TEXEL_VOXELS: f32 = 0.5;
 
 /// Uploads a scene, if it is known to fit.
 pub(super) async fn upload(
@@ -74,8 +77,9 @@ pub(super) fn bind_lights(
     scene: &GpuScene,
     (lighting, map): (&Lighting, Option<&EnvironmentMap>),
     gi: &Gi,
-    shadow_resolution: u32,
+    settings: &RenderSettings,
 ) -> (Lights, u64) {
+    let shadow_resolution = settings.shadow_resolution;
     let mut lights = lighting.to_gpu(scene.radiance_unit);
     let radiance = lighting.environment.radiance / scene.radiance_unit;
     let rotation_rad = lighting.environment.rotation_rad;
@@ -86,9 +90,88 @@ pub(super) fn bind_lights(
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");
         maps = pass.record(gpu, recorder, scene, &mut lights, shadow_resolution);
+        if settings.injection == Injection::Photons {
+            let texel_m = maps
+                .as_ref()
+                .map_or(0.0, |maps| largest_texel_m(&lights, &maps.layers, scene.bounds));
+            warn_of_coarse_texels(texel_m / gi.grid().voxel_size_m, shadow_resolution);
+        }
     }
     let layer_bytes = 4 * u64::from(shadow_resolution).pow(2);
     let bytes = maps.as_ref().map_or(0, |maps| maps.layers.len() as u64 * layer_bytes);
     let environment = EnvironmentLight { radiance, map, rotation_rad };
     (gi.bind_lights(&lights, environment, maps.as_ref()), bytes)
+}
+
+/// The edge of the largest texel of the maps, m: at the far end of the scene, or of a light's range.
+fn largest_texel_m(lights: &[Light], layers: &[ShadowLayer], bounds: Bounds) -> f32 {
+    let far_end_m = |position: glam::Vec3, range_m: Option<f32>| {
+        let distances = corners(bounds).map(|corner| corner.distance(position));
+        distances.into_iter().fold(0.0, f32::max).min(range_m.unwrap_or(f32::INFINITY))
+    };
+    let texel_m = |light: &Light| {
+        let Shadow::Map { first_layer } = light.shadow else { return None };
+        let texel_size = layers.get(first_layer as usize)?.texel_size;
+        Some(match light.source {
+            LightSource::Directional { .. } | LightSource::Environment { .. } => texel_size,
+            LightSource::Point { position, range_m, .. }
+            | LightSource::Spot { position, range_m, .. } => {
+                texel_size * far_end_m(position, range_m)
+            }
+        })
+    };
+    lights.iter().filter_map(texel_m).fold(0.0, f32::max)
+}
+
+/// Photons are as fine as the texels that they start from: with few of them a voxel, its light scatters.
+fn warn_of_coarse_texels(texel_in_voxels: f32, resolution: u32) {
+    if texel_in_voxels <= MAX_PHOTON_TEXEL_VOXELS {
+        return;
+    }
+    let needed = resolution as f32 * texel_in_voxels / MAX_PHOTON_TEXEL_VOXELS;
+    tracing::warn!(
+        "photons start from texels of up to {texel_in_voxels:.1} voxels, so that the light of voxels scatters: \
+         raise the resolution of the shadow maps (--shadow-resolution) from {resolution} to {}, or inject \
+         directly (--injection direct)",
+        (needed.ceil() as u32).next_power_of_two()
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Mat4, Vec3};
+
+    #[test]
+    fn the_largest_texel_is_at_the_far_end() {
+        let bounds = Bounds { min: Vec3::ZERO, max: Vec3::new(3.0, 0.0, 4.0) };
+        let layer = |is_perspective, texel_size| ShadowLayer {
+            clip_from_world: Mat4::IDENTITY,
+            is_perspective,
+            texel_size,
+        };
+        let layers = [layer(false, 0.1), layer(true, 0.03)];
+        let sun = Light {
+            source: LightSource::Directional {
+                direction: Vec3::NEG_Y,
+                irradiance: Vec3::ONE,
+                angular_radius_rad: 0.0,
+            },
+            shadow: Shadow::Map { first_layer: 0 },
+        };
+        let lamp = |range_m| Light {
+            source: LightSource::Point {
+                position: Vec3::ZERO,
+                intensity: Vec3::ONE,
+                radius_m: 0.0,
+                range_m,
+            },
+            shadow: Shadow::Map { first_layer: 1 },
+        };
+        let largest = |lights: &[Light]| largest_texel_m(lights, &layers, bounds);
+        assert!((largest(&[sun]) - 0.1).abs() < 1e-6);
+        assert!((largest(&[sun, lamp(None)]) - 0.15).abs() < 1e-6);
+        assert!((largest(&[sun, lamp(Some(4.0))]) - 0.12).abs() < 1e-6);
+        assert!(largest(&[Light { shadow: Shadow::Cone, ..sun }]) <= 0.0);
+    }
 }

@@ -1,8 +1,9 @@
 // Direct light and emission into the voxels: the radiance that each face sends out before any bounce.
 //
-// A face is a Lambert surface: L = Le + reflectance / pi * sum of irradiances.
+// A face is a Lambert surface: L = Le + reflectance / pi * sum of irradiances. Lights whose maps are inserted as
+// photons come later (photons/).
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{INJECT_PHOTONS, LINEAR_WORKGROUP_SIZE, SHADOW_MAP};
 import package::gpu::dispatch::linear_index;
 import package::light::lights::{incident_light, light_globals, lights};
 import package::light::visibility::light_visibility;
@@ -28,6 +29,9 @@ fn main(
     var irradiance = vec3f(0.0);
     for (var i = 0u; i < light_globals.light_count; i++) {
         let light = lights[i];
+        if INJECT_PHOTONS != 0u && light.shadow == SHADOW_MAP {
+            continue;
+        }
         let incident = incident_light(light, face.position_in_world);
         let cosine = dot(normal, incident.direction);
         if cosine > 0.0 && any(incident.irradiance > vec3f(0.0)) {

@@ -240,6 +240,20 @@ pub struct Lights {
     pub count: u32,
     /// Whether any of them gets its shadows by cones.
     pub(crate) has_cone_shadows: bool,
+    /// Those that have shadow maps.
+    pub(crate) mapped: Vec<MappedLight>,
+    /// Width and height of the maps, texels.
+    pub(crate) map_size: [u32; 2],
+}
+
+/// A light with the layers of the shadow maps that are its own.
+#[derive(Clone, Debug)]
+pub(crate) struct MappedLight {
+    /// Its place among the lights.
+    pub(crate) index: u32,
+    pub(crate) source: LightSource,
+    pub(crate) first_layer: u32,
+    pub(crate) layers: Vec<ShadowLayer>,
 }
 
 impl Lights {
@@ -258,7 +272,7 @@ impl Lights {
         let records: Vec<LightRecord> = lights
             .iter()
             .map(|light| {
-                let needed = if matches!(light.source, LightSource::Point { .. }) { 6 } else { 1 };
+                let needed = layers_of(&light.source) as u32;
                 let shadow = match light.shadow {
                     Shadow::Map { first_layer } if first_layer + needed > layer_count => {
                         tracing::warn!(
@@ -272,6 +286,11 @@ impl Lights {
                 Light { shadow, ..*light }.to_gpu()
             })
             .collect();
+        let mapped = maps.map(|maps| mapped(lights, &records, maps)).unwrap_or_default();
+        let map_size = maps.map_or([0; 2], |maps| {
+            let size = maps.depth.texture().size();
+            [size.width, size.height]
+        });
         let layers: Vec<ShadowLayerRecord> = maps
             .map(|maps| maps.layers.as_slice())
             .unwrap_or_default()
@@ -342,8 +361,32 @@ impl Lights {
             group,
             count: records.len() as u32,
             has_cone_shadows: records.iter().any(|light| light.shadow == SHADOW_CONE),
+            mapped,
+            map_size,
         }
     }
+}
+
+/// The lights that have layers of the maps, which the records have checked.
+fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<MappedLight> {
+    let with_records = lights.iter().zip(records).enumerate();
+    with_records
+        .filter(|(_, (_, record))| record.shadow == SHADOW_MAP)
+        .map(|(index, (light, record))| {
+            let layers = maps.layers.iter().skip(record.shadow_layer as usize);
+            MappedLight {
+                index: index as u32,
+                source: light.source,
+                first_layer: record.shadow_layer,
+                layers: layers.take(layers_of(&light.source)).copied().collect(),
+            }
+        })
+        .collect()
+}
+
+/// Layers of the shadow maps that a light needs.
+fn layers_of(source: &LightSource) -> usize {
+    if matches!(source, LightSource::Point { .. }) { 6 } else { 1 }
 }
 
 /// The alpha below which a lobe shows the shape of the widest light that is a part of the environment: the

@@ -3,15 +3,16 @@
 //! Everything here runs over the faces of the voxel list alone. A face sends out `Le + reflectance / pi * E`;
 //! `E` is the irradiance from the analytic lights (`direct.wgsl`) and, for each bounce, what cones gather from
 //! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
+//! With photons (`photons/`) the lights that have shadow maps are inserted from those instead.
 
 mod environment;
 mod lights;
+mod photons;
 #[cfg(test)]
 mod tests;
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::GiError;
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
     uniform_buffer,
@@ -19,6 +20,7 @@ use crate::gpu::{
 use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
 use crate::voxels::VoxelList;
+use crate::{GiConfig, GiError};
 
 pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub(crate) use lights::{
@@ -28,8 +30,12 @@ pub(crate) use lights::{
 pub use lights::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
+#[cfg(test)]
+pub(crate) use photons::PhotonMap;
+use photons::Photons;
+pub use photons::{Injection, PhotonFates};
 
-/// The shader modules of this folder.
+/// The shader modules of this folder, but for those of the photons.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::environment", include_str!("environment/environment.wgsl")),
     ("light::lights", include_str!("lights.wgsl")),
@@ -38,6 +44,8 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::direct", include_str!("direct.wgsl")),
     ("light::bounce", include_str!("bounce.wgsl")),
 ];
+
+pub(crate) use photons::MODULES as PHOTON_MODULES;
 
 /// `BounceSettings` of `bounce.wgsl`.
 #[repr(C)]
@@ -56,6 +64,8 @@ pub(crate) struct Lighting {
     direct_layout: wgpu::BindGroupLayout,
     bounce_layout: wgpu::BindGroupLayout,
     settings: wgpu::Buffer,
+    /// If that is how light comes in.
+    photons: Option<Photons>,
     faces: Option<Faces>,
 }
 
@@ -82,9 +92,14 @@ impl Lighting {
     pub(crate) fn new(
         device: &wgpu::Device,
         shaders: &ShaderLibrary,
+        config: &GiConfig,
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
+        let photons = match config.injection {
+            Injection::Direct => None,
+            Injection::Photons => Some(Photons::new(device, shaders, &config.grid, lights)?),
+        };
         let direct_layout = LayoutBuilder::compute()
             .storage()
             .storage_mut()
@@ -106,6 +121,7 @@ impl Lighting {
             direct_layout,
             bounce_layout,
             settings: uniform_buffer(device, "bounce settings", &BounceSettings::zeroed()),
+            photons,
             faces: None,
         })
     }
@@ -131,7 +147,10 @@ impl Lighting {
     }
 
     /// Lights this list from now on.
-    pub(crate) fn take(&mut self, faces: Faces) {
+    pub(crate) fn take(&mut self, device: &wgpu::Device, voxels: &VoxelList, faces: Faces) {
+        if let Some(photons) = &mut self.photons {
+            photons.rebuild(device, voxels);
+        }
         self.faces = Some(faces);
     }
 
@@ -162,6 +181,9 @@ impl Lighting {
         }
         let groups = [volume.globals(), &faces.direct_group, &lights.group];
         self.direct.run_linear(recorder, &groups, faces.count);
+        if let Some(photons) = &self.photons {
+            photons.run(recorder, lights, &faces.direct, &faces.radiance);
+        }
         recorder.stage("filter");
         volume.update(recorder);
         for _ in 0..gathers {
@@ -178,10 +200,17 @@ impl Lighting {
         let size = |buffer: fn(&Faces) -> &wgpu::Buffer| {
             self.faces.as_ref().map_or(0, |faces| buffer(faces).size())
         };
-        vec![
+        let mut memory = vec![
             ("light: direct radiance of the faces", size(|faces| &faces.direct)),
             ("light: radiance of the faces", size(|faces| &faces.radiance)),
-        ]
+        ];
+        memory.extend(self.photons.as_ref().map(Photons::memory));
+        memory
+    }
+
+    /// What became of the photons of the last run ([`PhotonFates`]), if there are any.
+    pub(crate) fn photon_fates(&self) -> Option<&wgpu::Buffer> {
+        self.photons.as_ref().map(Photons::fates)
     }
 
     /// The radiance of each face (`array<vec4f>`), for tests and views.

@@ -9,7 +9,7 @@ import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
 // Shadow cones are narrow, so cells of half their diameter do, and they start a voxel and a half off the
 // surface: a light at a grazing angle would meet the receiver's own neighbourhood otherwise.
 fn shadow_cone_settings() -> ConeSettings {
-    return ConeSettings(0.5, 0.0, 1.5, 1.0, 0.004, 3e38, 0.0, 0.0);
+    return ConeSettings(0.5, 0.0, 1.5, 1.0, 0.004, 3e38, 0.0, 0.0, 1u, 1u, 0u, 0u);
 }
 
 fn shadow_cone_visibility(

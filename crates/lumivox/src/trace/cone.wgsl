@@ -36,8 +36,16 @@ struct ConeSettings {
     min_transmittance: f32,
     // Voxels; where openness is read off.
     occlusion_distance: f32,
-    padding_0: f32,
-    padding_1: f32,
+    // Share of the radiance that is lost for each longest side of the grid of the cone's width; 0: none, the physics.
+    width_attenuation: f32,
+    // Powers of two that the radiance is multiplied by for each level; 0: none, the physics.
+    level_gain_stops: f32,
+    // Whether directions are drawn at random.
+    has_jitter: u32,
+    // Whether cones start farther where walls are felt.
+    is_clear_of_walls: u32,
+    padding_0: u32,
+    padding_1: u32,
 }
 
 struct Cone {
@@ -84,6 +92,16 @@ fn taken_by(covered: f32, transmittance: f32, may_exceed: bool, pays_back: bool)
         return -min(covered, -transmittance);
     }
     return min(covered, transmittance + select(0.0, SURPLUS, may_exceed));
+}
+
+// The share of a cone that shows a sample's radiance: what it takes of the transmittance, but for looks that are not
+// physical (docs/report-look.md). Coarse levels may be gained, up to what a full cell would take; the width, in
+// longest sides of the grid, dims.
+fn shown_of(taken: f32, transmittance: f32, level: u32, width: f32, settings: ConeSettings) -> f32 {
+    let gain = exp2(f32(level) * settings.level_gain_stops);
+    let gained = min(taken * gain, max(transmittance, taken));
+    return select(taken, gained, taken > 0.0)
+        * max(1.0 - settings.width_attenuation * width, 0.0);
 }
 
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
@@ -145,7 +163,10 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
                 pays_back = traced.transmittance < 0.0 && (pays_back || !may_exceed);
                 let taken = taken_by(
                     seen.a * counted / cell, traced.transmittance, may_exceed, pays_back);
-                traced.radiance += seen.rgb * (taken / seen.a);
+                let diameter = cone.growth / settings.voxel_per_diameter * (distance - 0.5 * length);
+                let shown = shown_of(
+                    taken, traced.transmittance, level, diameter / side, settings);
+                traced.radiance += seen.rgb * (shown / seen.a);
                 traced.transmittance -= taken;
                 pays_back = pays_back || traced.transmittance <= -SURPLUS;
             }

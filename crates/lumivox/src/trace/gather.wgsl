@@ -3,7 +3,7 @@
 
 import package::light::environment::environment_radiance;
 import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
-import package::trace::hemisphere::{basis, cell_cone, cell_jitter};
+import package::trace::hemisphere::{basis, cell_cone, cell_jitter, cell_middle};
 import package::trace::start::cone_start;
 
 const PI: f32 = 3.14159265359;
@@ -25,7 +25,7 @@ fn gather(
     frame: u32,
     settings: ConeSettings,
 ) -> Gathered {
-    let origin = cone_start(position_in_world, geometric_normal, settings.normal_offset);
+    let origin = cone_start(position_in_world, geometric_normal, settings);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
     // The cones of a point round their levels by numbers that are spread evenly (golden ratio).
@@ -33,7 +33,8 @@ fn gather(
     let weight = PI / f32(cone_count);
     var sum = Gathered(vec3f(0.0), 0.0, 0u);
     for (var cell = 0u; cell < cone_count; cell++) {
-        let local = cell_cone(cell, cone_count, jitter);
+        let place = select(cell_middle(cell, cone_count), jitter, settings.has_jitter != 0u);
+        let local = cell_cone(cell, cone_count, place);
         var direction = world_from_normal * local.direction;
         // With a normal map a part of the hemisphere lies below the surface; it is folded up.
         let below = min(dot(direction, geometric_normal), 0.0);

@@ -53,6 +53,10 @@ pub(crate) struct ConeSettings {
     pub(crate) step_per_voxel: f32,
     pub(crate) min_transmittance: f32,
     pub(crate) occlusion_distance: f32,
+    pub(crate) width_attenuation: f32,
+    pub(crate) level_gain_stops: f32,
+    pub(crate) has_jitter: u32,
+    pub(crate) is_clear_of_walls: u32,
     pub(crate) padding: [u32; 2],
 }
 
@@ -77,6 +81,10 @@ impl TraceSettings {
             step_per_voxel: self.step_per_voxel,
             min_transmittance: self.min_transmittance,
             occlusion_distance: (self.occlusion_distance_m / voxel_size_m).min(3e38),
+            width_attenuation: self.width_attenuation,
+            level_gain_stops: self.level_gain.log2(),
+            has_jitter: u32::from(self.jitter),
+            is_clear_of_walls: u32::from(self.clear_of_walls),
             padding: [0; 2],
         }
     }

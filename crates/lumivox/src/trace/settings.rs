@@ -2,7 +2,8 @@
 
 use crate::GiError;
 
-/// How much is spent on the cones. All presets obey the same physics; they differ in noise and sharpness.
+/// How much is spent on the cones. All presets but the last obey the same physics; they differ in noise and
+/// sharpness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
     /// 6 diffuse cones at half resolution, voxels of half the cone's diameter.
@@ -12,6 +13,9 @@ pub enum Preset {
     Balanced,
     /// 12 diffuse cones at full resolution, voxels of a sixteenth of the cone's diameter.
     High,
+    /// The tuning of the sparse voxel octree report, for comparison (docs/report-look.md): it is not physical.
+    /// Isotropic voxels and photons belong to it, which are settings of [`crate::GiConfig`].
+    Report,
 }
 
 /// The share of the picture's pixels that cones are traced for.
@@ -65,6 +69,19 @@ pub struct TraceSettings {
     pub occlusion_distance_m: f32,
     /// Full or half resolution.
     pub resolution: TraceResolution,
+    /// Whether cones draw their directions at random, in each frame others. Default: yes. Without, a fixed set of
+    /// cones stands in the middle of the cells: less noise, but bands, and the mean over frames brings little.
+    pub jitter: bool,
+    /// Whether cones start farther where a wall is felt at their start. Default: yes. Without, the constant offset
+    /// alone counts, and light leaks along walls.
+    pub clear_of_walls: bool,
+    /// What a sample's radiance loses for the cone's width there, as a share for each longest side of the grid, 0 to
+    /// 64. 0, the default, is the physics: radiance does not change with distance. Higher: darker, most of all
+    /// what wide cones see from afar.
+    pub width_attenuation: f32,
+    /// What a sample's radiance is multiplied by for each level above the finest, 1 to 8. 1, the default, is the
+    /// physics. Higher: brighter where coarse levels are read, up to what they would give if they were full.
+    pub level_gain: f32,
 }
 
 impl Default for TraceSettings {
@@ -87,6 +104,10 @@ impl TraceSettings {
             specular_share: 0.25,
             occlusion_distance_m: f32::INFINITY,
             resolution: TraceResolution::Full,
+            jitter: true,
+            clear_of_walls: true,
+            width_attenuation: 0.0,
+            level_gain: 1.0,
         };
         match preset {
             Preset::Fast => Self {
@@ -99,6 +120,17 @@ impl TraceSettings {
             Preset::High => {
                 Self { diffuse_cones: 12, voxel_per_diameter: 0.0625, clearance: 0.0, ..balanced }
             }
+            Preset::Report => Self {
+                voxel_per_diameter: 1.0,
+                clearance: 0.0,
+                normal_offset_voxels: 1.0,
+                specular_share: 1.0,
+                jitter: false,
+                clear_of_walls: false,
+                width_attenuation: 1.0,
+                level_gain: 8.0,
+                ..balanced
+            },
         }
     }
 
@@ -129,6 +161,8 @@ impl TraceSettings {
         check("step per voxel", self.step_per_voxel, 0.25, 1.0)?;
         check("least transmittance", self.min_transmittance, 0.0, 0.1)?;
         check("specular share", self.specular_share, 0.02, 1.0)?;
+        check("width attenuation", self.width_attenuation, 0.0, 64.0)?;
+        check("level gain", self.level_gain, 1.0, 8.0)?;
         check("occlusion distance", self.occlusion_distance_m, 0.0, f32::INFINITY)
     }
 }

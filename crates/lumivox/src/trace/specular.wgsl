@@ -7,6 +7,8 @@
 //
 // Under a clear coat there are two lobes. A frame draws one of them, as often as it reflects more, and divides by
 // that probability.
+//
+// Without jitter it is the lobe's middle that is drawn, always, which is not the integral any more.
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::light::environment::environment_reflection;
@@ -59,7 +61,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let coat_share = select(0.0, coat_weight / (coat_weight + base_weight), coat_weight > 0.0);
     let is_coat = choice < coat_share;
     let alpha = select(alpha_from_roughness(material.a), coat.alpha, is_coat);
-    let half_vector = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
+    let drawn = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
+    let half_vector = select(vec3f(0.0, 0.0, 1.0), drawn, settings.cones.has_jitter != 0u);
     let local_light = reflect(-local_view, half_vector);
     let direction = world_from_normal * local_light;
     let cos_plane = dot(direction, surface.geometric_normal);
@@ -75,7 +78,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let tan_half = sqrt(1.0 - cos_half * cos_half) / cos_half;
 
     let origin = cone_start(
-        surface.position_in_world, surface.geometric_normal, settings.cones.normal_offset);
+        surface.position_in_world, surface.geometric_normal, settings.cones);
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
     let level_offset = fract(start.x + start.y + 0.754878 * f32(view.frame & 0xffffu));
     let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings.cones);

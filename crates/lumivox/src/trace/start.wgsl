@@ -11,6 +11,7 @@
 // Across a wall of full coverage the filter is a tent, so what is felt tells how far its end is.
 
 import package::grid::grid_from_world;
+import package::trace::cone::ConeSettings;
 import package::volume::wall_coverage;
 
 // The axis of the largest component: walls are in the lobes of that axis.
@@ -19,9 +20,9 @@ fn main_axis(normal: vec3f) -> u32 {
     return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
 }
 
-// In the grid's coordinates; the offset is in voxels.
-fn cone_start(position_in_world: vec3f, normal: vec3f, normal_offset: f32) -> vec3f {
-    let start = grid_from_world(position_in_world) + normal * normal_offset;
+// In the grid's coordinates.
+fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -> vec3f {
+    let start = grid_from_world(position_in_world) + normal * settings.normal_offset;
     let own_axis = main_axis(normal);
     var beside = vec3f(0.0);
     var back = 0.0;
@@ -37,5 +38,6 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, normal_offset: f32) -> ve
         let opposite = select(here.x, here.y, normal[axis] > 0.0);
         back = select(back, opposite, axis == own_axis);
     }
-    return start + beside - normal * dot(beside, normal) + normal * back;
+    let clear = start + beside - normal * dot(beside, normal) + normal * back;
+    return select(start, clear, settings.is_clear_of_walls != 0u);
 }

@@ -19,6 +19,7 @@ use super::compare::write_strip;
 use super::open_gpu;
 use crate::args::output;
 use crate::cli::QualityArgs;
+use crate::commands::settings::Companions;
 use crate::exit::Failure;
 use crate::progress::Progress;
 use crate::quality::{Measured, Subject, Truth, reference, strip};
@@ -148,7 +149,12 @@ impl Work<'_> {
             truths.insert(case.scene.clone(), truth);
         }
         let truth = &truths[&case.scene];
+        let companions = Companions::of(case.preset);
         let settings = RenderSettings {
+            directionality: companions.directionality,
+            volume: companions.volume.usual(),
+            injection: companions.injection,
+            bounces: companions.bounces,
             size: self.args.size,
             frames: self.args.frames,
             resolution: case.resolution,

@@ -10,6 +10,7 @@ use lumivox_render::{MemoryEstimate, RenderSettings};
 use lumivox_scene::{AlphaMode, Framing, Material, Mesh, Scene};
 use serde::Serialize;
 
+use crate::args::choices::VolumeChoice;
 use crate::cli::VoxelArgs;
 use crate::report::{
     MemoryReport, SceneCounts, Table, bytes, count, counted, memory_table, total_bytes,
@@ -97,8 +98,8 @@ impl Report {
         let settings = RenderSettings {
             resolution: voxels.resolution,
             grid_offset: voxels.grid_offset,
-            directionality: voxels.directionality(),
-            volume: voxels.volume(),
+            directionality: voxels.directionality().unwrap_or_default(),
+            volume: voxels.volume(VolumeChoice::Dense),
             ..RenderSettings::default()
         };
         let estimate = MemoryEstimate::new(scene, &settings)?;

@@ -3,15 +3,15 @@ use lumivox_scene::{Texture, TextureRef};
 use lumivox::{Duplication, Mipmapping, OctreeBuilder};
 
 use super::*;
-use crate::args::choices::VolumeChoice;
 
 fn voxels() -> VoxelArgs {
     VoxelArgs {
         resolution: 64,
         grid_offset: Vec3::ZERO,
         isotropic: false,
+        six_lobes: false,
         voxelizer: lumivox::VoxelizeMethod::Exact,
-        volume: VolumeChoice::Dense,
+        volume: None,
         octree_builder: OctreeBuilder::default(),
         octree_duplication: Duplication::default(),
         octree_mipmaps: Mipmapping::default(),
