@@ -11,7 +11,7 @@ use crate::trace::{
     gbuffer_layout,
 };
 use crate::volume::{Directionality, Volume};
-use crate::voxelize::{VoxelizeStats, Voxelizer};
+use crate::voxelize::{KeptStatic, VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -51,6 +51,8 @@ pub struct Gi {
     config: GiConfig,
     shaders: ShaderLibrary,
     voxelizer: Voxelizer,
+    /// Of the static draws.
+    kept: KeptStatic,
     voxels: Option<VoxelList>,
     volume: Volume,
     lighting: Lighting,
@@ -87,6 +89,7 @@ impl Gi {
             config,
             shaders,
             voxelizer,
+            kept: KeptStatic::default(),
             voxels: None,
             volume,
             lighting,
@@ -111,9 +114,28 @@ impl Gi {
         geometry: &Geometry,
         timing: Timing,
     ) -> Result<Voxelized, GiError> {
+        self.kept = KeptStatic::default();
+        self.voxelize_dynamic(geometry, timing).await
+    }
+
+    /// As [`Self::voxelize`] after dynamic draws have changed, come or gone, without walking the static ones
+    /// ([`Draw::is_static`](crate::Draw)) again: the same bits for less time.
+    ///
+    /// The vertices, indices and textures of static draws must be what they were at the last call of either. If
+    /// anything else of them is not, such as a transform, a material or the buffers themselves, everything is
+    /// voxelized; [`VoxelizeStats::static_reused`] tells.
+    ///
+    /// # Errors
+    /// As [`Self::voxelize`].
+    pub async fn voxelize_dynamic(
+        &mut self,
+        geometry: &Geometry,
+        timing: Timing,
+    ) -> Result<Voxelized, GiError> {
+        let grid = &self.config.grid;
         let (voxels, stats, mut times) = self
             .voxelizer
-            .voxelize(&self.device, &self.queue, &self.config.grid, geometry, timing)
+            .voxelize_dynamic(&self.device, &self.queue, grid, geometry, timing, &mut self.kept)
             .await?;
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         let radiance = self.lighting.rebuild(&self.device, &voxels);
@@ -240,6 +262,9 @@ impl Gi {
         memory.extend(self.lighting.memory());
         if let Some(voxels) = &self.voxels {
             memory.extend(voxels.memory());
+        }
+        if self.kept.bytes() > 0 {
+            memory.push(("voxels: kept of static draws", self.kept.bytes()));
         }
         memory
     }

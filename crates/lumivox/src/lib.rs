@@ -40,4 +40,4 @@ pub use trace::{
     GBuffer, GBufferViews, Preset, TraceResolution, TraceSettings, TraceTargets, View,
 };
 pub use volume::Directionality;
-pub use voxelize::{VoxelizeStats, Voxelizer};
+pub use voxelize::{KeptStatic, VoxelizeStats, Voxelizer};

@@ -36,6 +36,7 @@ impl SceneBuilder {
             base_vertex: 0,
             material: self.materials.len() as u32,
             world_from_local: Mat4::IDENTITY,
+            is_static: false,
         });
         self.positions.extend(corners.map(|corner| corner.to_array()));
         self.materials.push(material);

@@ -46,8 +46,6 @@ pub(crate) struct Occupied {
     pub occupancy: wgpu::Buffer,
     /// The bits before each word, and last the total.
     pub ranks: wgpu::Buffer,
-    /// Word and rank side by side, of level 0.
-    pub cells: wgpu::Buffer,
 }
 
 /// The kernels that make the list.
@@ -55,10 +53,12 @@ pub(crate) struct Occupied {
 pub(crate) struct ListBuilder {
     pyramid_layout: wgpu::BindGroupLayout,
     rank_layout: wgpu::BindGroupLayout,
+    cells_layout: wgpu::BindGroupLayout,
     inner_layout: wgpu::BindGroupLayout,
     pyramid: Kernel,
     count: Kernel,
     list: Kernel,
+    cells: Kernel,
     inner_lobes: Kernel,
 }
 
@@ -75,8 +75,12 @@ impl ListBuilder {
             .storage()
             .storage_mut()
             .storage_mut()
-            .storage_mut()
             .build(device, "voxels::rank");
+        let cells_layout = LayoutBuilder::compute()
+            .storage()
+            .storage()
+            .storage_mut()
+            .build(device, "voxels::cells");
         let inner_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
@@ -84,15 +88,18 @@ impl ListBuilder {
             .storage_mut()
             .build(device, "voxels::inner_lobes");
         let ranks = [globals, &rank_layout];
+        let cells = [globals, &cells_layout];
         let inner = [globals, &inner_layout];
         let pyramid = [globals, &pyramid_layout];
         Ok(Self {
             pyramid: Kernel::new(device, shaders, "voxels::pyramid", "main", &pyramid)?,
             count: Kernel::new(device, shaders, "voxels::rank", "count", &ranks)?,
             list: Kernel::new(device, shaders, "voxels::rank", "list", &ranks)?,
+            cells: Kernel::new(device, shaders, "voxels::cells", "main", &cells)?,
             inner_lobes: Kernel::new(device, shaders, "voxels::inner_lobes", "main", &inner)?,
             pyramid_layout,
             rank_layout,
+            cells_layout,
             inner_layout,
         })
     }
@@ -107,18 +114,16 @@ impl ListBuilder {
         Ok(Occupied {
             occupancy: memory.buffer("occupancy", words, 4, remedy)?,
             ranks: memory.buffer("ranks", words + 1, 4, remedy)?,
-            cells: memory.buffer("cells", level_words(grid, 0), 8, remedy)?,
         })
     }
 
-    /// Fills the coarser levels from the finest, and ranks all cells.
-    pub fn rank(
+    /// Fills the coarser levels of bits that lie like the occupancy's from the finest.
+    pub fn fill_pyramid(
         &self,
         recorder: &mut Recorder,
-        scan: &Scan,
         globals: &wgpu::BindGroup,
         grid: &Grid,
-        occupied: &Occupied,
+        bits: &wgpu::Buffer,
     ) {
         let device = recorder.device().clone();
         let groups: Vec<_> = (1..grid.levels)
@@ -132,7 +137,7 @@ impl ListBuilder {
                 let uniform = uniform_buffer(&device, "pyramid parameters", &params);
                 let group = BindGroupBuilder::new(&self.pyramid_layout)
                     .buffer(&uniform)
-                    .buffer(&occupied.occupancy)
+                    .buffer(bits)
                     .build(&device, "voxels::pyramid");
                 (group, u64::from(params.parent_words))
             })
@@ -142,6 +147,18 @@ impl ListBuilder {
                 self.pyramid.dispatch_linear(pass, &[globals, group], *words);
             }
         });
+    }
+
+    /// Ranks the cells of all levels.
+    pub fn rank(
+        &self,
+        recorder: &mut Recorder,
+        scan: &Scan,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        occupied: &Occupied,
+    ) {
+        let device = recorder.device().clone();
         let words = level_first_word(grid, grid.levels);
         // The nodes are not there yet: `count` does not touch them.
         let unused = crate::gpu::storage_buffer(&device, "no nodes", 16);
@@ -150,21 +167,46 @@ impl ListBuilder {
         scan.run(recorder, &occupied.ranks, words as u32 + 1);
     }
 
-    /// Copies where the nodes of each level start, and their total, to the front of `counts`.
+    /// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for kernels that
+    /// have none to spare.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] when they do not fit.
+    pub fn cells(
+        &self,
+        recorder: &mut Recorder,
+        memory: &mut Memory<'_>,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        occupied: &Occupied,
+    ) -> Result<wgpu::Buffer, GiError> {
+        let words = level_words(grid, 0);
+        let remedy = Remedy::Volume(grid.dimensions.max_element());
+        let cells = memory.buffer("cells", words, 8, remedy)?;
+        let group = BindGroupBuilder::new(&self.cells_layout)
+            .buffer(&occupied.occupancy)
+            .buffer(&occupied.ranks)
+            .buffer(&cells)
+            .build(memory.device(), "voxels::cells");
+        self.cells.run_linear(recorder, &[globals, &group], words);
+        Ok(cells)
+    }
+
+    /// Copies where the nodes of each level start, and their total, to `counts` at the byte `place`.
     pub fn copy_level_starts(
         encoder: &mut wgpu::CommandEncoder,
         grid: &Grid,
         occupied: &Occupied,
-        counts: &wgpu::Buffer,
+        (counts, place): (&wgpu::Buffer, u64),
     ) {
         for level in 0..=grid.levels {
             let word = level_first_word(grid, level);
-            let place = u64::from(level) * 4;
+            let place = place + u64::from(level) * 4;
             encoder.copy_buffer_to_buffer(&occupied.ranks, word * 4, counts, place, 4);
         }
     }
 
-    /// The nodes, still without lobes; fills `cells` too.
+    /// The nodes, still without lobes.
     ///
     /// # Errors
     /// [`GiError::Limit`] when they do not fit.
@@ -231,7 +273,6 @@ impl ListBuilder {
             .buffer(&occupied.occupancy)
             .buffer(&occupied.ranks)
             .buffer(nodes)
-            .buffer(&occupied.cells)
             .build(device, "voxels::rank")
     }
 }

@@ -7,7 +7,7 @@
 
 mod build;
 
-pub(crate) use build::{ListBuilder, Occupied};
+pub(crate) use build::{ListBuilder, Occupied, level_first_word};
 
 use bytemuck::{Pod, Zeroable};
 
