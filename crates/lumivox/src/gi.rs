@@ -10,6 +10,7 @@ use crate::trace::{
     Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
     gbuffer_layout,
 };
+use crate::volume::changes::Changes;
 use crate::volume::{Directionality, Volume};
 use crate::voxelize::{KeptStatic, VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
@@ -55,6 +56,7 @@ pub struct Gi {
     kept: KeptStatic,
     voxels: Option<VoxelList>,
     volume: Volume,
+    changes: Changes,
     lighting: Lighting,
     tracer: Tracer,
     lights_layout: wgpu::BindGroupLayout,
@@ -77,6 +79,7 @@ impl Gi {
     ) -> Result<Self, GiError> {
         let mut shaders = crate::shaders::library();
         let volume = Volume::new(device, &mut shaders, &config.grid, config.directionality)?;
+        let changes = Changes::new(device, &shaders, &config.grid)?;
         let voxelizer = Voxelizer::new(device, &shaders)?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
@@ -92,6 +95,7 @@ impl Gi {
             kept: KeptStatic::default(),
             voxels: None,
             volume,
+            changes,
             lighting,
             tracer,
             lights_layout,
@@ -139,7 +143,9 @@ impl Gi {
             .await?;
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         let radiance = self.lighting.rebuild(&self.device, &voxels);
-        self.volume.rebuild(&mut recorder, &voxels, radiance);
+        let old = self.voxels.as_ref();
+        let changed = self.changes.rebuild(&mut recorder, old, &voxels, radiance);
+        self.volume.rebuild(&mut recorder, &voxels, radiance, changed);
         times.extend(recorder.finish().await?);
         self.voxels = Some(voxels);
         Ok(Voxelized { stats, times })
@@ -176,8 +182,21 @@ impl Gi {
     ) -> Result<(), GiError> {
         settings.validate()?;
         self.bounces = bounces;
-        self.lighting.run(recorder, &self.volume, lights, bounces.saturating_sub(1), settings);
+        let (volume, gathers) = ((&self.volume, &mut self.changes), bounces.saturating_sub(1));
+        self.lighting.run(recorder, volume, lights, gathers, settings);
         Ok(())
+    }
+
+    /// Lets the next call of [`Self::light`] store and filter all voxels, even those whose light is what the
+    /// volume holds already: for measurements.
+    pub fn forget_light(&mut self) {
+        self.changes.forget();
+    }
+
+    /// A bit per cell of the voxel list, laid out as [`VoxelList::occupancy`], once there is a list: the cells whose
+    /// content the last call of [`Self::light`] wrote, because it or that of a cell below had changed.
+    pub fn changed_cells(&self) -> Option<&wgpu::Buffer> {
+        self.changes.bits()
     }
 
     /// Textures for [`Self::trace`] to write to.
@@ -259,6 +278,7 @@ impl Gi {
     /// Bytes on the GPU, by what they hold; temporary buffers of the voxelization are in its statistics.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.volume.memory();
+        memory.extend(self.changes.memory());
         memory.extend(self.lighting.memory());
         if let Some(voxels) = &self.voxels {
             memory.extend(voxels.memory());

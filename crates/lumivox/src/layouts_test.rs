@@ -3,6 +3,7 @@
 use crate::gpu::{ShaderLibrary, assert_layout};
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
+use crate::volume::changes::MovedParams;
 use crate::volume::{MaskLevels, NodeRange};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, shaders};
@@ -91,7 +92,13 @@ fn structs_lie_in_memory_alike() {
         library,
         "volume::level_range",
         "NodeRange",
-        NodeRange { level, first, count, first_mask_entry }
+        NodeRange { level, first, count, first_mask_entry, first_word }
+    );
+    assert_layout!(
+        library,
+        "volume::changes::moved",
+        "MovedParams",
+        MovedParams { voxel_count, finest_words, all }
     );
     assert_layout!(library, "volume::masks", "MaskLevels", MaskLevels { first_entry });
 }

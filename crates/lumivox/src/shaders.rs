@@ -22,12 +22,8 @@ const MODULES: &[(&str, &str)] = &[
 /// All shader modules of this crate but `package::volume`, which [`crate::Gi::shaders`] has as well.
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::new(MODULES);
-    for modules in [
-        crate::light::MODULES,
-        crate::trace::MODULES,
-        crate::volume::MODULES,
-        crate::voxelize::MODULES,
-    ] {
+    let stages = [crate::light::MODULES, crate::trace::MODULES, crate::voxelize::MODULES];
+    for modules in stages.into_iter().chain(crate::volume::MODULES) {
         for (path, source) in modules {
             library.add(path, *source);
         }

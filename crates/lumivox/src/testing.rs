@@ -63,6 +63,14 @@ impl SceneBuilder {
         self
     }
 
+    /// Marks all draws so far as static.
+    pub(crate) fn fixed(mut self) -> Self {
+        for draw in &mut self.draws {
+            draw.is_static = true;
+        }
+        self
+    }
+
     pub(crate) fn build(self, device: &wgpu::Device) -> Geometry {
         let buffer = |bytes: &[u8]| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor {

@@ -18,6 +18,7 @@ use crate::gpu::{
 };
 use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
+use crate::volume::changes::Changes;
 use crate::voxels::VoxelList;
 
 pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
@@ -125,10 +126,13 @@ impl Lighting {
     }
 
     /// Direct light, then `gathers` bounces, each stored and filtered into the volume.
+    ///
+    /// Without bounces what did not change is not stored again. With them nearly everything changes, in every
+    /// gather, and looking for what does not would cost more than it saves.
     pub(crate) fn run(
         &self,
         recorder: &mut Recorder,
-        volume: &Volume,
+        (volume, changes): (&Volume, &mut Changes),
         lights: &Lights,
         gathers: u32,
         settings: &TraceSettings,
@@ -145,13 +149,21 @@ impl Lighting {
         let bytes = bytemuck::bytes_of(&bounce_settings);
         recorder.queue().write_buffer(&self.settings, 0, bytes);
         recorder.stage("light");
+        let is_direct = gathers == 0;
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
-        if lights.has_cone_shadows {
+        if lights.has_cone_shadows && changes.lacks_surfaces() {
+            recorder.stage("filter");
             volume.update(recorder);
+            recorder.stage("light");
         }
         let groups = [volume.globals(), &faces.direct_group, &lights.group];
         self.direct.run_linear(recorder, &groups, faces.count);
         recorder.stage("filter");
+        if is_direct {
+            changes.find(recorder);
+        } else {
+            changes.all(recorder);
+        }
         volume.update(recorder);
         for _ in 0..gathers {
             recorder.stage("bounce");

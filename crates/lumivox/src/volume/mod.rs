@@ -5,6 +5,7 @@
 //! `is_empty`, `is_oblique`, `sample_probe` and `load_cell`, bound as group 0. A new kind of volume is a new
 //! folder, a new variant, and nothing else.
 
+pub(crate) mod changes;
 mod dense;
 
 use crate::gpu::{Recorder, ShaderLibrary};
@@ -18,7 +19,7 @@ pub(crate) use dense::mount;
 pub(crate) use dense::{Level, MaskLevels, NodeRange, read_levels};
 
 /// The shader modules of all volumes but for the one that `package::volume` stands for.
-pub(crate) const MODULES: &[(&str, &str)] = dense::MODULES;
+pub(crate) const MODULES: [&[(&str, &str)]; 2] = [changes::MODULES, dense::MODULES];
 
 /// A volume on the GPU.
 #[derive(Debug)]
@@ -40,18 +41,22 @@ impl Volume {
 
     /// Takes a new voxel list: forgets the last one's voxels and prepares for the new one's. The radiance is
     /// not there before [`Self::update`].
+    ///
+    /// `changed` are the bits of [`changes::Changes`], which tell now what cells differ from the last list's, and at
+    /// each update what is to be written.
     pub(crate) fn rebuild(
         &mut self,
         recorder: &mut Recorder,
         voxels: &VoxelList,
         radiance: &wgpu::Buffer,
+        changed: &wgpu::Buffer,
     ) {
         match self {
-            Self::Dense(dense) => dense.rebuild(recorder, voxels, radiance),
+            Self::Dense(dense) => dense.rebuild(recorder, voxels, radiance, changed),
         }
     }
 
-    /// Stores the radiance of all faces and filters it into the pyramid.
+    /// Stores the radiance of the faces and filters it into the pyramid, where it has changed.
     pub(crate) fn update(&self, recorder: &mut Recorder) {
         match self {
             Self::Dense(dense) => dense.update(recorder),

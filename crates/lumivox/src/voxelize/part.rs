@@ -92,7 +92,7 @@ impl MarkedPart {
         let occupied = ListBuilder::begin(&mut work.memory, work.grid)?;
         Self::mark(work, &batches, &occupied);
         let Work { kernels, recorder, memory, globals, grid, .. } = work;
-        kernels.list.fill_pyramid(recorder, globals, grid, &occupied.occupancy);
+        kernels.list.pyramid.fill(recorder, globals, grid, &occupied.occupancy);
         kernels.list.rank(recorder, &kernels.scan, globals, grid, &occupied);
         let cells = kernels.list.cells(recorder, memory, globals, grid, &occupied)?;
         Ok(Self { batches, occupied, cells })

@@ -8,17 +8,8 @@ use crate::gpu::{
 };
 use crate::voxelize::{Memory, Remedy};
 use crate::voxels::NodeRecord;
+use crate::voxels::pyramid::{Pyramid, level_first_word, level_words};
 use crate::{GiError, Grid};
-
-/// `PyramidParams` of `pyramid.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct PyramidParams {
-    child_first_word: u32,
-    child_words: u32,
-    parent_first_word: u32,
-    parent_words: u32,
-}
 
 /// `InnerParams` of `inner_lobes.wgsl`.
 #[repr(C)]
@@ -27,16 +18,6 @@ struct InnerParams {
     first_node: u32,
     end_node: u32,
     child_first_word: u32,
-}
-
-/// Words of the occupancy bits of a level; `level_words` of `lookup.wgsl`.
-fn level_words(grid: &Grid, level: u32) -> u64 {
-    (u64::from(grid.morton_edge(level)).pow(3) / 32).max(1)
-}
-
-/// The words before those of a level; `level_first_word` of `lookup.wgsl`.
-pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
-    (0..level).map(|finer| level_words(grid, finer)).sum()
 }
 
 /// The occupancy bits of all levels with their ranks, before the list is made.
@@ -51,11 +32,10 @@ pub(crate) struct Occupied {
 /// The kernels that make the list.
 #[derive(Debug)]
 pub(crate) struct ListBuilder {
-    pyramid_layout: wgpu::BindGroupLayout,
     rank_layout: wgpu::BindGroupLayout,
     cells_layout: wgpu::BindGroupLayout,
     inner_layout: wgpu::BindGroupLayout,
-    pyramid: Kernel,
+    pub pyramid: Pyramid,
     count: Kernel,
     list: Kernel,
     cells: Kernel,
@@ -69,8 +49,6 @@ impl ListBuilder {
         shaders: &ShaderLibrary,
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, ShaderError> {
-        let pyramid_layout =
-            LayoutBuilder::compute().uniform().storage_mut().build(device, "voxels::pyramid");
         let rank_layout = LayoutBuilder::compute()
             .storage()
             .storage_mut()
@@ -90,14 +68,12 @@ impl ListBuilder {
         let ranks = [globals, &rank_layout];
         let cells = [globals, &cells_layout];
         let inner = [globals, &inner_layout];
-        let pyramid = [globals, &pyramid_layout];
         Ok(Self {
-            pyramid: Kernel::new(device, shaders, "voxels::pyramid", "main", &pyramid)?,
+            pyramid: Pyramid::new(device, shaders, globals)?,
             count: Kernel::new(device, shaders, "voxels::rank", "count", &ranks)?,
             list: Kernel::new(device, shaders, "voxels::rank", "list", &ranks)?,
             cells: Kernel::new(device, shaders, "voxels::cells", "main", &cells)?,
             inner_lobes: Kernel::new(device, shaders, "voxels::inner_lobes", "main", &inner)?,
-            pyramid_layout,
             rank_layout,
             cells_layout,
             inner_layout,
@@ -115,38 +91,6 @@ impl ListBuilder {
             occupancy: memory.buffer("occupancy", words, 4, remedy)?,
             ranks: memory.buffer("ranks", words + 1, 4, remedy)?,
         })
-    }
-
-    /// Fills the coarser levels of bits that lie like the occupancy's from the finest.
-    pub fn fill_pyramid(
-        &self,
-        recorder: &mut Recorder,
-        globals: &wgpu::BindGroup,
-        grid: &Grid,
-        bits: &wgpu::Buffer,
-    ) {
-        let device = recorder.device().clone();
-        let groups: Vec<_> = (1..grid.levels)
-            .map(|level| {
-                let params = PyramidParams {
-                    child_first_word: level_first_word(grid, level - 1) as u32,
-                    child_words: level_words(grid, level - 1) as u32,
-                    parent_first_word: level_first_word(grid, level) as u32,
-                    parent_words: level_words(grid, level) as u32,
-                };
-                let uniform = uniform_buffer(&device, "pyramid parameters", &params);
-                let group = BindGroupBuilder::new(&self.pyramid_layout)
-                    .buffer(&uniform)
-                    .buffer(bits)
-                    .build(&device, "voxels::pyramid");
-                (group, u64::from(params.parent_words))
-            })
-            .collect();
-        recorder.compute("voxels::pyramid", |pass| {
-            for (group, words) in &groups {
-                self.pyramid.dispatch_linear(pass, &[globals, group], *words);
-            }
-        });
     }
 
     /// Ranks the cells of all levels.
@@ -279,8 +223,9 @@ impl ListBuilder {
 
 #[cfg(test)]
 mod tests {
-    use super::{InnerParams, PyramidParams};
+    use super::InnerParams;
     use crate::gpu::assert_layout;
+    use crate::voxels::pyramid::PyramidParams;
 
     #[test]
     fn structs_lie_in_memory_alike() {

@@ -6,8 +6,10 @@
 //! surface. All of it grows with the occupied cells alone, but for the bits: 2 MB at 256³.
 
 mod build;
+mod pyramid;
 
-pub(crate) use build::{ListBuilder, Occupied, level_first_word};
+pub(crate) use build::{ListBuilder, Occupied};
+pub(crate) use pyramid::{Pyramid, level_first_word};
 
 use bytemuck::{Pod, Zeroable};
 

@@ -148,7 +148,8 @@ fn draws_come_and_go() {
 fn a_change_of_static_draws_is_noticed() {
     let lab = Lab::new();
     let (grid, geometry) = (room(), stage(&lab));
-    let changes: [(&str, &dyn Fn(&mut Geometry)); 6] = [
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
+    let changes: [Change<'_>; 6] = [
         ("moved", &|g| g.batches[0].draws[0].world_from_local = at(0.1, 0.0, 0.0)),
         ("painted", &|g| g.materials[0].reflectance.x = 0.1),
         ("two-sided", &|g| g.materials[0].double_sided = true),

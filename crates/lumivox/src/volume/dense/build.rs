@@ -2,11 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::GiError;
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer,
 };
-use crate::voxels::VoxelList;
+use crate::voxels::{VoxelList, level_first_word};
+use crate::{GiError, Grid};
 
 use super::{CELL_FORMAT, Directionality};
 
@@ -18,13 +18,23 @@ pub(crate) struct NodeRange {
     pub(crate) first: u32,
     pub(crate) count: u32,
     pub(crate) first_mask_entry: u32,
+    pub(crate) first_word: u32,
 }
 
 impl NodeRange {
     pub(super) fn new(voxels: &VoxelList, level: u32) -> Self {
         let nodes = voxels.level_nodes(level);
-        Self { level, first: nodes.start, count: nodes.len() as u32, first_mask_entry: 0 }
+        let (first, count) = (nodes.start, nodes.len() as u32);
+        Self { level, first, count, first_mask_entry: 0, first_word: 0 }
     }
+}
+
+/// What of the faces is stored, and where anything has changed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceBuffers<'a> {
+    pub(super) radiance: &'a wgpu::Buffer,
+    /// A bit per cell, laid out as the list's occupancy.
+    pub(super) changed: &'a wgpu::Buffer,
 }
 
 /// A bind group with the number of nodes that it is for.
@@ -56,7 +66,7 @@ impl Build {
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
         let d3 = wgpu::TextureViewDimension::D3;
-        let nodes = LayoutBuilder::compute().uniform().storage();
+        let nodes = LayoutBuilder::compute().uniform().storage().storage();
         let store_layout = nodes
             .clone()
             .storage()
@@ -88,11 +98,12 @@ impl Build {
         &mut self,
         device: &wgpu::Device,
         voxels: &VoxelList,
-        radiance: &wgpu::Buffer,
-        levels: &[wgpu::TextureView],
+        FaceBuffers { radiance, changed }: FaceBuffers<'_>,
+        (grid, levels): (&Grid, &[wgpu::TextureView]),
     ) {
         let range = |level: usize| {
-            let range = NodeRange::new(voxels, level as u32);
+            let first_word = level_first_word(grid, level as u32) as u32;
+            let range = NodeRange { first_word, ..NodeRange::new(voxels, level as u32) };
             (uniform_buffer(device, "node range", &range), u64::from(range.count))
         };
         self.writes = (0..levels.len())
@@ -101,6 +112,7 @@ impl Build {
                 let group = BindGroupBuilder::new(&self.store_layout)
                     .buffer(&uniform)
                     .buffer(&voxels.nodes)
+                    .buffer(changed)
                     .buffer(&voxels.first_faces)
                     .buffer(&voxels.faces)
                     .buffer(radiance)
@@ -115,6 +127,7 @@ impl Build {
                 let group = BindGroupBuilder::new(&self.filter_layout)
                     .buffer(&uniform)
                     .buffer(&voxels.nodes)
+                    .buffer(changed)
                     .view(&levels[level - 1])
                     .view(&levels[level])
                     .build(device, "filter cells");
@@ -123,7 +136,7 @@ impl Build {
             .collect();
     }
 
-    /// Writes zeros over everything that the current list has written.
+    /// Writes zeros over what the current list has written, where anything has changed.
     pub(super) fn clear(&self, recorder: &mut Recorder, grid: &wgpu::BindGroup) {
         recorder.compute("volume::clear", |pass| {
             for work in &self.writes {
@@ -132,7 +145,8 @@ impl Build {
         });
     }
 
-    /// Writes the faces' radiance into the finest level and filters it into the coarser ones.
+    /// Writes the faces' radiance into the finest level and filters it into the coarser ones, where anything has
+    /// changed.
     pub(super) fn update(&self, recorder: &mut Recorder, grid: &wgpu::BindGroup) {
         recorder.compute("volume::store", |pass| {
             if let Some(work) = self.writes.first() {

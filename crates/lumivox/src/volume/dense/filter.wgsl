@@ -8,11 +8,12 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::volume::atlas::{part_of, part_texel, NEGATIVE, POSITIVE, TILT};
+import package::volume::changed_cells::has_changed;
 import package::volume::level_range::{node_range, nodes};
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(2) var cells_in: texture_3d<f32>;
-@group(1) @binding(3) var cells_out: texture_storage_3d<rgba16float, write>;
+@group(1) @binding(3) var cells_in: texture_3d<f32>;
+@group(1) @binding(4) var cells_out: texture_storage_3d<rgba16float, write>;
 
 fn load_child(cell: vec3u, axis: u32, kind: u32) -> vec4f {
     return textureLoad(cells_in, part_texel(cell, part_of(axis, kind), node_range.level - 1u), 0);
@@ -36,6 +37,9 @@ fn main(
         return;
     }
     let node = nodes[node_range.first + index];
+    if !has_changed(node.morton) {
+        return;
+    }
     let cell = morton_decode(node.morton);
     for (var axis = 0u; axis < 3u; axis++) {
         if ((node.lobes >> (2u * axis)) & 3u) == 0u {

@@ -2,11 +2,12 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
+import package::volume::changed_cells::has_changed;
 import package::volume::level_range::{node_range, nodes};
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(2) var cells_in: texture_3d<f32>;
-@group(1) @binding(3) var cells_out: texture_storage_3d<rgba16float, write>;
+@group(1) @binding(3) var cells_in: texture_3d<f32>;
+@group(1) @binding(4) var cells_out: texture_storage_3d<rgba16float, write>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -17,7 +18,11 @@ fn main(
     if index >= node_range.count {
         return;
     }
-    let cell = morton_decode(nodes[node_range.first + index].morton);
+    let node = nodes[node_range.first + index];
+    if !has_changed(node.morton) {
+        return;
+    }
+    let cell = morton_decode(node.morton);
     var sum = vec4f(0.0);
     for (var child = 0u; child < 8u; child++) {
         let corner = vec3u(child & 1u, (child >> 1u) & 1u, child >> 2u);

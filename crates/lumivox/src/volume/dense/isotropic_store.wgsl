@@ -1,15 +1,17 @@
-// Fills the finest level of the isotropic volume from the faces of the voxel list, or zeros over any level.
+// Fills the finest level of the isotropic volume from the faces of the voxel list, or zeros over any level:
+// where something has changed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
+import package::volume::changed_cells::has_changed;
 import package::volume::level_range::{node_range, nodes};
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(2) var<storage, read> first_faces: array<u32>;
-@group(1) @binding(3) var<storage, read> faces: array<Face>;
-@group(1) @binding(4) var<storage, read> radiance: array<vec4f>;
-@group(1) @binding(5) var cells_out: texture_storage_3d<rgba16float, write>;
+@group(1) @binding(3) var<storage, read> first_faces: array<u32>;
+@group(1) @binding(4) var<storage, read> faces: array<Face>;
+@group(1) @binding(5) var<storage, read> radiance: array<vec4f>;
+@group(1) @binding(6) var cells_out: texture_storage_3d<rgba16float, write>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn store(
@@ -20,8 +22,11 @@ fn store(
     if voxel >= node_range.count {
         return;
     }
-    // The opacity is the surface's area in the voxel, the radiance the mean over it.
     let node = nodes[voxel];
+    if !has_changed(node.morton) {
+        return;
+    }
+    // The opacity is the surface's area in the voxel, the radiance the mean over it.
     let first = first_faces[voxel];
     var sum = vec4f(0.0);
     for (var i = 0u; i < countOneBits(node.lobes & 0x3fu); i++) {
@@ -43,5 +48,9 @@ fn clear(
     if index >= node_range.count {
         return;
     }
-    textureStore(cells_out, morton_decode(nodes[node_range.first + index].morton), vec4f(0.0));
+    let node = nodes[node_range.first + index];
+    if !has_changed(node.morton) {
+        return;
+    }
+    textureStore(cells_out, morton_decode(node.morton), vec4f(0.0));
 }

@@ -7,6 +7,8 @@ struct NodeRange {
     first: u32,
     count: u32,
     first_mask_entry: u32,
+    // Of the level's bits.
+    first_word: u32,
 }
 
 @group(1) @binding(0) var<uniform> node_range: NodeRange;

@@ -17,9 +17,9 @@ use crate::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, unifo
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
-use build::Build;
 #[cfg(test)]
 pub(crate) use build::NodeRange;
+use build::{Build, FaceBuffers};
 #[cfg(test)]
 pub(crate) use masks::MaskLevels;
 use masks::Masks;
@@ -30,6 +30,7 @@ pub(crate) use tests::{Level, read_levels};
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("volume::atlas", include_str!("atlas.wgsl")),
     ("volume::border", include_str!("border.wgsl")),
+    ("volume::changed_cells", include_str!("changed_cells.wgsl")),
     ("volume::filter", include_str!("filter.wgsl")),
     ("volume::isotropic_filter", include_str!("isotropic_filter.wgsl")),
     ("volume::isotropic_store", include_str!("isotropic_store.wgsl")),
@@ -78,6 +79,7 @@ pub(crate) struct DenseVolume {
     globals_layout: wgpu::BindGroupLayout,
     /// Group 0 with the grid alone, for the kernels that write the volume.
     grid: wgpu::BindGroup,
+    voxel_grid: Grid,
     levels: Vec<wgpu::TextureView>,
     bytes: u64,
     masks: Masks,
@@ -148,6 +150,7 @@ impl DenseVolume {
             globals,
             globals_layout,
             grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
+            voxel_grid: *grid,
             levels,
             bytes: texels * 8,
             masks,
@@ -160,10 +163,12 @@ impl DenseVolume {
         recorder: &mut Recorder,
         voxels: &VoxelList,
         radiance: &wgpu::Buffer,
+        changed: &wgpu::Buffer,
     ) {
         recorder.stage("volume");
         self.build.clear(recorder, &self.grid);
-        self.build.bind(recorder.device(), voxels, radiance, &self.levels);
+        let faces = FaceBuffers { radiance, changed };
+        self.build.bind(recorder.device(), voxels, faces, (&self.voxel_grid, &self.levels));
         self.masks.rebuild(recorder, &self.grid, voxels);
     }
 
