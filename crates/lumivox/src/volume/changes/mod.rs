@@ -272,9 +272,9 @@ impl Changes {
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         let held = self.bound.as_ref().and_then(|bound| bound.held.as_ref());
         let size = |buffer: Option<&wgpu::Buffer>| buffer.map_or(0, wgpu::Buffer::size);
-        let mut memory = vec![("volume: changed cells", size(self.bits.as_ref()))];
+        let mut memory = vec![("voxels: changed cells", size(self.bits.as_ref()))];
         if held.is_some() {
-            memory.push(("volume: held radiance of the faces", size(held)));
+            memory.push(("light: held radiance of the faces", size(held)));
         }
         memory
     }
