@@ -144,8 +144,11 @@ impl Gi {
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         let radiance = self.lighting.rebuild(&self.device, &voxels);
         let old = self.voxels.as_ref();
-        let changed = self.changes.rebuild(&mut recorder, old, &voxels, radiance);
-        self.volume.rebuild(&mut recorder, &voxels, radiance, changed);
+        let wrong = self.changes.rebuild(&mut recorder, old, &voxels, radiance);
+        if let Some(changed) = self.changes.cells() {
+            let cells = (wrong.as_ref(), changed);
+            self.volume.rebuild(&mut recorder, &voxels, radiance, cells);
+        }
         times.extend(recorder.finish().await?);
         self.voxels = Some(voxels);
         Ok(Voxelized { stats, times })

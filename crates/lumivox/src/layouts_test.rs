@@ -3,8 +3,8 @@
 use crate::gpu::{ShaderLibrary, assert_layout};
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
-use crate::volume::changes::MovedParams;
-use crate::volume::{MaskLevels, NodeRange};
+use crate::volume::changes::{ListParams, MovedParams};
+use crate::volume::{LevelWords, MaskLevels, NodeRange};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, shaders};
 
@@ -92,13 +92,20 @@ fn structs_lie_in_memory_alike() {
         library,
         "volume::level_range",
         "NodeRange",
-        NodeRange { level, first, count, first_mask_entry, first_word }
+        NodeRange { level, first, count, first_mask_entry }
     );
     assert_layout!(
         library,
         "volume::changes::moved",
         "MovedParams",
         MovedParams { voxel_count, finest_words, all }
+    );
+    assert_layout!(library, "volume::changes::list", "ListParams", ListParams { only_occupied });
+    assert_layout!(
+        library,
+        "volume::changed_cells",
+        "LevelWords",
+        LevelWords { level, first_word, end_word }
     );
     assert_layout!(library, "volume::masks", "MaskLevels", MaskLevels { first_entry });
 }

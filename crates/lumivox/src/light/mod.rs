@@ -151,26 +151,25 @@ impl Lighting {
         recorder.stage("light");
         let is_direct = gathers == 0;
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
-        if lights.has_cone_shadows && changes.lacks_surfaces() {
+        if lights.has_cone_shadows {
             recorder.stage("filter");
-            volume.update(recorder);
+            if let Some(changed) = changes.surfaces(recorder) {
+                volume.update(recorder, changed);
+            }
             recorder.stage("light");
         }
         let groups = [volume.globals(), &faces.direct_group, &lights.group];
         self.direct.run_linear(recorder, &groups, faces.count);
         recorder.stage("filter");
-        if is_direct {
-            changes.find(recorder);
-        } else {
-            changes.all(recorder);
-        }
-        volume.update(recorder);
+        let changed = if is_direct { changes.find(recorder) } else { changes.all(recorder) };
+        let Some(changed) = changed else { return };
+        volume.update(recorder, changed);
         for _ in 0..gathers {
             recorder.stage("bounce");
             let groups = [volume.globals(), &faces.bounce_group, &lights.group];
             self.bounce.run_linear(recorder, &groups, faces.count);
             recorder.stage("filter");
-            volume.update(recorder);
+            volume.update(recorder, changed);
         }
     }
 

@@ -12,11 +12,12 @@ use crate::gpu::{Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
+use changes::ChangedCells;
 use dense::DenseVolume;
 pub use dense::Directionality;
 pub(crate) use dense::mount;
 #[cfg(test)]
-pub(crate) use dense::{Level, MaskLevels, NodeRange, read_levels};
+pub(crate) use dense::{Level, LevelWords, MaskLevels, NodeRange, read_levels};
 
 /// The shader modules of all volumes but for the one that `package::volume` stands for.
 pub(crate) const MODULES: [&[(&str, &str)]; 2] = [changes::MODULES, dense::MODULES];
@@ -42,24 +43,24 @@ impl Volume {
     /// Takes a new voxel list: forgets the last one's voxels and prepares for the new one's. The radiance is
     /// not there before [`Self::update`].
     ///
-    /// `changed` are the bits of [`changes::Changes`], which tell now what cells differ from the last list's, and at
-    /// each update what is to be written.
+    /// `wrong` are the cells of another surface than the last list's, which hold what must go; `changed` is the list
+    /// that updates will come with.
     pub(crate) fn rebuild(
         &mut self,
         recorder: &mut Recorder,
         voxels: &VoxelList,
         radiance: &wgpu::Buffer,
-        changed: &wgpu::Buffer,
+        (wrong, changed): (Option<&ChangedCells>, &ChangedCells),
     ) {
         match self {
-            Self::Dense(dense) => dense.rebuild(recorder, voxels, radiance, changed),
+            Self::Dense(dense) => dense.rebuild(recorder, voxels, radiance, (wrong, changed)),
         }
     }
 
     /// Stores the radiance of the faces and filters it into the pyramid, where it has changed.
-    pub(crate) fn update(&self, recorder: &mut Recorder) {
+    pub(crate) fn update(&self, recorder: &mut Recorder, changed: &ChangedCells) {
         match self {
-            Self::Dense(dense) => dense.update(recorder),
+            Self::Dense(dense) => dense.update(recorder, changed),
         }
     }
 

@@ -143,12 +143,14 @@ fn draws_come_and_go() {
     }
 }
 
+/// What is done to a geometry, and its name.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
+
 /// A change of what is static is found, whoever forgot to say so.
 #[test]
 fn a_change_of_static_draws_is_noticed() {
     let lab = Lab::new();
     let (grid, geometry) = (room(), stage(&lab));
-    type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
     let changes: [Change<'_>; 6] = [
         ("moved", &|g| g.batches[0].draws[0].world_from_local = at(0.1, 0.0, 0.0)),
         ("painted", &|g| g.materials[0].reflectance.x = 0.1),

@@ -1,61 +1,41 @@
-//! Storing faces into the dense volume, filtering its pyramid, and clearing what an earlier list had written.
+//! Storing faces into the dense volume, filtering its pyramid, and clearing what an earlier list had written: all where
+//! anything has changed.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer,
 };
+use crate::volume::changes::ChangedCells;
 use crate::voxels::{VoxelList, level_first_word};
 use crate::{GiError, Grid};
 
 use super::{CELL_FORMAT, Directionality};
 
-/// `NodeRange` of `level_range.wgsl`: the nodes of a level.
+/// `LevelWords` of `changed_cells.wgsl`: where the bits of a level are.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct NodeRange {
+pub(crate) struct LevelWords {
     pub(crate) level: u32,
-    pub(crate) first: u32,
-    pub(crate) count: u32,
-    pub(crate) first_mask_entry: u32,
     pub(crate) first_word: u32,
-}
-
-impl NodeRange {
-    pub(super) fn new(voxels: &VoxelList, level: u32) -> Self {
-        let nodes = voxels.level_nodes(level);
-        let (first, count) = (nodes.start, nodes.len() as u32);
-        Self { level, first, count, first_mask_entry: 0, first_word: 0 }
-    }
-}
-
-/// What of the faces is stored, and where anything has changed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FaceBuffers<'a> {
-    pub(super) radiance: &'a wgpu::Buffer,
-    /// A bit per cell, laid out as the list's occupancy.
-    pub(super) changed: &'a wgpu::Buffer,
-}
-
-/// A bind group with the number of nodes that it is for.
-#[derive(Debug)]
-struct Work {
-    group: wgpu::BindGroup,
-    count: u64,
+    pub(crate) end_word: u32,
 }
 
 /// Kernels, and the bind groups of the current voxel list.
 #[derive(Debug)]
 pub(super) struct Build {
+    clear_layout: wgpu::BindGroupLayout,
     store_layout: wgpu::BindGroupLayout,
     filter_layout: wgpu::BindGroupLayout,
-    store: Kernel,
     clear: Kernel,
+    store: Kernel,
     filter: Kernel,
-    /// Writing to each level, the finest first; the store uses the first one.
-    writes: Vec<Work>,
+    /// [`LevelWords`] of each level.
+    levels: Vec<wgpu::Buffer>,
+    /// Storing into the finest level.
+    store_group: Option<wgpu::BindGroup>,
     /// Filtering into each level but the finest.
-    filters: Vec<Work>,
+    filter_groups: Vec<wgpu::BindGroup>,
 }
 
 impl Build {
@@ -63,10 +43,14 @@ impl Build {
         device: &wgpu::Device,
         shaders: &ShaderLibrary,
         directionality: Directionality,
+        grid: &Grid,
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
         let d3 = wgpu::TextureViewDimension::D3;
-        let nodes = LayoutBuilder::compute().uniform().storage().storage();
+        let cells = LayoutBuilder::compute().uniform().storage().storage();
+        let clear_layout =
+            cells.clone().storage_texture(d3, CELL_FORMAT).build(device, "clear cells");
+        let nodes = cells.storage();
         let store_layout = nodes
             .clone()
             .storage()
@@ -76,86 +60,111 @@ impl Build {
             .build(device, "store cells");
         let filter_layout =
             nodes.texture_3d().storage_texture(d3, CELL_FORMAT).build(device, "filter cells");
-        let (store, filter) = match directionality {
-            Directionality::SixLobes => ("volume::store", "volume::filter"),
-            Directionality::Isotropic => ("volume::isotropic_store", "volume::isotropic_filter"),
+        let (clear, store, filter) = match directionality {
+            Directionality::SixLobes => ("six_lobes", "volume::store", "volume::filter"),
+            Directionality::Isotropic => {
+                ("isotropic", "volume::isotropic_store", "volume::isotropic_filter")
+            }
         };
         let kernel =
             |module, entry, layout| Kernel::new(device, shaders, module, entry, &[globals, layout]);
+        let words = |level: u32| LevelWords {
+            level,
+            first_word: level_first_word(grid, level) as u32,
+            end_word: level_first_word(grid, level + 1) as u32,
+        };
+        let levels = (0..grid.levels).map(|l| uniform_buffer(device, "level words", &words(l)));
         Ok(Self {
+            clear: kernel("volume::clear", clear, &clear_layout)?,
             store: kernel(store, "store", &store_layout)?,
-            clear: kernel(store, "clear", &store_layout)?,
             filter: kernel(filter, "main", &filter_layout)?,
+            clear_layout,
             store_layout,
             filter_layout,
-            writes: Vec::new(),
-            filters: Vec::new(),
+            levels: levels.collect(),
+            store_group: None,
+            filter_groups: Vec::new(),
         })
     }
 
-    /// Makes the bind groups for a voxel list; `levels` are the views of the texture's levels.
+    /// Makes the bind groups for a voxel list; `views` are the levels of the texture.
     pub(super) fn bind(
         &mut self,
         device: &wgpu::Device,
         voxels: &VoxelList,
-        FaceBuffers { radiance, changed }: FaceBuffers<'_>,
-        (grid, levels): (&Grid, &[wgpu::TextureView]),
+        radiance: &wgpu::Buffer,
+        changed: &ChangedCells,
+        views: &[wgpu::TextureView],
     ) {
-        let range = |level: usize| {
-            let first_word = level_first_word(grid, level as u32) as u32;
-            let range = NodeRange { first_word, ..NodeRange::new(voxels, level as u32) };
-            (uniform_buffer(device, "node range", &range), u64::from(range.count))
-        };
-        self.writes = (0..levels.len())
+        let store = BindGroupBuilder::new(&self.store_layout)
+            .buffer(&self.levels[0])
+            .buffer(&changed.ranks)
+            .buffer(&changed.cells)
+            .buffer(&voxels.nodes)
+            .buffer(&voxels.first_faces)
+            .buffer(&voxels.faces)
+            .buffer(radiance)
+            .view(&views[0])
+            .build(device, "store cells");
+        self.store_group = Some(store);
+        self.filter_groups = (1..views.len())
             .map(|level| {
-                let (uniform, count) = range(level);
-                let group = BindGroupBuilder::new(&self.store_layout)
-                    .buffer(&uniform)
+                BindGroupBuilder::new(&self.filter_layout)
+                    .buffer(&self.levels[level])
+                    .buffer(&changed.ranks)
+                    .buffer(&changed.cells)
                     .buffer(&voxels.nodes)
-                    .buffer(changed)
-                    .buffer(&voxels.first_faces)
-                    .buffer(&voxels.faces)
-                    .buffer(radiance)
-                    .view(&levels[level])
-                    .build(device, "store cells");
-                Work { group, count }
-            })
-            .collect();
-        self.filters = (1..levels.len())
-            .map(|level| {
-                let (uniform, count) = range(level);
-                let group = BindGroupBuilder::new(&self.filter_layout)
-                    .buffer(&uniform)
-                    .buffer(&voxels.nodes)
-                    .buffer(changed)
-                    .view(&levels[level - 1])
-                    .view(&levels[level])
-                    .build(device, "filter cells");
-                Work { group, count }
+                    .view(&views[level - 1])
+                    .view(&views[level])
+                    .build(device, "filter cells")
             })
             .collect();
     }
 
-    /// Writes zeros over what the current list has written, where anything has changed.
-    pub(super) fn clear(&self, recorder: &mut Recorder, grid: &wgpu::BindGroup) {
+    /// Writes zeros over the cells of all levels that have changed.
+    pub(super) fn clear(
+        &self,
+        recorder: &mut Recorder,
+        grid: &wgpu::BindGroup,
+        changed: &ChangedCells,
+        views: &[wgpu::TextureView],
+    ) {
+        let device = recorder.device().clone();
+        let groups: Vec<_> = self
+            .levels
+            .iter()
+            .zip(views)
+            .map(|(level, view)| {
+                BindGroupBuilder::new(&self.clear_layout)
+                    .buffer(level)
+                    .buffer(&changed.ranks)
+                    .buffer(&changed.cells)
+                    .view(view)
+                    .build(&device, "clear cells")
+            })
+            .collect();
         recorder.compute("volume::clear", |pass| {
-            for work in &self.writes {
-                self.clear.dispatch_linear(pass, &[grid, &work.group], work.count);
+            for (level, group) in groups.iter().enumerate() {
+                changed.dispatch(pass, &self.clear, &[grid, group], level);
             }
         });
     }
 
-    /// Writes the faces' radiance into the finest level and filters it into the coarser ones, where anything has
-    /// changed.
-    pub(super) fn update(&self, recorder: &mut Recorder, grid: &wgpu::BindGroup) {
+    /// Writes the faces' radiance into the finest level and filters it into the coarser ones.
+    pub(super) fn update(
+        &self,
+        recorder: &mut Recorder,
+        grid: &wgpu::BindGroup,
+        changed: &ChangedCells,
+    ) {
         recorder.compute("volume::store", |pass| {
-            if let Some(work) = self.writes.first() {
-                self.store.dispatch_linear(pass, &[grid, &work.group], work.count);
+            if let Some(group) = &self.store_group {
+                changed.dispatch(pass, &self.store, &[grid, group], 0);
             }
         });
         recorder.compute("volume::filter", |pass| {
-            for work in &self.filters {
-                self.filter.dispatch_linear(pass, &[grid, &work.group], work.count);
+            for (level, group) in self.filter_groups.iter().enumerate() {
+                changed.dispatch(pass, &self.filter, &[grid, group], level + 1);
             }
         });
     }

@@ -1,10 +1,23 @@
-// Which nodes of a level have changed, and are written (volume/changes/mod.rs).
+// The cells of a level that have changed: what the kernels that write the volume run over (volume/changes/mod.rs).
 
-import package::volume::level_range::node_range;
+import package::volume::changes::list::{ChangedCell, NOTHING};
 
-// A bit per cell, laid out as the list's occupancy.
-@group(1) @binding(2) var<storage, read> changed: array<u32>;
+struct LevelWords {
+    level: u32,
+    // Of the level's bits.
+    first_word: u32,
+    end_word: u32,
+}
 
-fn has_changed(morton: u32) -> bool {
-    return (changed[node_range.first_word + morton / 32u] & (1u << (morton % 32u))) != 0u;
+@group(1) @binding(0) var<uniform> level_words: LevelWords;
+@group(1) @binding(1) var<storage, read> changed_ranks: array<u32>;
+@group(1) @binding(2) var<storage, read> changed_cells: array<ChangedCell>;
+
+// The cell of that number; NOTHING beyond the last one.
+fn changed_cell(index: u32) -> ChangedCell {
+    let place = changed_ranks[level_words.first_word] + index;
+    if place >= changed_ranks[level_words.end_word] {
+        return ChangedCell(NOTHING, NOTHING);
+    }
+    return changed_cells[place];
 }

@@ -1,4 +1,4 @@
-// The nodes of one level: what the kernels that fill the volume run over (group 1, bindings 0 and 1).
+// The nodes of one level: what fills the masks runs over (group 1, bindings 0 and 1).
 
 import package::voxels::list::Node;
 
@@ -7,8 +7,6 @@ struct NodeRange {
     first: u32,
     count: u32,
     first_mask_entry: u32,
-    // Of the level's bits.
-    first_word: u32,
 }
 
 @group(1) @binding(0) var<uniform> node_range: NodeRange;

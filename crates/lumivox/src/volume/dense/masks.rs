@@ -9,8 +9,6 @@ use crate::gpu::{
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
-use super::build::NodeRange;
-
 /// `MAX_LEVELS` of `masks.wgsl`.
 const MAX_LEVELS: usize = 9;
 
@@ -19,6 +17,16 @@ const MAX_LEVELS: usize = 9;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct MaskLevels {
     pub(crate) first_entry: [[u32; 4]; MAX_LEVELS],
+}
+
+/// `NodeRange` of `level_range.wgsl`: the nodes of a level.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct NodeRange {
+    pub(crate) level: u32,
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    pub(crate) first_mask_entry: u32,
 }
 
 #[derive(Debug)]
@@ -82,7 +90,9 @@ impl Masks {
         let groups: Vec<_> = (0..voxels.level_starts.len() as u32 - 1)
             .map(|level| {
                 let first_mask_entry = self.levels.first_entry[level as usize][0];
-                let range = NodeRange { first_mask_entry, ..NodeRange::new(voxels, level) };
+                let nodes = voxels.level_nodes(level);
+                let (first, count) = (nodes.start, nodes.len() as u32);
+                let range = NodeRange { level, first, count, first_mask_entry };
                 let uniform = uniform_buffer(&device, "mask range", &range);
                 let group = BindGroupBuilder::new(&self.layout)
                     .buffer(&uniform)

@@ -17,12 +17,13 @@ use crate::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, unifo
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
+use super::changes::ChangedCells;
+use build::Build;
 #[cfg(test)]
-pub(crate) use build::NodeRange;
-use build::{Build, FaceBuffers};
-#[cfg(test)]
-pub(crate) use masks::MaskLevels;
+pub(crate) use build::LevelWords;
 use masks::Masks;
+#[cfg(test)]
+pub(crate) use masks::{MaskLevels, NodeRange};
 #[cfg(test)]
 pub(crate) use tests::{Level, read_levels};
 
@@ -31,6 +32,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("volume::atlas", include_str!("atlas.wgsl")),
     ("volume::border", include_str!("border.wgsl")),
     ("volume::changed_cells", include_str!("changed_cells.wgsl")),
+    ("volume::clear", include_str!("clear.wgsl")),
     ("volume::filter", include_str!("filter.wgsl")),
     ("volume::isotropic_filter", include_str!("isotropic_filter.wgsl")),
     ("volume::isotropic_store", include_str!("isotropic_store.wgsl")),
@@ -79,7 +81,6 @@ pub(crate) struct DenseVolume {
     globals_layout: wgpu::BindGroupLayout,
     /// Group 0 with the grid alone, for the kernels that write the volume.
     grid: wgpu::BindGroup,
-    voxel_grid: Grid,
     levels: Vec<wgpu::TextureView>,
     bytes: u64,
     masks: Masks,
@@ -150,11 +151,10 @@ impl DenseVolume {
             globals,
             globals_layout,
             grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
-            voxel_grid: *grid,
             levels,
             bytes: texels * 8,
             masks,
-            build: Build::new(device, shaders, directionality, &grid_layout)?,
+            build: Build::new(device, shaders, directionality, grid, &grid_layout)?,
         })
     }
 
@@ -163,17 +163,18 @@ impl DenseVolume {
         recorder: &mut Recorder,
         voxels: &VoxelList,
         radiance: &wgpu::Buffer,
-        changed: &wgpu::Buffer,
+        (wrong, changed): (Option<&ChangedCells>, &ChangedCells),
     ) {
         recorder.stage("volume");
-        self.build.clear(recorder, &self.grid);
-        let faces = FaceBuffers { radiance, changed };
-        self.build.bind(recorder.device(), voxels, faces, (&self.voxel_grid, &self.levels));
+        if let Some(wrong) = wrong {
+            self.build.clear(recorder, &self.grid, wrong, &self.levels);
+        }
+        self.build.bind(recorder.device(), voxels, radiance, changed, &self.levels);
         self.masks.rebuild(recorder, &self.grid, voxels);
     }
 
-    pub(super) fn update(&self, recorder: &mut Recorder) {
-        self.build.update(recorder, &self.grid);
+    pub(super) fn update(&self, recorder: &mut Recorder, changed: &ChangedCells) {
+        self.build.update(recorder, &self.grid, changed);
     }
 
     pub(super) fn globals(&self) -> &wgpu::BindGroup {
