@@ -144,14 +144,14 @@ fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool)
     (voxels.ceil() as u64).min(grid.voxel_count())
 }
 
-/// Bits, ranks, changed bits, nodes of all levels, faces and their light.
+/// Bits and ranks, of what is occupied and of what has changed; nodes of all levels, twice; faces and their light.
 fn list_bytes(grid: &Grid, voxels: u64) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // A surface of the next level has a quarter of the cells.
     let nodes = voxels + voxels / 3;
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
     // The ranks: a word for each word of bits.
-    3 * cells.div_ceil(8) + nodes * NODE_BYTES + voxels * 4 + faces * FACE_BYTES
+    4 * cells.div_ceil(8) + 2 * nodes * NODE_BYTES + voxels * 4 + faces * FACE_BYTES
 }
 
 /// Bits, ranks, both side by side, lobes, and the faces' sums.
