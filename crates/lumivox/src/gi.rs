@@ -43,8 +43,8 @@ pub struct Voxelized {
 
 /// Voxel cone tracing on the caller's device.
 ///
-/// The order of calls: [`Self::voxelize`] when triangles change, [`Self::light`] when lights or triangles
-/// change, [`Self::trace`] every frame.
+/// The order of calls: [`Self::voxelize`] when triangles change ([`Self::voxelize_dynamic`] when only those of
+/// dynamic draws do), [`Self::light`] when lights or triangles change, [`Self::trace`] every frame.
 #[derive(Debug)]
 pub struct Gi {
     device: wgpu::Device,

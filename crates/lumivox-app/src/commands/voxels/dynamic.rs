@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::progress::Progress;
 use crate::report::{
-    AdapterReport, GridReport, SceneCounts, Table, Times, count, print, print_json,
+    AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count, print, print_json,
 };
 
 /// How far things move, in voxels.
@@ -213,8 +213,9 @@ pub struct Report {
     /// Direct light, stored and filtered.
     whole_light_ms: f64,
     kept_light_ms: f64,
-    /// Pass by pass, a move.
+    /// With each pass waited for, a move.
     stages: Vec<StageReport>,
+    passes: Vec<StageReport>,
     /// Of the occupied cells of all levels, the share that a move writes.
     changed_share: f64,
     /// Whether the lists and their light were the same both ways at every move.
@@ -224,10 +225,12 @@ pub struct Report {
     adapter: AdapterReport,
 }
 
-/// A stage.
+/// A stage, or a pass of it.
 #[derive(Clone, Debug, Serialize)]
 struct StageReport {
     stage: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pass: Option<String>,
     whole_ms: f64,
     kept_ms: f64,
 }
@@ -241,14 +244,20 @@ impl Report {
         (changed_share, has_same_bits): (f64, bool),
     ) -> Self {
         let a_move = |ms: f64| ms / f64::from(moves);
-        let [of_whole, of_kept] = [whole, kept].map(|way| Times::new(&way.times).stages);
-        let stages = of_kept.iter().map(|stage| StageReport {
-            stage: stage.stage.clone(),
-            whole_ms: a_move(
-                of_whole.iter().find(|s| s.stage == stage.stage).map_or(0.0, |stage| stage.ms),
-            ),
-            kept_ms: a_move(stage.ms),
-        });
+        let [of_whole, of_kept] = [whole, kept].map(|way| Times::new(&way.times));
+        let pairs = |whole: &[TimeReport], kept: &[TimeReport]| -> Vec<StageReport> {
+            let pair = |own: &TimeReport| {
+                let is_same =
+                    |other: &&TimeReport| other.stage == own.stage && other.pass == own.pass;
+                StageReport {
+                    stage: own.stage.clone(),
+                    pass: own.pass.clone(),
+                    whole_ms: a_move(whole.iter().find(is_same).map_or(0.0, |other| other.ms)),
+                    kept_ms: a_move(own.ms),
+                }
+            };
+            kept.iter().map(pair).collect()
+        };
         let dynamic = || scene.instances.iter().filter(|instance| !instance.is_static);
         let voxels = kept.gi.voxels();
         let memory = kept.gi.memory();
@@ -267,7 +276,8 @@ impl Report {
             kept_voxelize_ms: a_move(kept.voxelize_ms),
             whole_light_ms: a_move(whole.light_ms),
             kept_light_ms: a_move(kept.light_ms),
-            stages: stages.collect(),
+            stages: pairs(&of_whole.stages, &of_kept.stages),
+            passes: pairs(&of_whole.passes, &of_kept.passes),
             changed_share,
             has_same_bits,
             kept_bytes: kept_memory.map(|(_, bytes)| bytes).sum(),
