@@ -112,7 +112,8 @@ pub enum Command {
     #[command(
         after_help = "Examples:\n  lumivox voxels builtin:atrium\n  lumivox voxels hall.glb \
                             --resolution 256 --isotropic --json\n  lumivox voxels builtin:atrium \
-                            --compare-voxelizers -o voxelizers.png"
+                            --compare-voxelizers -o voxelizers.png\n  lumivox voxels hall.glb \
+                            --dynamic-share 0.1"
     )]
     Voxels(Box<VoxelsArgs>),
     /// Measure what dense and octree volumes take: memory, time to build, time to trace

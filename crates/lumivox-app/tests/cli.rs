@@ -193,6 +193,30 @@ fn a_voxelizer_is_chosen() {
 }
 
 #[test]
+fn what_keeping_static_triangles_saves_is_measured() {
+    let folder = folder();
+    let line = "voxels builtin:cornell --resolution 32 --dynamic-share 0.1 --moves 2";
+    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
+    assert_eq!(report["has_same_bits"], true, "{report}");
+    assert_eq!(report["dynamic_triangles"], 4, "{report}");
+    assert_eq!(report["scene"]["triangles"], 40, "{report}");
+    assert!(report["kept_bytes"].as_u64().unwrap() > 0);
+    let changed = report["changed_share"].as_f64().unwrap();
+    assert!(changed > 0.0 && changed < 1.0, "{report}");
+    let stages: Vec<_> = report["stages"].as_array().unwrap().iter().map(|s| &s["stage"]).collect();
+    for stage in ["voxelize", "changes", "volume", "light", "filter"] {
+        assert!(stages.iter().any(|name| *name == stage), "{stage} is missing in {report}");
+    }
+    let text = lumivox(folder.path(), line).expect_ok().stdout;
+    for word in ["that move", "static kept", "the same bits"] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+    let info = lumivox(folder.path(), "info builtin:cornell --json").expect_ok().json();
+    let counts = ["static_triangles", "static_instances", "dynamic_triangles", "dynamic_instances"];
+    assert_eq!(counts.map(|name| info[name].as_u64()), [Some(40), Some(7), Some(0), Some(0)]);
+}
+
+#[test]
 fn a_picture_is_rendered_and_reported() {
     let folder = folder();
     let line = format!("render builtin:cornell -o a.png {SMALL} --json");

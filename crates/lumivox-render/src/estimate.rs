@@ -9,7 +9,7 @@ use std::collections::HashSet;
 
 use glam::Vec3;
 use lumivox::{Directionality, Grid, Injection, VolumeKind, dense_volume_bytes};
-use lumivox_scene::{LightKind, Material, Scene, Shading, Texture};
+use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
 
 use crate::memory::available_memory;
 use crate::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
@@ -50,7 +50,14 @@ impl MemoryEstimate {
         let vertices: usize = scene.meshes.iter().map(|mesh| mesh.positions.len()).sum();
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
-        let voxels = voxel_count(scene, &grid);
+        let voxels = voxel_count(scene, &grid, |_| true);
+        // Of static instances among others their own sums are kept.
+        let fixed = scene.instances.iter().filter(|instance| instance.is_static).count();
+        let fixed_voxels = || voxel_count(scene, &grid, |instance| instance.is_static);
+        let is_mixed = (1..scene.instances.len()).contains(&fixed);
+        let kept = if is_mixed { kept_bytes(&grid, fixed_voxels()) } else { 0 };
+        // Without bounces in the voxels, what the volume holds is remembered.
+        let held = if settings.bounces < 2 { held_bytes(voxels) } else { 0 };
         // Clear glass has none either; it is too little to look for.
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
@@ -60,7 +67,7 @@ impl MemoryEstimate {
             ("instances", (scene.instances.len() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
-            ("voxel list (about)", list_bytes(&grid, voxels, settings.injection)),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings.injection) + kept + held),
             ("picture", pixels * (BYTES_PER_PIXEL + tint)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
@@ -129,11 +136,11 @@ fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static
     }
 }
 
-/// Occupied voxels, estimated.
-fn voxel_count(scene: &Scene, grid: &Grid) -> u64 {
+/// Voxels that some of the instances occupy, estimated.
+fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool) -> u64 {
     let cell_area = f64::from(grid.voxel_size_m).powi(2);
     let mut voxels = 0.0;
-    for instance in &scene.instances {
+    for instance in scene.instances.iter().filter(|instance| is_meant(instance)) {
         let Some(mesh) = scene.meshes.get(instance.mesh) else { continue };
         let corner = |index: usize| {
             mesh.positions.get(index).map(|p| instance.world_from_local.transform_point3(*p))
@@ -147,7 +154,7 @@ fn voxel_count(scene: &Scene, grid: &Grid) -> u64 {
     (voxels.ceil() as u64).min(grid.voxel_count())
 }
 
-/// Bits, ranks, nodes of all levels, faces and their light.
+/// Bits and ranks, of what is occupied and of what has changed; nodes of all levels, twice; faces and their light.
 fn list_bytes(grid: &Grid, voxels: u64, injection: Injection) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // A surface of the next level has a quarter of the cells.
@@ -158,7 +165,20 @@ fn list_bytes(grid: &Grid, voxels: u64, injection: Injection) -> u64 {
         Injection::Photons => FACE_BYTES + FLUX_BYTES,
     };
     // The ranks: a word for each word of bits.
-    2 * cells.div_ceil(8) + nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
+    4 * cells.div_ceil(8) + 2 * nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
+}
+
+/// Bits, ranks, both side by side, lobes, and the faces' sums.
+fn kept_bytes(grid: &Grid, voxels: u64) -> u64 {
+    let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
+    let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let sums = size_of::<lumivox::voxels::FaceRecord>() as u64;
+    4 * cells.div_ceil(8) + voxels * 20 + faces * sums
+}
+
+/// A colour in full floats for each face.
+fn held_bytes(voxels: u64) -> u64 {
+    (voxels as f64 * FACES_PER_VOXEL) as u64 * 16
 }
 
 /// Each texture with its mips, once as colours and once as data if it is used as both.
@@ -207,10 +227,15 @@ mod tests {
     #[test]
     fn what_was_estimated_is_what_is_allocated() {
         let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
-        for (name, resolution) in [("spheres", 64), ("two-rooms-rotated", 48)] {
-            let scene = lumivox_scene::builtin::scene(name).expect("a scene");
+        for (name, resolution, bounces, moving) in
+            [("spheres", 64, 8, 0), ("two-rooms-rotated", 48, 1, 2)]
+        {
+            let mut scene = lumivox_scene::builtin::scene(name).expect("a scene");
+            for instance in &mut scene.instances[..moving] {
+                instance.is_static = false;
+            }
             let size = glam::UVec2::new(40, 24);
-            let settings = RenderSettings { size, resolution, ..RenderSettings::default() };
+            let settings = RenderSettings { size, resolution, bounces, ..Default::default() };
             let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
             let mut quiet = |_| {};
             let renderer = Renderer::new(&gpu, &scene, None, settings, &mut quiet);

@@ -116,6 +116,7 @@ impl Renderer {
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
             gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
+            gi.forget_light();
         }
         recorder.stage("light");
         gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
@@ -153,7 +154,8 @@ impl Renderer {
 
     /// Shows the same scene in another pose; the mean starts anew. The camera stays.
     ///
-    /// Vertices and transforms are uploaded, voxelized and lit again. All else stays: pipelines,
+    /// Vertices and transforms are uploaded, voxelized and lit again; where instances are marked as static
+    /// and are what they were, what was found of their triangles stays. All else stays: pipelines,
     /// textures, targets, the grid, the unit of radiance and the environment's map. So a scene that moves out of the grid
     /// loses what is outside; give [`RenderSettings::grid_bounds`] when the renderer is made.
     /// `progress` hears of the stages `upload`, `voxelize` and `light`.
@@ -178,7 +180,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let voxelized = gi.voxelize(&self.scene.geometry, settings.timing).await?;
+        let voxelized = gi.voxelize_dynamic(&self.scene.geometry, settings.timing).await?;
         self.voxels = voxelized.stats;
         self.times.add(voxelized.times);
         gpu.check("voxelizing")?;

@@ -63,6 +63,7 @@ fn scene(material: Material, environment: Environment, has_plate: bool) -> Scene
             mesh: index,
             material: index,
             world_from_local: Mat4::IDENTITY,
+            is_static: true,
         });
         scene.meshes.push(mesh);
     }

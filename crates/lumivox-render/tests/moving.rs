@@ -58,6 +58,38 @@ fn a_pose_does_not_depend_on_the_one_before() {
     }
 }
 
+/// What is marked as static is not voxelized again while it is what it was; the pictures are a fresh renderer's.
+#[test]
+fn what_is_static_is_kept_from_pose_to_pose() {
+    let gpu = gpu();
+    let (mut rest, mut moved) = poses();
+    for scene in [&mut rest, &mut moved] {
+        if let Some(last) = scene.instances.last_mut() {
+            last.is_static = false;
+        }
+    }
+    let mut hidden = rest.clone();
+    hidden.instances.pop();
+    let mut shifted = moved.clone();
+    shifted.instances[0].world_from_local =
+        Mat4::from_translation(Vec3::X * 0.1) * rest.instances[0].world_from_local;
+    // With and without bounces in the voxels: all is stored, or what has changed.
+    for bounces in [1, 3] {
+        let settings = RenderSettings { bounces, ..settings(&[&rest, &moved]) };
+        let mut travelling = renderer(&gpu, &rest, settings.clone());
+        let poses =
+            [(&moved, true), (&rest, true), (&hidden, true), (&moved, true), (&shifted, false)];
+        for (step, (pose, is_kept)) in poses.into_iter().enumerate() {
+            pollster::block_on(travelling.set_scene(pose, &mut |_| {})).expect("the same scene");
+            assert_eq!(travelling.voxel_stats().static_reused, is_kept, "step {step}");
+            let seen = picture(&mut travelling);
+            let mut fresh = renderer(&gpu, pose, settings.clone());
+            assert!(!fresh.voxel_stats().static_reused);
+            assert!(seen == picture(&mut fresh), "step {step}, {bounces} bounces: it differs");
+        }
+    }
+}
+
 #[test]
 fn a_camera_that_moves_and_returns_finds_the_same_picture() {
     let (rest, _) = poses();

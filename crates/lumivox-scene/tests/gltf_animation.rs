@@ -276,3 +276,30 @@ fn a_matrix_that_moves_is_split() {
     assert!(scene.notes.warnings.iter().any(|w| w.contains("split")), "{:?}", scene.notes);
     assert_eq!(origin(&posed(&file, 0.5)), Vec3::ZERO);
 }
+
+/// What an animation reaches is dynamic, all else static; a mark says otherwise, but not of what moves.
+#[test]
+fn what_animations_reach_is_dynamic() {
+    let mut file = File::triangle();
+    let marked = |mark: bool| json!({ "mesh": 0, "extras": { "lumivox": { "static": mark } } });
+    let child = file.node(json!({ "mesh": 0, "name": "hand" }), false);
+    let arm = file.node(json!({ "children": [child], "name": "arm" }), true);
+    file.node(marked(false), true);
+    file.node(marked(true), true);
+    let mut stubborn = marked(true);
+    stubborn["name"] = json!("stubborn");
+    let stubborn = file.node(stubborn, true);
+    let still: Vec<bool> = file.load().unwrap().instances.iter().map(|i| i.is_static).collect();
+    assert_eq!(still, [true, true, false, true, true], "nothing moves yet");
+
+    let moves = file.vectors(&[[1.0, 0.0, 0.0], [3.0, 0.0, 0.0]]);
+    let channels =
+        [(arm, "translation", "LINEAR", moves), (stubborn, "translation", "LINEAR", moves)];
+    file.animation("wave", &[0.0, 1.0], &channels);
+    let scene = posed(&file, 0.5);
+    let marks: Vec<bool> = scene.instances.iter().map(|i| i.is_static).collect();
+    assert_eq!(marks, [true, false, false, true, false]);
+    let mut warnings = scene.notes.warnings.iter().filter(|text| text.contains("static"));
+    assert!(warnings.next().is_some_and(|text| text.contains("stubborn")), "{:?}", scene.notes);
+    assert_eq!(warnings.next(), None);
+}

@@ -120,6 +120,8 @@ fn each_use_of_a_mesh_deforms_on_its_own() {
     let mut scene = made.file.load().unwrap();
     scene.pose(AnimationChoice::All, 2.0).unwrap();
     assert_eq!((scene.instances.len(), scene.meshes.len()), (5, 4));
+    let marks: Vec<bool> = scene.instances.iter().map(|instance| instance.is_static).collect();
+    assert_eq!(marks, [false, false, true, true, true], "bones and swelling move the first two");
     let widest = |i: usize| {
         let mesh = &scene.meshes[scene.instances[i].mesh];
         mesh.positions.iter().map(|p| p.z).fold(0.0, f32::max)

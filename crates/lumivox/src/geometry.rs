@@ -82,6 +82,10 @@ pub struct Draw {
     pub material: u32,
     /// Transform of positions into the world (affine; a mirroring one turns the front side over).
     pub world_from_local: Mat4,
+    /// Its triangles stay as they are while others move: the voxelizer may keep what it found of them
+    /// ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). Where all draws are alike in this, the mark costs
+    /// nothing and gains nothing.
+    pub is_static: bool,
 }
 
 /// Triangles whose vertices share a set of buffers. All buffers need `BufferUsages::STORAGE`, and each must
@@ -100,7 +104,7 @@ pub struct GeometryBatch {
 
 /// Where in a buffer the texture coordinates and colours of vertices stand: the caller's own layout, as long as
 /// numbers stand at multiples of four bytes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct VertexAttributes {
     /// The buffer, with `BufferUsages::STORAGE`.
     pub buffer: wgpu::Buffer,

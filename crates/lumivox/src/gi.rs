@@ -10,8 +10,9 @@ use crate::trace::{
     Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
     gbuffer_layout,
 };
-use crate::volume::{Directionality, OctreeStats, Volume, VolumeKind};
-use crate::voxelize::{VoxelizeMethod, VoxelizeStats, Voxelizer};
+use crate::volume::changes::Changes;
+use crate::volume::{Cells, Directionality, Lists, OctreeStats, Volume, VolumeKind};
+use crate::voxelize::{KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -57,8 +58,8 @@ pub struct Voxelized {
 
 /// Voxel cone tracing on the caller's device.
 ///
-/// The order of calls: [`Self::voxelize`] when triangles change, [`Self::light`] when lights or triangles
-/// change, [`Self::trace`] every frame.
+/// The order of calls: [`Self::voxelize`] when triangles change ([`Self::voxelize_dynamic`] when only those of
+/// dynamic draws do), [`Self::light`] when lights or triangles change, [`Self::trace`] every frame.
 #[derive(Debug)]
 pub struct Gi {
     device: wgpu::Device,
@@ -66,8 +67,11 @@ pub struct Gi {
     config: GiConfig,
     shaders: ShaderLibrary,
     voxelizer: Voxelizer,
+    /// Of the static draws.
+    kept: KeptStatic,
     voxels: Option<VoxelList>,
     volume: Volume,
+    changes: Changes,
     lighting: Lighting,
     tracer: Tracer,
     lights_layout: wgpu::BindGroupLayout,
@@ -98,6 +102,7 @@ impl Gi {
             (config.volume, config.directionality),
             config.memory_budget,
         )?;
+        let changes = Changes::new(device, &shaders, &config.grid)?;
         let voxelizer = Voxelizer::with_method(device, &shaders, config.method)?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
@@ -110,8 +115,10 @@ impl Gi {
             config,
             shaders,
             voxelizer,
+            kept: KeptStatic::default(),
             voxels: None,
             volume,
+            changes,
             lighting,
             tracer,
             lights_layout,
@@ -135,13 +142,39 @@ impl Gi {
         geometry: &Geometry,
         timing: Timing,
     ) -> Result<Voxelized, GiError> {
+        self.kept = KeptStatic::default();
+        self.voxelize_dynamic(geometry, timing).await
+    }
+
+    /// As [`Self::voxelize`] after dynamic draws have changed, come or gone, without walking the static ones
+    /// ([`Draw::is_static`](crate::Draw)) again: the same bits for less time.
+    ///
+    /// The vertices, indices and textures of static draws must be what they were at the last call of either. If
+    /// anything else of them is not, such as a transform, a material or the buffers themselves, everything is
+    /// voxelized; [`VoxelizeStats::static_reused`] tells.
+    ///
+    /// # Errors
+    /// As [`Self::voxelize`].
+    pub async fn voxelize_dynamic(
+        &mut self,
+        geometry: &Geometry,
+        timing: Timing,
+    ) -> Result<Voxelized, GiError> {
+        let grid = &self.config.grid;
         let (voxels, stats, mut times) = self
             .voxelizer
-            .voxelize(&self.device, &self.queue, &self.config.grid, geometry, timing)
+            .voxelize_dynamic(&self.device, &self.queue, grid, geometry, timing, &mut self.kept)
             .await?;
         let mut recorder = Recorder::with_timing(&self.device, &self.queue, timing);
         let faces = self.lighting.prepare(&self.device, &voxels);
-        self.volume.rebuild(&mut recorder, &voxels, faces.radiance()).await?;
+        self.volume.prepare(&mut recorder, &voxels).await?;
+        let old = self.voxels.as_ref();
+        let wrong = self.changes.rebuild(&mut recorder, old, &voxels, faces.radiance());
+        if let Some((changed, bits)) = self.changes.cells().zip(self.changes.bits()) {
+            let lists = Lists { old, new: &voxels, radiance: faces.radiance() };
+            let cells = Cells { wrong: wrong.as_ref(), changed, bits };
+            self.volume.rebuild(&mut recorder, lists, cells);
+        }
         self.lighting.take(&self.device, &voxels, faces);
         times.extend(recorder.finish().await?);
         self.voxels = Some(voxels);
@@ -179,8 +212,22 @@ impl Gi {
     ) -> Result<(), GiError> {
         settings.validate()?;
         self.bounces = bounces;
-        self.lighting.run(recorder, &self.volume, lights, bounces.saturating_sub(1), settings);
+        let gathers = bounces.saturating_sub(1);
+        let volume = (&mut self.volume, &mut self.changes);
+        self.lighting.run(recorder, volume, lights, gathers, settings);
         Ok(())
+    }
+
+    /// Lets the next call of [`Self::light`] store and filter all voxels, even those whose light is what the
+    /// volume holds already: for measurements.
+    pub fn forget_light(&mut self) {
+        self.changes.forget();
+    }
+
+    /// A bit per cell of the voxel list, laid out as [`VoxelList::occupancy`], once there is a list: the cells whose
+    /// content the last call of [`Self::light`] wrote, because it or that of a cell below had changed.
+    pub fn changed_cells(&self) -> Option<&wgpu::Buffer> {
+        self.changes.bits()
     }
 
     /// Textures for [`Self::trace`] to write to.
@@ -283,9 +330,13 @@ impl Gi {
     /// Bytes on the GPU, by what they hold; temporary buffers of the voxelization are in its statistics.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.volume.memory();
+        memory.extend(self.changes.memory());
         memory.extend(self.lighting.memory());
         if let Some(voxels) = &self.voxels {
             memory.extend(voxels.memory());
+        }
+        if self.kept.bytes() > 0 {
+            memory.push(("voxels: kept of static draws", self.kept.bytes()));
         }
         memory
     }

@@ -3,6 +3,7 @@
 use crate::gpu::{ShaderLibrary, assert_layout};
 use crate::light::{BounceSettings, LightGlobals, LightRecord, PhotonMap, ShadowLayerRecord};
 use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
+use crate::volume::changes::{LevelWords, ListParams, MovedParams};
 use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
@@ -117,6 +118,19 @@ fn structs_lie_in_memory_alike() {
         "volume::level_range",
         "NodeRange",
         NodeRange { level, first, count, first_mask_entry }
+    );
+    assert_layout!(
+        library,
+        "volume::changes::moved",
+        "MovedParams",
+        MovedParams { voxel_count, finest_words, all }
+    );
+    assert_layout!(library, "volume::changes::list", "ListParams", ListParams { only_occupied });
+    assert_layout!(
+        library,
+        "volume::changes::cells",
+        "LevelWords",
+        LevelWords { level, first_word, end_word }
     );
     assert_layout!(library, "volume::masks", "MaskLevels", MaskLevels { first_entry });
 }

@@ -42,4 +42,4 @@ pub use trace::{
 };
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
-pub use voxelize::{VoxelizeMethod, VoxelizeStats, Voxelizer};
+pub use voxelize::{KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};

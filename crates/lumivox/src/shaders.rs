@@ -10,6 +10,7 @@ const MODULES: &[(&str, &str)] = &[
     ("gpu::random", include_str!("gpu/random.wgsl")),
     ("gpu::scan", include_str!("gpu/scan.wgsl")),
     ("grid", include_str!("grid.wgsl")),
+    ("voxels::cells", include_str!("voxels/cells.wgsl")),
     ("voxels::inner_lobes", include_str!("voxels/inner_lobes.wgsl")),
     ("voxels::list", include_str!("voxels/list.wgsl")),
     ("voxels::lookup", include_str!("voxels/lookup.wgsl")),

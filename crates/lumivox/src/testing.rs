@@ -36,6 +36,7 @@ impl SceneBuilder {
             base_vertex: 0,
             material: self.materials.len() as u32,
             world_from_local: Mat4::IDENTITY,
+            is_static: false,
         });
         self.positions.extend(corners.map(|corner| corner.to_array()));
         self.materials.push(material);
@@ -58,6 +59,14 @@ impl SceneBuilder {
     pub(crate) fn transformed(mut self, world_from_local: Mat4) -> Self {
         for draw in &mut self.draws {
             draw.world_from_local = world_from_local;
+        }
+        self
+    }
+
+    /// Marks all draws so far as static.
+    pub(crate) fn fixed(mut self) -> Self {
+        for draw in &mut self.draws {
+            draw.is_static = true;
         }
         self
     }

@@ -125,6 +125,21 @@ pub struct VoxelsArgs {
     #[command(flatten)]
     pub voxels: VoxelArgs,
 
+    /// Share of the triangles that moves, 0.0001 to 1: measure what it saves to keep the others
+    /// [default: measure one voxelization of everything]
+    ///
+    /// Small things are chosen first, and moved by a voxel or two at a time. Each move is voxelized
+    /// and lit once as a whole and once keeping what is static, and both must give the same bits.
+    #[arg(long, value_name = "SHARE", value_parser = number::number(0.0001..=1.0))]
+    #[arg(help_heading = "Measurement", allow_negative_numbers = true)]
+    #[arg(conflicts_with = "compare_voxelizers")]
+    pub dynamic_share: Option<f32>,
+
+    /// Number of moves for --dynamic-share, 1 to 1000
+    #[arg(long, value_name = "MOVES", value_parser = number::whole(1..=1000))]
+    #[arg(help_heading = "Measurement", default_value = "8", allow_negative_numbers = true)]
+    pub moves: u32,
+
     /// The comparison.
     #[command(flatten)]
     pub comparison: VoxelizersArgs,

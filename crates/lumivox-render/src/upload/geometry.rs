@@ -7,6 +7,7 @@
 //! that the others do not pay for them.
 
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
@@ -21,7 +22,7 @@ pub(crate) struct Shading {
 }
 
 /// Which attributes the vertices of a batch have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Attributes {
     /// One set of texture coordinates.
     #[default]
@@ -44,10 +45,17 @@ pub(crate) struct AllAttributes {
 pub(crate) const VERTEX_BYTES: u64 =
     (size_of::<[f32; 3]>() + size_of::<[f32; 2]>() + size_of::<Shading>()) as u64;
 
+/// Which meshes share a batch. What is static stands apart, so that its buffers stay when others are replaced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct BatchKind {
+    pub(crate) attributes: Attributes,
+    pub(crate) is_static: bool,
+}
+
 /// The content of one batch's buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Batch {
-    pub(crate) attributes: Attributes,
+    pub(crate) kind: BatchKind,
     pub(crate) positions: Vec<[f32; 3]>,
     /// Those of all vertices, as `attributes` says.
     pub(crate) attribute_bytes: Vec<u8>,
@@ -69,6 +77,22 @@ pub(crate) struct Piece {
     pub(crate) first_index: u32,
     pub(crate) index_count: u32,
     pub(crate) base_vertex: u32,
+}
+
+impl Batch {
+    /// 128 bits that stand for the content.
+    pub(crate) fn fingerprint(&self) -> [u64; 2] {
+        [0_u64, 1].map(|seed| {
+            let mut hasher = DefaultHasher::new();
+            seed.hash(&mut hasher);
+            self.kind.hash(&mut hasher);
+            bytemuck::cast_slice::<_, u8>(&self.positions).hash(&mut hasher);
+            self.attribute_bytes.hash(&mut hasher);
+            bytemuck::cast_slice::<_, u8>(&self.shading).hash(&mut hasher);
+            self.indices.hash(&mut hasher);
+            hasher.finish()
+        })
+    }
 }
 
 impl Attributes {
@@ -121,20 +145,20 @@ impl BatchLimits {
     }
 }
 
-/// Packs `meshes`, each with the attributes that it needs; the result has the batches, and for each
-/// mesh its pieces.
+/// Packs `meshes`, each among those of its kind; the result has the batches, and for each mesh its
+/// pieces.
 pub(crate) fn pack(
     meshes: &[Mesh],
-    needed: &[Attributes],
+    kinds: &[BatchKind],
     limits: BatchLimits,
 ) -> (Vec<Batch>, Vec<Vec<Piece>>) {
-    let mut batches = vec![Batch::default()];
+    let mut batches = Vec::new();
     let pieces = meshes
         .iter()
-        .zip(needed)
-        .map(|(mesh, &attributes)| {
+        .zip(kinds)
+        .map(|(mesh, &kind)| {
             let mut append = |vertices: &[usize], indices: &[u32]| {
-                append(&mut batches, attributes, mesh, vertices, indices, limits)
+                append(&mut batches, kind, mesh, vertices, indices, limits)
             };
             let fits =
                 mesh.positions.len() <= limits.vertices && mesh.indices.len() <= limits.indices;
@@ -151,23 +175,23 @@ pub(crate) fn pack(
     (batches, pieces)
 }
 
-/// Appends chosen vertices of a mesh, and triangles among them, to the last batch of their attributes
-/// or a new one.
+/// Appends chosen vertices of a mesh, and triangles among them, to the last batch of their kind or a
+/// new one.
 fn append(
     batches: &mut Vec<Batch>,
-    attributes: Attributes,
+    kind: BatchKind,
     mesh: &Mesh,
     vertices: &[usize],
     indices: &[u32],
     limits: BatchLimits,
 ) -> Piece {
     let last = batches.iter().rposition(|batch| {
-        batch.attributes == attributes
+        batch.kind == kind
             && batch.positions.len() + vertices.len() <= limits.vertices
             && batch.indices.len() + indices.len() <= limits.indices
     });
     let last = last.unwrap_or_else(|| {
-        batches.push(Batch { attributes, ..Batch::default() });
+        batches.push(Batch { kind, ..Batch::default() });
         batches.len() - 1
     });
     let batch = &mut batches[last];
@@ -179,7 +203,7 @@ fn append(
     };
     for &vertex in vertices {
         batch.positions.push(mesh.positions[vertex].to_array());
-        attributes.append(&mut batch.attribute_bytes, mesh, vertex);
+        kind.attributes.append(&mut batch.attribute_bytes, mesh, vertex);
         let normal = mesh.normals.get(vertex).copied().unwrap_or(Vec3::Y);
         let tangent = mesh.tangents.get(vertex).copied();
         let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector().extend(1.0));
@@ -247,10 +271,10 @@ mod tests {
         let meshes = [strip(2), strip(40), strip(5)];
         let whole = BatchLimits { vertices: 1000, indices: 3000 };
         let limits = BatchLimits { vertices: 10, indices: 21 };
-        let needed = [Attributes::Texcoords; 3];
-        let (one, reference) = pack(&meshes, &needed, whole);
+        let kinds = [BatchKind::default(); 3];
+        let (one, reference) = pack(&meshes, &kinds, whole);
         assert_eq!(one.len(), 1);
-        let (batches, pieces) = pack(&meshes, &needed, limits);
+        let (batches, pieces) = pack(&meshes, &kinds, limits);
         for batch in &batches {
             assert!(batch.positions.len() <= limits.vertices);
             assert!(batch.indices.len() <= limits.indices);
@@ -276,7 +300,9 @@ mod tests {
             .collect();
         assert_eq!(needed, [Attributes::Texcoords, Attributes::All, Attributes::All]);
         let limits = BatchLimits { vertices: 1000, indices: 3000 };
-        let (batches, pieces) = pack(&meshes, &needed, limits);
+        let kind = |&attributes: &Attributes| BatchKind { attributes, is_static: true };
+        let kinds: Vec<_> = needed.iter().map(kind).collect();
+        let (batches, pieces) = pack(&meshes, &kinds, limits);
         assert_eq!(batches.len(), 2);
         assert_eq!(batches[0].attribute_bytes.len(), 4 * 8);
         let all: Vec<AllAttributes> = bytemuck::pod_collect_to_vec(&batches[1].attribute_bytes);
@@ -284,6 +310,23 @@ mod tests {
         assert_eq!(first.color, [32768, 0, 65535, 16384]);
         assert_eq!((first.texcoord, first.texcoord_1), ([1.0, 0.0], [1.0, 0.0]));
         assert_eq!((second.color, second.texcoord_1), ([u16::MAX; 4], [0.0, 1.0]));
+    }
+
+    #[test]
+    fn what_moves_stands_apart_and_changes_no_other_fingerprint() {
+        let kinds =
+            [true, false, true].map(|is_static| BatchKind { is_static, ..BatchKind::default() });
+        let limits = BatchLimits { vertices: 1000, indices: 3000 };
+        let mut meshes = [strip(2), strip(40), strip(5)];
+        let (before, pieces) = pack(&meshes, &kinds, limits);
+        assert_eq!(pieces.iter().map(|pieces| pieces[0].batch).collect::<Vec<_>>(), [0, 1, 0]);
+        meshes[1].positions[3].y += 1e-6;
+        let (after, _) = pack(&meshes, &kinds, limits);
+        assert_eq!(before[0].fingerprint(), after[0].fingerprint());
+        assert_ne!(before[1].fingerprint(), after[1].fingerprint());
+        meshes[2].normals = vec![Vec3::X; 7];
+        let (turned, _) = pack(&meshes, &kinds, limits);
+        assert_ne!(before[0].fingerprint(), turned[0].fingerprint());
     }
 
     #[test]

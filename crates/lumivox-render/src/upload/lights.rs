@@ -22,7 +22,7 @@ impl Lighting {
     }
 
     /// The lights for the GPU, divided by the unit of radiance, with shadows by cones.
-    pub(crate) fn to_gpu(&self, radiance_unit: f32) -> Vec<Light> {
+    pub fn to_gpu(&self, radiance_unit: f32) -> Vec<Light> {
         self.lights.iter().map(|light| convert(light, radiance_unit)).collect()
     }
 }

@@ -33,7 +33,7 @@ pub(crate) use units::radiance_unit_within;
 
 use crate::memory::MemoryUse;
 use crate::{Gpu, RenderError};
-use geometry::{BatchLimits, pack};
+use geometry::{BatchKind, BatchLimits, pack};
 use materials::{MaterialUpload, VertexColors};
 
 /// `DrawRecord` of `draws.wgsl`.
@@ -48,6 +48,8 @@ pub(crate) struct DrawRecord {
 #[derive(Debug)]
 pub(crate) struct VertexBuffers {
     pub(crate) kind: Attributes,
+    /// Of their content ([`geometry::Batch::fingerprint`]).
+    fingerprint: [u64; 2],
     pub(crate) positions: wgpu::Buffer,
     pub(crate) attributes: wgpu::Buffer,
     pub(crate) shading: wgpu::Buffer,
@@ -119,7 +121,7 @@ impl GpuScene {
         let texture_bytes = upload.texture_bytes();
 
         let Placed { geometry, batches, draws, draw_records, memory } =
-            Placed::new(gpu, scene, &materials)?;
+            Placed::new(gpu, scene, &materials, Vec::new())?;
         let [vertices, instances] = memory;
         Ok(Self {
             geometry: Geometry { batches: geometry, materials: surfaces },
@@ -135,7 +137,7 @@ impl GpuScene {
     }
 
     /// Uploads the vertices and transforms of the same scene in another pose. Materials and textures
-    /// stay as they are, and so do the bounds.
+    /// stay as they are, and so do the bounds, and buffers whose content does not change.
     ///
     /// # Errors
     /// As [`GpuScene::new`], and [`RenderError::Setting`] when it is another scene, of other
@@ -148,10 +150,9 @@ impl GpuScene {
                 expected: format!("the same scene, of {} materials", self.materials.len()),
             });
         }
-        // Gone first: two poses at a time could be more than the device holds.
-        self.batches.clear();
         self.geometry.batches.clear();
-        let placed = Placed::new(gpu, scene, &self.materials)?;
+        let earlier = std::mem::take(&mut self.batches);
+        let placed = Placed::new(gpu, scene, &self.materials, earlier)?;
         self.geometry.batches = placed.geometry;
         self.batches = placed.batches;
         self.draws = placed.draws;
@@ -169,12 +170,27 @@ impl GpuScene {
 }
 
 impl Placed {
-    fn new(gpu: &Gpu, scene: &Scene, materials: &[GpuMaterial]) -> Result<Self, RenderError> {
+    /// `earlier` are buffers of which those are used again that hold what is needed.
+    fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        materials: &[GpuMaterial],
+        mut earlier: Vec<VertexBuffers>,
+    ) -> Result<Self, RenderError> {
         let limits = gpu.device.limits();
-        let needed = needed_attributes(scene);
-        let (packed, pieces) = pack(&scene.meshes, &needed, BatchLimits::of_device(&limits));
-        let batches: Vec<VertexBuffers> =
-            packed.iter().map(|batch| VertexBuffers::new(&gpu.device, batch)).collect();
+        let kinds = batch_kinds(scene);
+        let (packed, pieces) = pack(&scene.meshes, &kinds, BatchLimits::of_device(&limits));
+        let prints: Vec<_> = packed.iter().map(geometry::Batch::fingerprint).collect();
+        // Gone first: two poses at a time could be more than the device holds.
+        earlier.retain(|buffers| prints.contains(&buffers.fingerprint));
+        let reuse = |(batch, print): (&geometry::Batch, &[u64; 2])| {
+            let place = earlier.iter().position(|buffers| buffers.fingerprint == *print);
+            match place {
+                Some(place) => earlier.swap_remove(place),
+                None => VertexBuffers::new(&gpu.device, batch, *print),
+            }
+        };
+        let batches: Vec<VertexBuffers> = packed.iter().zip(&prints).map(reuse).collect();
         let mut geometry: Vec<GeometryBatch> =
             batches.iter().map(VertexBuffers::for_voxels).collect();
         let mut draws = Vec::new();
@@ -203,6 +219,7 @@ impl Placed {
                     base_vertex: piece.base_vertex,
                     material: instance.material as u32,
                     world_from_local: instance.world_from_local,
+                    is_static: instance.is_static,
                 });
             }
         }
@@ -250,15 +267,20 @@ pub(crate) fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
     materials
 }
 
-/// For each mesh, the attributes that its vertices need on the GPU.
-fn needed_attributes(scene: &Scene) -> Vec<Attributes> {
+/// For each mesh, the attributes that its vertices need on the GPU, and whether anything static shows it.
+fn batch_kinds(scene: &Scene) -> Vec<BatchKind> {
     let mut uses_second_set = vec![false; scene.meshes.len()];
+    let mut is_static = vec![false; scene.meshes.len()];
     for instance in &scene.instances {
         let mut textures = scene.materials[instance.material].textures();
         uses_second_set[instance.mesh] |= textures.any(|texture| texture.uv_set == 1);
+        is_static[instance.mesh] |= instance.is_static;
     }
-    let needed = |(mesh, uses)| Attributes::needed(mesh, uses);
-    scene.meshes.iter().zip(uses_second_set).map(needed).collect()
+    let kind = |((mesh, uses), is_static)| BatchKind {
+        attributes: Attributes::needed(mesh, uses),
+        is_static,
+    };
+    scene.meshes.iter().zip(uses_second_set).zip(is_static).map(kind).collect()
 }
 
 impl DrawRecord {
@@ -271,7 +293,7 @@ impl DrawRecord {
 }
 
 impl VertexBuffers {
-    fn new(device: &wgpu::Device, batch: &geometry::Batch) -> Self {
+    fn new(device: &wgpu::Device, batch: &geometry::Batch, fingerprint: [u64; 2]) -> Self {
         let buffer = |label, contents: &[u8], usage| {
             // A scene of no visible triangles still needs buffers to bind.
             let contents = if contents.is_empty() { &[0; 16] } else { contents };
@@ -285,7 +307,8 @@ impl VertexBuffers {
         let storage = wgpu::BufferUsages::STORAGE;
         let cast = bytemuck::cast_slice::<[f32; 3], u8>;
         Self {
-            kind: batch.attributes,
+            kind: batch.kind.attributes,
+            fingerprint,
             positions: buffer("positions", cast(&batch.positions), vertex | storage),
             attributes: buffer("attributes", &batch.attribute_bytes, vertex | storage),
             shading: buffer("normals", bytemuck::cast_slice(&batch.shading), vertex),

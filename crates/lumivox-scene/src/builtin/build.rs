@@ -42,7 +42,13 @@ pub(super) fn place_at(
     name.clone_into(&mut mesh.name);
     scene.meshes.push(mesh);
     let mesh = scene.meshes.len() - 1;
-    scene.instances.push(Instance { name: name.to_owned(), mesh, material, world_from_local });
+    scene.instances.push(Instance {
+        name: name.to_owned(),
+        mesh,
+        material,
+        world_from_local,
+        is_static: true,
+    });
 }
 
 /// A lamp flush under a ceiling: a flat box whose face glows a little, and under it the point light

@@ -17,7 +17,13 @@ fn scene(meshes: impl IntoIterator<Item = Mesh>, is_double_sided: bool) -> Scene
     for (mesh, geometry) in meshes.into_iter().enumerate() {
         scene.meshes.push(geometry);
         let world_from_local = Mat4::IDENTITY;
-        scene.instances.push(Instance { name: String::new(), mesh, material: 0, world_from_local });
+        scene.instances.push(Instance {
+            name: String::new(),
+            mesh,
+            material: 0,
+            world_from_local,
+            is_static: true,
+        });
     }
     scene.validate().unwrap();
     scene
@@ -358,7 +364,13 @@ fn panes_let_the_view_and_the_sun_pass() {
     scene.materials.push(glass);
     scene.meshes.push(pane);
     let world_from_local = Mat4::IDENTITY;
-    scene.instances.push(Instance { name: String::new(), mesh: 1, material: 1, world_from_local });
+    scene.instances.push(Instance {
+        name: String::new(),
+        mesh: 1,
+        material: 1,
+        world_from_local,
+        is_static: true,
+    });
     scene.validate().unwrap();
     assert!(!scene.is_enclosed());
     scene.materials[1].transmission.factor = 0.0;

@@ -73,4 +73,7 @@ pub struct Instance {
     pub material: usize,
     /// Affine transform from the mesh's local space to the world. Invertible.
     pub world_from_local: Mat4,
+    /// It stays as it is while others move, so that renderers may keep what they made of it. By default all is
+    /// static but what an animation can reach, by a node, a bone or a morph target.
+    pub is_static: bool,
 }

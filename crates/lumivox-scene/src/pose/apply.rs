@@ -183,6 +183,7 @@ fn place_instances(
                 mesh,
                 material: parts.instances[i].material,
                 world_from_local,
+                is_static: parts.instances[i].is_static,
             })
             .collect();
         scene.instances.extend(others);

@@ -104,6 +104,8 @@ pub(crate) struct Placed {
     /// none for what never happens.
     pub(crate) meshes: [Option<usize>; 2],
     pub(crate) material: usize,
+    /// Neither an animation nor the file itself says that it moves.
+    pub(crate) is_static: bool,
 }
 
 impl Placed {

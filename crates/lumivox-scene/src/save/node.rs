@@ -1,7 +1,7 @@
 //! What stands where: instances, lights and cameras, each at a node of its own.
 
 use glam::{DVec3, Mat4, Vec3};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::Writer;
 use super::document::{number, numbers, own_extras};
@@ -23,6 +23,10 @@ impl Writer<'_> {
             let mesh = self.mesh(instance.mesh, instance.material, mirrored);
             let mut node = placed(&instance.name, instance.world_from_local);
             node.set("mesh", json!(mesh));
+            // What nothing moves is static unless it says otherwise, and animations are not saved.
+            if !instance.is_static {
+                own_extras(&mut node.0, &Map::from_iter([("static".to_owned(), json!(false))]));
+            }
             self.document.push("nodes", &Value::Object(node.0));
         }
         for light in &scene.lights {

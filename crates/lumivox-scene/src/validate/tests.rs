@@ -22,6 +22,7 @@ fn triangle() -> Scene {
             mesh: 0,
             material: 0,
             world_from_local: Mat4::IDENTITY,
+            is_static: true,
         }],
         materials: vec![Material::default()],
         ..Scene::default()

@@ -12,6 +12,7 @@ struct Resolved {
     material: Material,
     textures: Vec<Texture>,
     world_from_local: [f32; 16],
+    is_static: bool,
 }
 
 fn resolve(scene: &Scene) -> Vec<Resolved> {
@@ -33,6 +34,7 @@ fn resolve(scene: &Scene) -> Vec<Resolved> {
             material,
             textures,
             world_from_local: instance.world_from_local.to_cols_array(),
+            is_static: instance.is_static,
         }
     };
     scene.instances.iter().map(resolved).collect()

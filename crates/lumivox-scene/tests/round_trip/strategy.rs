@@ -275,12 +275,13 @@ fn transform() -> impl Strategy<Value = Mat4> {
 }
 
 fn instance(meshes: usize, materials: usize) -> impl Strategy<Value = Instance> {
-    (name(), 0..meshes, 0..materials, transform()).prop_map(
-        |(name, mesh, material, world_from_local)| Instance {
+    (name(), 0..meshes, 0..materials, transform(), any::<bool>()).prop_map(
+        |(name, mesh, material, world_from_local, is_static)| Instance {
             name,
             mesh,
             material,
             world_from_local,
+            is_static,
         },
     )
 }

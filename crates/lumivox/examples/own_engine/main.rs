@@ -45,6 +45,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
         base_vertex: 0,
         material: quad,
         world_from_local: Mat4::IDENTITY,
+        is_static: false,
     });
     let batch = GeometryBatch {
         positions: raster.positions.clone(),

@@ -19,6 +19,7 @@ use crate::gpu::{
 };
 use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
+use crate::volume::changes::Changes;
 use crate::voxels::VoxelList;
 use crate::{GiConfig, GiError};
 
@@ -155,10 +156,13 @@ impl Lighting {
     }
 
     /// Direct light, then `gathers` bounces, each stored and filtered into the volume.
+    ///
+    /// Without bounces what did not change is not stored again. With them nearly everything changes, in every
+    /// gather, and looking for what does not would cost more than it saves.
     pub(crate) fn run(
         &self,
         recorder: &mut Recorder,
-        volume: &Volume,
+        (volume, changes): (&mut Volume, &mut Changes),
         lights: &Lights,
         gathers: u32,
         settings: &TraceSettings,
@@ -175,9 +179,14 @@ impl Lighting {
         let bytes = bytemuck::bytes_of(&bounce_settings);
         recorder.queue().write_buffer(&self.settings, 0, bytes);
         recorder.stage("light");
+        let is_direct = gathers == 0;
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
         if lights.has_cone_shadows {
-            volume.update(recorder);
+            recorder.stage("filter");
+            if let Some(changed) = changes.surfaces(recorder) {
+                volume.update(recorder, changed);
+            }
+            recorder.stage("light");
         }
         let groups = [volume.globals(), &faces.direct_group, &lights.group];
         self.direct.run_linear(recorder, &groups, faces.count);
@@ -185,13 +194,15 @@ impl Lighting {
             photons.run(recorder, lights, &faces.direct, &faces.radiance);
         }
         recorder.stage("filter");
-        volume.update(recorder);
+        let changed = if is_direct { changes.find(recorder) } else { changes.all(recorder) };
+        let Some(changed) = changed else { return };
+        volume.update(recorder, changed);
         for _ in 0..gathers {
             recorder.stage("bounce");
             let groups = [volume.globals(), &faces.bounce_group, &lights.group];
             self.bounce.run_linear(recorder, &groups, faces.count);
             recorder.stage("filter");
-            volume.update(recorder);
+            volume.update(recorder, changed);
         }
     }
 

@@ -1,4 +1,4 @@
-// The nodes of one level: what the kernels that fill the volume run over (group 1, bindings 0 and 1).
+// The nodes of one level: what fills the masks runs over (group 1, bindings 0 and 1).
 
 import package::voxels::list::Node;
 

@@ -8,16 +8,21 @@
 //! and nothing else.
 
 mod budget;
+pub(crate) mod changes;
 mod dense;
+mod level_range;
 mod octree;
 
 use crate::gpu::{Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
+use changes::ChangedCells;
 use dense::DenseVolume;
 #[cfg(test)]
-pub(crate) use dense::{Level, MaskLevels, NodeRange, read_levels};
+pub(crate) use dense::{Level, MaskLevels, read_levels};
+#[cfg(test)]
+pub(crate) use level_range::NodeRange;
 use octree::OctreeVolume;
 pub use octree::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
 #[cfg(test)]
@@ -64,7 +69,7 @@ pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
 
 /// The shader modules of all volumes but for those that [`mount`] adds.
 pub(crate) fn modules() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
-    SHARED.iter().chain(dense::MODULES).chain(octree::MODULES)
+    SHARED.iter().chain(changes::MODULES).chain(dense::MODULES).chain(octree::MODULES)
 }
 
 /// Makes a kind of volume `package::volume` and `package::volume::cells`.
@@ -83,6 +88,26 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
         .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic))
         // Until there is a grid.
         .constant_u32("OCTREE_STEPS", 0);
+}
+
+/// The voxels before and now.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lists<'a> {
+    pub(crate) old: Option<&'a VoxelList>,
+    pub(crate) new: &'a VoxelList,
+    /// What the new list's faces will send out.
+    pub(crate) radiance: &'a wgpu::Buffer,
+}
+
+/// What differs between them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cells<'a> {
+    /// The cells of another surface than the last list's, which hold what must go.
+    pub(crate) wrong: Option<&'a ChangedCells>,
+    /// The list of cells that updates will come with.
+    pub(crate) changed: &'a ChangedCells,
+    /// The bits that it is made from; now those of cells of another surface, if there was a list before.
+    pub(crate) bits: &'a wgpu::Buffer,
 }
 
 /// A volume on the GPU.
@@ -115,31 +140,35 @@ impl Volume {
         }
     }
 
-    /// Takes a new voxel list: forgets the last one's voxels and prepares for the new one's. The radiance is
-    /// not there before [`Self::update`].
+    /// Makes room for a new voxel list; the last one stays until [`Self::rebuild`].
     ///
     /// # Errors
-    /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit; it keeps the last list then.
-    pub(crate) async fn rebuild(
+    /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit.
+    pub(crate) async fn prepare(
         &mut self,
         recorder: &mut Recorder,
         voxels: &VoxelList,
-        radiance: &wgpu::Buffer,
     ) -> Result<(), GiError> {
         match self {
-            Self::Dense(dense) => {
-                dense.rebuild(recorder, voxels, radiance);
-                Ok(())
-            }
-            Self::Octree(octree) => octree.rebuild(recorder, voxels, radiance).await,
+            Self::Dense(_) => Ok(()),
+            Self::Octree(octree) => octree.prepare(recorder, voxels).await,
         }
     }
 
-    /// Stores the radiance of all faces and filters it into the pyramid.
-    pub(crate) fn update(&self, recorder: &mut Recorder) {
+    /// Takes a new voxel list, for which there is room: forgets what is gone of the last one. The radiance is not
+    /// there before [`Self::update`].
+    pub(crate) fn rebuild(&mut self, recorder: &mut Recorder, lists: Lists<'_>, cells: Cells<'_>) {
         match self {
-            Self::Dense(dense) => dense.update(recorder),
-            Self::Octree(octree) => octree.update(recorder),
+            Self::Dense(dense) => dense.rebuild(recorder, lists, cells),
+            Self::Octree(octree) => octree.rebuild(recorder, lists, cells),
+        }
+    }
+
+    /// Stores the radiance of the faces and filters it into the pyramid, where it has changed.
+    pub(crate) fn update(&mut self, recorder: &mut Recorder, changed: &ChangedCells) {
+        match self {
+            Self::Dense(dense) => dense.update(recorder, changed),
+            Self::Octree(octree) => octree.update(recorder, changed),
         }
     }
 

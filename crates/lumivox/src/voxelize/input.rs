@@ -73,6 +73,94 @@ pub(crate) struct PreparedBatch {
     pub triangle_count: u32,
 }
 
+/// The draws of one part of the surface, static or dynamic, checked and in order.
+#[derive(Clone, Debug)]
+pub(crate) struct PartInput<'a> {
+    /// Batches that have triangles in this part.
+    pub batches: Vec<(&'a GeometryBatch, PreparedBatch)>,
+}
+
+/// All that a part was made of but what stands in its buffers: equal keys give equal parts, if those are as
+/// they were.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PartKey {
+    grid: Grid,
+    batches: Vec<BatchKey>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct BatchKey {
+    positions: wgpu::Buffer,
+    attributes: Option<VertexAttributes>,
+    indices: wgpu::Buffer,
+    /// The bytes of the records: transforms, materials' factors, places in the buffers.
+    draws: Vec<u8>,
+    groups: Vec<GroupKey>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct GroupKey {
+    detail: Detail,
+    triangles: std::ops::Range<u32>,
+    draws: std::ops::Range<u32>,
+    textures: [Option<(wgpu::TextureView, wgpu::Sampler)>; 3],
+}
+
+impl<'a> PartInput<'a> {
+    /// The part of the draws that are static, or of those that are not.
+    ///
+    /// # Errors
+    /// [`GiError::Geometry`] and [`GiError::Limit`] as [`super::Voxelizer::voxelize`] says.
+    pub(crate) fn new(
+        geometry: &'a Geometry,
+        is_static: bool,
+        grid: &Grid,
+        limits: &wgpu::Limits,
+    ) -> Result<Self, GiError> {
+        let mut batches = Vec::new();
+        for (index, batch) in geometry.batches.iter().enumerate() {
+            if let Some(prepared) = prepare_batch(geometry, index, is_static, grid, limits)? {
+                batches.push((batch, prepared));
+            }
+        }
+        Ok(Self { batches })
+    }
+
+    /// Whether there are no triangles.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.batches.is_empty()
+    }
+
+    /// How many triangles there are.
+    pub(crate) fn triangle_count(&self) -> u64 {
+        self.batches.iter().map(|(_, prepared)| u64::from(prepared.triangle_count)).sum()
+    }
+
+    /// What the part is made of.
+    pub(crate) fn key(&self, geometry: &Geometry, grid: &Grid) -> PartKey {
+        let key = |(batch, prepared): &(&GeometryBatch, PreparedBatch)| BatchKey {
+            positions: batch.positions.clone(),
+            attributes: batch.attributes.clone(),
+            indices: batch.indices.clone(),
+            draws: bytemuck::cast_slice(&prepared.draws).to_vec(),
+            groups: prepared.groups.iter().map(|group| group.key(&geometry.materials)).collect(),
+        };
+        PartKey { grid: *grid, batches: self.batches.iter().map(key).collect() }
+    }
+}
+
+impl DrawGroup {
+    fn key(&self, materials: &[SurfaceMaterial]) -> GroupKey {
+        GroupKey {
+            detail: self.detail,
+            triangles: self.triangles.clone(),
+            draws: self.draws.clone(),
+            textures: textures(&materials[self.material as usize])
+                .map(|texture| texture.map(|t| (t.view.clone(), t.sampler.clone()))),
+        }
+    }
+}
+
 /// The largest emission of any material: what emission is stored relative to.
 pub(crate) fn emission_scale(geometry: &Geometry) -> f32 {
     geometry.materials.iter().map(|material| material.emission.max_element()).fold(0.0, f32::max)
@@ -108,12 +196,12 @@ pub(crate) fn check_materials(geometry: &Geometry) -> Result<(), GiError> {
     Ok(())
 }
 
-/// Checks a batch and puts its draws in order; `None` if it has no triangles.
-pub(crate) fn prepare_batch(
+/// Checks a batch and puts the draws of a part in order; `None` if they have no triangles.
+fn prepare_batch(
     geometry: &Geometry,
     index: usize,
+    is_static: bool,
     grid: &Grid,
-    emission_scale: f32,
     limits: &wgpu::Limits,
 ) -> Result<Option<PreparedBatch>, GiError> {
     let batch = &geometry.batches[index];
@@ -126,7 +214,9 @@ pub(crate) fn prepare_batch(
         })?;
     }
 
-    let triangles: u64 = batch.draws.iter().map(|draw| u64::from(draw.index_count / 3)).sum();
+    let mut order: Vec<&Draw> = batch.draws.iter().collect();
+    order.retain(|draw| draw.is_static == is_static && draw.index_count > 0);
+    let triangles: u64 = order.iter().map(|draw| u64::from(draw.index_count / 3)).sum();
     // The items' starts take a word per triangle, and one more.
     let available = limits.max_storage_buffer_binding_size / 4 - 1;
     if triangles > available {
@@ -142,10 +232,10 @@ pub(crate) fn prepare_batch(
     if triangles == 0 {
         return Ok(None);
     }
-    let draw_bytes = batch.draws.len() as u64 * size_of::<DrawRecord>() as u64;
+    let draw_bytes = order.len() as u64 * size_of::<DrawRecord>() as u64;
     if draw_bytes > limits.max_storage_buffer_binding_size {
         return Err(GiError::Limit {
-            what: format!("the {} draws of batch {index}", batch.draws.len()),
+            what: format!("the {} draws of batch {index}", order.len()),
             needed: draw_bytes,
             unit: "bytes",
             limit: "max_storage_buffer_binding_size",
@@ -154,7 +244,7 @@ pub(crate) fn prepare_batch(
         });
     }
 
-    let mut order: Vec<&Draw> = batch.draws.iter().filter(|draw| draw.index_count > 0).collect();
+    let emission_scale = emission_scale(geometry);
     order.sort_by_key(|draw| groups[draw.material as usize]);
     let mut prepared = PreparedBatch {
         draws: Vec::with_capacity(order.len()),

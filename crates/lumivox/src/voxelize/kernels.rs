@@ -16,6 +16,9 @@ pub(super) struct Layouts {
     pub run: wgpu::BindGroupLayout,
     pub faces: wgpu::BindGroupLayout,
     pub resolve: wgpu::BindGroupLayout,
+    pub merge_bits: wgpu::BindGroupLayout,
+    pub unite: wgpu::BindGroupLayout,
+    pub resolve_parts: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -31,6 +34,11 @@ impl Layouts {
         let accumulate = pass().storage().storage().storage().storage_mut();
         let run = (0..3).fold(walk().uniform(), |run, _| run.texture_2d().sampler());
         let resolve = compute().uniform().storage().storage_mut().storage_mut();
+        let merge_bits = compute().storage().storage().storage_mut();
+        let unite = (0..5).fold(compute(), |unite, _| unite.storage());
+        let unite = unite.storage_mut().storage_mut();
+        let resolve_parts = (0..4).fold(compute().uniform(), |parts, _| parts.storage());
+        let resolve_parts = resolve_parts.storage_mut().storage_mut();
         Self {
             grid: walk().uniform().build(device, "grid"),
             triangles: triangles.build(device, "voxelize::triangles"),
@@ -41,6 +49,9 @@ impl Layouts {
             run: run.build(device, "voxelize::run"),
             faces: compute().storage_mut().storage_mut().build(device, "voxelize::faces"),
             resolve: resolve.build(device, "voxelize::resolve"),
+            merge_bits: merge_bits.build(device, "voxelize::merge_bits"),
+            unite: unite.build(device, "voxelize::unite"),
+            resolve_parts: resolve_parts.build(device, "voxelize::resolve_parts"),
         }
     }
 }
@@ -80,6 +91,9 @@ pub(super) struct Kernels {
     pub count_faces: Kernel,
     pub prepare_faces: Kernel,
     pub resolve: Kernel,
+    pub merge_bits: Kernel,
+    pub unite: Kernel,
+    pub resolve_parts: Kernel,
 }
 
 impl Kernels {
@@ -113,6 +127,9 @@ impl Kernels {
             count_faces: kernel("voxelize::faces", "count", &[&layouts.faces])?,
             prepare_faces: kernel("voxelize::faces", "prepare", &[&layouts.faces])?,
             resolve: kernel("voxelize::resolve", "main", &[&layouts.resolve])?,
+            merge_bits: kernel("voxelize::merge_bits", "main", &[&layouts.merge_bits])?,
+            unite: kernel("voxelize::unite", "main", &[&layouts.unite])?,
+            resolve_parts: kernel("voxelize::resolve_parts", "main", &[&layouts.resolve_parts])?,
             layouts,
         })
     }

@@ -2,6 +2,7 @@
 
 use super::batch::{ItemRun, SplitCounts, SplitParams};
 use super::input::{DrawRecord, TexturePlace};
+use super::whole::UnitedVoxel;
 use super::{ResolveParams, VoxelFaces};
 use crate::gpu::assert_layout;
 use crate::voxels::FaceRecord;
@@ -73,10 +74,16 @@ fn structs_lie_in_memory_alike() {
         "ResolveParams",
         ResolveParams { voxel_count, emission_scale }
     );
+    assert_layout!(
+        library,
+        "voxelize::unite",
+        "UnitedVoxel",
+        UnitedVoxel { lobes, first_sums, scales }
+    );
     // The sums of a face stand where the face's means will be.
     assert_layout!(
         library,
-        "voxelize::resolve",
+        "voxelize::face_sums",
         "FaceSlot",
         FaceRecord { position_in_world, voxel, vector_area, lobe, reflectance, emission }
     );

@@ -11,6 +11,13 @@
 //! 4. `accumulate` walks a third time and adds vector area, reflectance, emission and position to the lobe's
 //!    integer sums; `resolve` turns them into faces.
 //!
+//! # Parts
+//! What is static and what moves ([`Draw::is_static`](crate::Draw)) are two parts of the surface, each with its own
+//! voxels, lobes and sums (`part.rs`). Nothing in a part depends on the other one: not its bits, and not the scale of
+//! its sums. So when only dynamic draws changed, the static part is what it was, and the walks are over the dynamic
+//! triangles alone. `whole.rs` makes one list of both, the same way whether a part is new or kept: to the bit what
+//! a voxelization of everything gives. Where all is static, or nothing, there is one part and no merging.
+//!
 //! Walking three times costs less memory than storing the pieces, of which a fine mesh has millions, and every
 //! buffer is sized from counts: of items on the GPU, of voxels and faces by two read-backs.
 //!
@@ -30,7 +37,9 @@ mod kernels;
 mod layouts_test;
 mod memory;
 mod method;
+mod part;
 mod raster;
+mod whole;
 
 use std::mem::offset_of;
 
@@ -40,15 +49,17 @@ use crate::gpu::{
     BindGroupBuilder, Recorder, ShaderLibrary, StageTime, Timing, read_buffer, storage_buffer,
     uniform_buffer,
 };
-use crate::voxels::{FaceRecord, ListBuilder, VoxelList};
+use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList};
 use crate::{Geometry, GiError, Grid};
-use batch::{Fallbacks, SplitBatch, SplitCounts};
+use batch::{Fallbacks, SplitCounts};
+use input::{PartInput, PartKey};
 use kernels::Kernels;
 pub(crate) use memory::{Memory, Remedy};
-use method::Step;
 pub use method::VoxelizeMethod;
+use part::{LobedPart, MarkedPart, Part, PartCounts, Work};
 pub(crate) use raster::MODULES as RASTER_MODULES;
 use raster::Raster;
+use whole::United;
 
 /// Columns of voxels along the side of a work item's tile.
 const TILE_EDGE: u32 = 4;
@@ -56,18 +67,22 @@ const TILE_EDGE: u32 = 4;
 /// The shader modules of this stage.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("voxelize::accumulate", include_str!("accumulate.wgsl")),
+    ("voxelize::face_sums", include_str!("face_sums.wgsl")),
     ("voxelize::faces", include_str!("faces.wgsl")),
     ("voxelize::footprint", include_str!("footprint.wgsl")),
     ("voxelize::items", include_str!("items.wgsl")),
     ("voxelize::lobes", include_str!("lobes.wgsl")),
     ("voxelize::mark", include_str!("mark.wgsl")),
+    ("voxelize::merge_bits", include_str!("merge_bits.wgsl")),
     ("voxelize::overlap", include_str!("overlap.wgsl")),
     ("voxelize::piece", include_str!("piece.wgsl")),
     ("voxelize::reproducible", include_str!("reproducible.wgsl")),
     ("voxelize::resolve", include_str!("resolve.wgsl")),
+    ("voxelize::resolve_parts", include_str!("resolve_parts.wgsl")),
     ("voxelize::split", include_str!("split.wgsl")),
     ("voxelize::surface", include_str!("surface.wgsl")),
     ("voxelize::triangles", include_str!("triangles.wgsl")),
+    ("voxelize::unite", include_str!("unite.wgsl")),
     ("voxelize::walk", include_str!("walk.wgsl")),
 ];
 
@@ -109,6 +124,11 @@ struct ResolveParams {
 pub struct VoxelizeStats {
     /// Triangles given.
     pub triangles: u64,
+    /// Of those, the ones that were walked over: all, or the dynamic ones alone if the static ones were kept.
+    pub walked: u64,
+    /// Whether what an earlier voxelization found of the static triangles was used again. All that is counted
+    /// here is counted with them.
+    pub static_reused: bool,
     /// Of those, the ones without an area or with coordinates that are not finite; they are left out.
     pub skipped: u64,
     /// Of those, the ones that lie wholly outside the grid.
@@ -172,186 +192,232 @@ impl Voxelizer {
         geometry: &Geometry,
         timing: Timing,
     ) -> Result<(VoxelList, VoxelizeStats, Vec<StageTime>), GiError> {
-        let kernels = &self.kernels;
-        let layouts = &kernels.layouts;
-        let mut memory = Memory::new(device);
-        let mut recorder = Recorder::with_timing(device, queue, timing);
-        recorder.stage("voxelize");
-
-        let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
-        let globals =
-            BindGroupBuilder::new(&layouts.grid).buffer(&grid_uniform).build(device, "grid");
-        let emission_scale = input::emission_scale(geometry);
-        let batches = self.split(&mut recorder, &mut memory, queue, &globals, grid, geometry)?;
-
-        // Which voxels are touched, and their list.
-        let occupied = ListBuilder::begin(&mut memory, grid)?;
-        let mark: Vec<_> = batches
-            .iter()
-            .map(|batch| {
-                BindGroupBuilder::new(&layouts.mark)
-                    .buffer(&batch.item_starts)
-                    .buffer(&occupied.occupancy)
-                    .build(device, "voxelize::mark")
-            })
-            .collect();
-        self.walk(&mut recorder, (grid, &globals), &batches, &mark, Step::Mark);
-        kernels.list.rank(&mut recorder, &kernels.scan, &globals, grid, &occupied);
-        let (level_starts, splits) =
-            read_marked(&mut recorder, device, queue, grid, &occupied, &batches).await?;
-        let mut stats = stats_of(geometry, &splits)?;
-        let voxel_count = level_starts[1];
-        if voxel_count == 0 {
-            return Err(GiError::NothingToVoxelize {
-                triangles: stats.triangles,
-                skipped: stats.skipped,
-            });
-        }
-        let node_count = level_starts[grid.levels as usize];
-        let nodes =
-            kernels.list.list(&mut recorder, &mut memory, &globals, grid, &occupied, node_count)?;
-
-        // Which lobes they have, and how much surface.
-        let remedy = Remedy::Surface(grid.dimensions.max_element());
-        let stride = size_of::<VoxelFaces>() as u64;
-        let voxels = memory.buffer("lobes of voxels", u64::from(voxel_count), stride, remedy)?;
-        let first_faces = memory.buffer("first faces", u64::from(voxel_count) + 1, 4, remedy)?;
-        let pieces = storage_buffer(device, "pieces", 8);
-        let lobes: Vec<_> = batches
-            .iter()
-            .map(|batch| {
-                BindGroupBuilder::new(&layouts.lobes)
-                    .buffer(&batch.item_starts)
-                    .buffer(&occupied.cells)
-                    .buffer(&voxels)
-                    .buffer(&pieces)
-                    .build(device, "voxelize::lobes")
-            })
-            .collect();
-        self.walk(&mut recorder, (grid, &globals), &batches, &lobes, Step::Lobes);
-        let faces_group = BindGroupBuilder::new(&layouts.faces)
-            .buffer(&voxels)
-            .buffer(&first_faces)
-            .build(device, "voxelize::faces");
-        let faces_groups = [&globals, &faces_group];
-        kernels.count_faces.run_linear(&mut recorder, &faces_groups, u64::from(voxel_count));
-        kernels.scan.run(&mut recorder, &first_faces, voxel_count + 1);
-        kernels.prepare_faces.run_linear(&mut recorder, &faces_groups, u64::from(voxel_count));
-        let counts = storage_buffer(device, "face counts", 12);
-        let total = u64::from(voxel_count) * 4;
-        recorder.encoder().copy_buffer_to_buffer(&first_faces, total, &counts, 0, 4);
-        recorder.encoder().copy_buffer_to_buffer(&pieces, 0, &counts, 4, 8);
-        recorder.flush();
-        let counts: Vec<u32> = read_buffer(device, queue, &counts, 0..12).await?;
-        let face_count = counts[0];
-        stats.fragments = u64::from(counts[2]) << 32 | u64::from(counts[1]);
-
-        // What is in them.
-        let stride = size_of::<FaceRecord>() as u64;
-        let faces = memory.buffer("faces", u64::from(face_count), stride, remedy)?;
-        let accumulate: Vec<_> = batches
-            .iter()
-            .map(|batch| {
-                BindGroupBuilder::new(&layouts.accumulate)
-                    .buffer(&batch.item_starts)
-                    .buffer(&occupied.cells)
-                    .buffer(&voxels)
-                    .buffer(&faces)
-                    .build(device, "voxelize::accumulate")
-            })
-            .collect();
-        self.walk(&mut recorder, (grid, &globals), &batches, &accumulate, Step::Accumulate);
-        let params = ResolveParams { voxel_count, emission_scale };
-        let params = uniform_buffer(device, "resolve parameters", &params);
-        let resolve = BindGroupBuilder::new(&layouts.resolve)
-            .buffer(&params)
-            .buffer(&voxels)
-            .buffer(&nodes)
-            .buffer(&faces)
-            .build(device, "voxelize::resolve");
-        let count = u64::from(voxel_count);
-        kernels.resolve.run_linear(&mut recorder, &[&globals, &resolve], count);
-        kernels.list.inner_lobes(&mut recorder, &globals, grid, &occupied, &nodes, &level_starts);
-        let times = recorder.finish().await?;
-
-        stats.voxels = voxel_count;
-        stats.faces = face_count;
-        stats.bytes = memory.into_bytes();
-        let list = VoxelList {
-            level_starts,
-            face_count,
-            occupancy: occupied.occupancy,
-            ranks: occupied.ranks,
-            nodes,
-            first_faces,
-            faces,
-        };
-        Ok((list, stats, times))
+        let mut nothing = KeptStatic::default();
+        self.voxelize_dynamic(device, queue, grid, geometry, timing, &mut nothing).await
     }
 
-    /// Checks the geometry and splits the triangles of all batches into items.
-    fn split(
+    /// As [`Self::voxelize`], but what `kept` has of static draws is used again instead of walking them, if they
+    /// are the same: the same transforms, materials and buffers. That those buffers' content is the same, too,
+    /// is the caller's promise. Then `kept` has what is to be kept for the next time.
+    ///
+    /// The list is that of [`Self::voxelize`] to the bit.
+    ///
+    /// # Errors
+    /// As [`Self::voxelize`]; then nothing is kept.
+    pub async fn voxelize_dynamic(
         &self,
-        recorder: &mut Recorder,
-        memory: &mut Memory<'_>,
+        device: &wgpu::Device,
         queue: &wgpu::Queue,
-        globals: &wgpu::BindGroup,
         grid: &Grid,
         geometry: &Geometry,
-    ) -> Result<Vec<SplitBatch>, GiError> {
+        timing: Timing,
+        kept: &mut KeptStatic,
+    ) -> Result<(VoxelList, VoxelizeStats, Vec<StageTime>), GiError> {
         input::check_materials(geometry)?;
-        let fallbacks = Fallbacks::new(memory.device(), queue);
-        let limits = memory.device().limits();
-        let emission_scale = input::emission_scale(geometry);
-        let mut batches = Vec::new();
-        for (index, batch) in geometry.batches.iter().enumerate() {
-            let Some(prepared) =
-                input::prepare_batch(geometry, index, grid, emission_scale, &limits)?
-            else {
-                continue;
-            };
-            batches.push(SplitBatch::new(
-                recorder,
-                memory,
-                &self.kernels,
-                globals,
-                &fallbacks,
-                (batch, &prepared),
-                &geometry.materials,
-            )?);
+        let limits = device.limits();
+        let fixed = PartInput::new(geometry, true, grid, &limits)?;
+        let moving = PartInput::new(geometry, false, grid, &limits)?;
+        let key = fixed.key(geometry, grid);
+        let earlier = kept.0.take().filter(|kept| !fixed.is_empty() && kept.key == key);
+        let earlier = earlier.map(|kept| kept.part);
+        let is_reused = earlier.is_some();
+
+        let mut recorder = Recorder::with_timing(device, queue, timing);
+        recorder.stage("voxelize");
+        let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
+        let globals = BindGroupBuilder::new(&self.kernels.layouts.grid);
+        let mut work = Work {
+            voxelizer: self,
+            kernels: &self.kernels,
+            device,
+            grid,
+            globals: globals.buffer(&grid_uniform).build(device, "grid"),
+            recorder,
+            memory: Memory::new(device),
+        };
+        let fallbacks = Fallbacks::new(device, queue);
+
+        // Which voxels are touched.
+        let mut mark = |input: &PartInput<'_>, is_known: bool| {
+            (!input.is_empty() && !is_known)
+                .then(|| MarkedPart::new(&mut work, &fallbacks, input, geometry))
+                .transpose()
+        };
+        let marked = [mark(&fixed, is_reused)?, mark(&moving, false)?];
+        let occupied = |part: usize| {
+            let earlier = earlier.as_ref().filter(|_| part == 0).map(|part| &part.occupied);
+            marked[part].as_ref().map(|marked| &marked.occupied).or(earlier)
+        };
+        let merged = match (occupied(0), occupied(1)) {
+            (Some(first), Some(second)) => Some(whole::merge_bits(&mut work, [first, second])?),
+            _ => None,
+        };
+        let counted = read_marked(&mut work, queue, &marked, merged.as_ref()).await?;
+
+        // Which lobes they have, and how much surface.
+        let mut lobed = [None, None];
+        for (part, marked) in marked.into_iter().enumerate() {
+            let Some(marked) = marked else { continue };
+            let (starts, splits) = (&counted.starts[part], &counted.splits[part]);
+            check_numbering(splits)?;
+            lobed[part] = Some(marked.collect_lobes(&mut work, starts.clone(), splits)?);
         }
-        Ok(batches)
+        let parts: Vec<&Part> =
+            earlier.iter().chain(lobed.iter().flatten().map(|l| &l.part)).collect();
+        let stats = stats_of(geometry, &parts);
+        let is_nothing = parts.iter().all(|part| part.level_starts[1] == 0);
+        if is_nothing {
+            let VoxelizeStats { triangles, skipped, .. } = stats;
+            return Err(GiError::NothingToVoxelize { triangles, skipped });
+        }
+        let united = match (merged, parts.as_slice()) {
+            (Some(merged), &[first, second]) => {
+                let starts = counted.starts[2].clone();
+                Some(United::new(&mut work, merged, starts, [first, second])?)
+            }
+            _ => None,
+        };
+        let (face_counts, united_faces) =
+            read_lobed(&mut work, queue, &lobed, united.as_ref()).await?;
+
+        // What is in them.
+        let mut parts: Vec<Part> = earlier.into_iter().collect();
+        for (lobed, counts) in lobed.into_iter().flatten().zip(&face_counts) {
+            parts.push(lobed.sum_up(&mut work, counts)?);
+        }
+        let emission_scale = input::emission_scale(geometry);
+        let list = match (united, parts.as_slice()) {
+            (Some(united), [first, second]) => {
+                let sums = [&first.sums, &second.sums];
+                united.resolve(&mut work, sums, united_faces, emission_scale)?
+            }
+            (_, parts) => whole::list_of_one(&mut work, &parts[0], is_reused, emission_scale)?,
+        };
+
+        let parts_now: Vec<&Part> = parts.iter().collect();
+        let walked = moving.triangle_count() + if is_reused { 0 } else { fixed.triangle_count() };
+        let mut stats = VoxelizeStats {
+            walked,
+            static_reused: is_reused,
+            voxels: list.voxel_count(),
+            faces: list.face_count,
+            ..stats_of(geometry, &parts_now)
+        };
+        // A static part that stood alone has become the list.
+        if !fixed.is_empty() && (is_reused || !moving.is_empty()) {
+            let part = parts.swap_remove(0);
+            kept.0 = Some(Kept { key, part });
+        }
+        let Work { recorder, memory, .. } = work;
+        stats.bytes = memory.into_bytes();
+        Ok((list, stats, recorder.finish().await?))
     }
+}
+
+/// What a voxelization keeps of static draws, so that the next one need not walk them again. Empty at first.
+#[derive(Debug, Default)]
+pub struct KeptStatic(Option<Kept>);
+
+#[derive(Debug)]
+struct Kept {
+    key: PartKey,
+    part: Part,
+}
+
+impl KeptStatic {
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.0.as_ref().map_or(0, |kept| kept.part.bytes())
+    }
+}
+
+/// What is known once the voxels are marked.
+struct Counted {
+    /// Where the levels' nodes start: of the two parts and of both together, empty for what is not there.
+    starts: [Vec<u32>; 3],
+    /// How the parts' batches were split.
+    splits: [Vec<SplitCounts>; 2],
 }
 
 /// Submits the work so far and reads back where the levels' nodes start and how the batches were split.
 async fn read_marked(
-    recorder: &mut Recorder,
-    device: &wgpu::Device,
+    work: &mut Work<'_>,
     queue: &wgpu::Queue,
-    grid: &Grid,
-    occupied: &crate::voxels::Occupied,
-    batches: &[SplitBatch],
-) -> Result<(Vec<u32>, Vec<SplitCounts>), GiError> {
-    let starts = grid.levels as usize + 1;
+    marked: &[Option<MarkedPart>; 2],
+    merged: Option<&Occupied>,
+) -> Result<Counted, GiError> {
+    let [fixed, moving] = marked;
+    let lists = [fixed, moving].map(|part| part.as_ref().map(|part| &part.occupied));
+    let lists = [lists[0], lists[1], merged];
+    let splits = marked
+        .each_ref()
+        .map(|part| part.iter().flat_map(MarkedPart::split_counts).collect::<Vec<_>>());
+    let start_bytes = 4 * (u64::from(work.grid.levels) + 1);
     let stride = size_of::<SplitCounts>() as u64;
-    let bytes = starts as u64 * 4 + batches.len() as u64 * stride;
-    let counts = storage_buffer(device, "voxel counts", bytes);
-    let encoder = recorder.encoder();
-    ListBuilder::copy_level_starts(encoder, grid, occupied, &counts);
-    for (index, batch) in batches.iter().enumerate() {
-        let place = starts as u64 * 4 + index as u64 * stride;
-        encoder.copy_buffer_to_buffer(&batch.counts, 0, &counts, place, stride);
+    let list_count = lists.iter().flatten().count() as u64;
+    let split_count = splits.iter().flatten().count() as u64;
+    let bytes = list_count * start_bytes + split_count * stride;
+    if bytes == 0 {
+        return Ok(Counted { starts: Default::default(), splits: Default::default() });
     }
-    recorder.flush();
-    let mut words: Vec<u32> = read_buffer(device, queue, &counts, 0..bytes).await?;
-    let splits = bytemuck::pod_collect_to_vec(&words[starts..]);
-    words.truncate(starts);
-    Ok((words, splits))
+    let counts = storage_buffer(work.device, "voxel counts", bytes);
+    let encoder = work.recorder.encoder();
+    let mut place = 0;
+    for list in lists.into_iter().flatten() {
+        ListBuilder::copy_level_starts(encoder, work.grid, list, (&counts, place));
+        place += start_bytes;
+    }
+    for &split in splits.iter().flatten() {
+        encoder.copy_buffer_to_buffer(split, 0, &counts, place, stride);
+        place += stride;
+    }
+    work.recorder.flush();
+    let words: Vec<u32> = read_buffer(work.device, queue, &counts, 0..bytes).await?;
+    let (starts, rest) = words.split_at((list_count * start_bytes / 4) as usize);
+    let mut starts = starts.chunks_exact(start_bytes as usize / 4).map(<[u32]>::to_vec);
+    let mut rest = rest.chunks_exact(stride as usize / 4);
+    Ok(Counted {
+        starts: lists.map(|list| list.and_then(|_| starts.next()).unwrap_or_default()),
+        splits: splits
+            .map(|buffers| rest.by_ref().take(buffers.len()).map(split_from_words).collect()),
+    })
 }
 
-/// The counts so far.
-fn stats_of(geometry: &Geometry, splits: &[SplitCounts]) -> Result<VoxelizeStats, GiError> {
+fn split_from_words(words: &[u32]) -> SplitCounts {
+    bytemuck::pod_read_unaligned(bytemuck::cast_slice(words))
+}
+
+/// Submits the work so far and reads back the counts of each part that was walked
+/// ([`LobedPart::copy_counts`]), and the number of faces of both together.
+async fn read_lobed(
+    work: &mut Work<'_>,
+    queue: &wgpu::Queue,
+    lobed: &[Option<LobedPart>; 2],
+    united: Option<&United>,
+) -> Result<(Vec<Vec<u32>>, u32), GiError> {
+    let parts: Vec<&LobedPart> = lobed.iter().flatten().collect();
+    let words = parts.len() * LobedPart::COUNT_WORDS + usize::from(united.is_some());
+    if words == 0 {
+        return Ok((Vec::new(), 0));
+    }
+    let bytes = words as u64 * 4;
+    let counts = storage_buffer(work.device, "face counts", bytes);
+    let encoder = work.recorder.encoder();
+    for (index, part) in parts.iter().enumerate() {
+        part.copy_counts(encoder, &counts, (index * LobedPart::COUNT_WORDS) as u64 * 4);
+    }
+    if let Some(united) = united {
+        united.copy_face_count(encoder, &counts, bytes - 4);
+    }
+    work.recorder.flush();
+    let words: Vec<u32> = read_buffer(work.device, queue, &counts, 0..bytes).await?;
+    let of_parts = words.chunks_exact(LobedPart::COUNT_WORDS).take(parts.len());
+    let united_faces = words.last().copied().unwrap_or(0);
+    Ok((of_parts.map(<[u32]>::to_vec).collect(), united_faces))
+}
+
+/// Refuses batches that have more items than can be numbered.
+fn check_numbering(splits: &[SplitCounts]) -> Result<(), GiError> {
     for split in splits {
         if split.items_overflow > 0 {
             return Err(GiError::Limit {
@@ -364,15 +430,22 @@ fn stats_of(geometry: &Geometry, splits: &[SplitCounts]) -> Result<VoxelizeStats
             });
         }
     }
-    let sum = |count: fn(&SplitCounts) -> u32| splits.iter().map(|s| u64::from(count(s))).sum();
-    Ok(VoxelizeStats {
+    Ok(())
+}
+
+/// The counts of all parts together.
+fn stats_of(geometry: &Geometry, parts: &[&Part]) -> VoxelizeStats {
+    let sum = |count: fn(&PartCounts) -> u64| parts.iter().map(|part| count(&part.counts)).sum();
+    VoxelizeStats {
         triangles: geometry.triangle_count(),
-        skipped: sum(|split| split.degenerate),
-        outside: sum(|split| split.outside),
-        work_items: sum(|split| split.items),
-        fragments: 0,
+        walked: 0,
+        static_reused: false,
+        skipped: sum(|counts| counts.degenerate),
+        outside: sum(|counts| counts.outside),
+        work_items: sum(|counts| counts.items),
+        fragments: sum(|counts| counts.pieces),
         voxels: 0,
         faces: 0,
         bytes: Vec::new(),
-    })
+    }
 }

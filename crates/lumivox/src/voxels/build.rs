@@ -7,7 +7,8 @@ use crate::gpu::{
     uniform_buffer,
 };
 use crate::voxelize::{Memory, Remedy};
-use crate::voxels::{BitLevel, BitPyramid, NodeRecord};
+use crate::voxels::NodeRecord;
+use crate::voxels::pyramid::{Pyramid, level_first_word, level_words};
 use crate::{GiError, Grid};
 
 /// `InnerParams` of `inner_lobes.wgsl`.
@@ -19,16 +20,6 @@ struct InnerParams {
     child_first_word: u32,
 }
 
-/// Words of the occupancy bits of a level; `level_words` of `lookup.wgsl`.
-fn level_words(grid: &Grid, level: u32) -> u64 {
-    (u64::from(grid.morton_edge(level)).pow(3) / 32).max(1)
-}
-
-/// The words before those of a level; `level_first_word` of `lookup.wgsl`.
-pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
-    (0..level).map(|finer| level_words(grid, finer)).sum()
-}
-
 /// The occupancy bits of all levels with their ranks, before the list is made.
 #[derive(Debug)]
 pub(crate) struct Occupied {
@@ -36,18 +27,18 @@ pub(crate) struct Occupied {
     pub occupancy: wgpu::Buffer,
     /// The bits before each word, and last the total.
     pub ranks: wgpu::Buffer,
-    /// Word and rank side by side, of level 0.
-    pub cells: wgpu::Buffer,
 }
 
 /// The kernels that make the list.
 #[derive(Debug)]
 pub(crate) struct ListBuilder {
     rank_layout: wgpu::BindGroupLayout,
+    cells_layout: wgpu::BindGroupLayout,
     inner_layout: wgpu::BindGroupLayout,
-    pyramid: BitPyramid,
+    pub pyramid: Pyramid,
     count: Kernel,
     list: Kernel,
+    cells: Kernel,
     inner_lobes: Kernel,
 }
 
@@ -62,8 +53,12 @@ impl ListBuilder {
             .storage()
             .storage_mut()
             .storage_mut()
-            .storage_mut()
             .build(device, "voxels::rank");
+        let cells_layout = LayoutBuilder::compute()
+            .storage()
+            .storage()
+            .storage_mut()
+            .build(device, "voxels::cells");
         let inner_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
@@ -71,13 +66,16 @@ impl ListBuilder {
             .storage_mut()
             .build(device, "voxels::inner_lobes");
         let ranks = [globals, &rank_layout];
+        let cells = [globals, &cells_layout];
         let inner = [globals, &inner_layout];
         Ok(Self {
-            pyramid: BitPyramid::new(device, shaders, globals)?,
+            pyramid: Pyramid::new(device, shaders, globals)?,
             count: Kernel::new(device, shaders, "voxels::rank", "count", &ranks)?,
             list: Kernel::new(device, shaders, "voxels::rank", "list", &ranks)?,
+            cells: Kernel::new(device, shaders, "voxels::cells", "main", &cells)?,
             inner_lobes: Kernel::new(device, shaders, "voxels::inner_lobes", "main", &inner)?,
             rank_layout,
+            cells_layout,
             inner_layout,
         })
     }
@@ -92,11 +90,10 @@ impl ListBuilder {
         Ok(Occupied {
             occupancy: memory.buffer("occupancy", words, 4, remedy)?,
             ranks: memory.buffer("ranks", words + 1, 4, remedy)?,
-            cells: memory.buffer("cells", level_words(grid, 0), 8, remedy)?,
         })
     }
 
-    /// Fills the coarser levels from the finest, and ranks all cells.
+    /// Ranks the cells of all levels.
     pub fn rank(
         &self,
         recorder: &mut Recorder,
@@ -106,13 +103,6 @@ impl ListBuilder {
         occupied: &Occupied,
     ) {
         let device = recorder.device().clone();
-        let levels: Vec<BitLevel> = (0..grid.levels)
-            .map(|level| BitLevel {
-                first_word: level_first_word(grid, level) as u32,
-                words: level_words(grid, level) as u32,
-            })
-            .collect();
-        self.pyramid.run(recorder, globals, &occupied.occupancy, &levels);
         let words = level_first_word(grid, grid.levels);
         // The nodes are not there yet: `count` does not touch them.
         let unused = crate::gpu::storage_buffer(&device, "no nodes", 16);
@@ -121,21 +111,46 @@ impl ListBuilder {
         scan.run(recorder, &occupied.ranks, words as u32 + 1);
     }
 
-    /// Copies where the nodes of each level start, and their total, to the front of `counts`.
+    /// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for kernels that
+    /// have none to spare.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] when they do not fit.
+    pub fn cells(
+        &self,
+        recorder: &mut Recorder,
+        memory: &mut Memory<'_>,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        occupied: &Occupied,
+    ) -> Result<wgpu::Buffer, GiError> {
+        let words = level_words(grid, 0);
+        let remedy = Remedy::Volume(grid.dimensions.max_element());
+        let cells = memory.buffer("cells", words, 8, remedy)?;
+        let group = BindGroupBuilder::new(&self.cells_layout)
+            .buffer(&occupied.occupancy)
+            .buffer(&occupied.ranks)
+            .buffer(&cells)
+            .build(memory.device(), "voxels::cells");
+        self.cells.run_linear(recorder, &[globals, &group], words);
+        Ok(cells)
+    }
+
+    /// Copies where the nodes of each level start, and their total, to `counts` at the byte `place`.
     pub fn copy_level_starts(
         encoder: &mut wgpu::CommandEncoder,
         grid: &Grid,
         occupied: &Occupied,
-        counts: &wgpu::Buffer,
+        (counts, place): (&wgpu::Buffer, u64),
     ) {
         for level in 0..=grid.levels {
             let word = level_first_word(grid, level);
-            let place = u64::from(level) * 4;
+            let place = place + u64::from(level) * 4;
             encoder.copy_buffer_to_buffer(&occupied.ranks, word * 4, counts, place, 4);
         }
     }
 
-    /// The nodes, still without lobes; fills `cells` too.
+    /// The nodes, still without lobes.
     ///
     /// # Errors
     /// [`GiError::Limit`] when they do not fit.
@@ -202,7 +217,6 @@ impl ListBuilder {
             .buffer(&occupied.occupancy)
             .buffer(&occupied.ranks)
             .buffer(nodes)
-            .buffer(&occupied.cells)
             .build(device, "voxels::rank")
     }
 }
@@ -211,10 +225,17 @@ impl ListBuilder {
 mod tests {
     use super::InnerParams;
     use crate::gpu::assert_layout;
+    use crate::voxels::pyramid::PyramidParams;
 
     #[test]
     fn structs_lie_in_memory_alike() {
         let library = crate::shaders::library();
+        assert_layout!(
+            library,
+            "voxels::pyramid",
+            "PyramidParams",
+            PyramidParams { child_first_word, child_words, parent_first_word, parent_words }
+        );
         assert_layout!(
             library,
             "voxels::inner_lobes",

@@ -8,8 +8,8 @@
 mod build;
 mod pyramid;
 
-pub(crate) use build::{ListBuilder, Occupied, level_first_word};
-pub(crate) use pyramid::{BitLevel, BitPyramid};
+pub(crate) use build::{ListBuilder, Occupied};
+pub(crate) use pyramid::{BitLevel, Pyramid, level_first_word};
 
 use bytemuck::{Pod, Zeroable};
 

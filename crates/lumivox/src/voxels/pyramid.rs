@@ -1,7 +1,8 @@
-//! Coarser levels of bits in Morton order from finer ones.
+//! The coarser levels of bits, a bit per cell in Morton order: a cell's is set if that of any child is.
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::Grid;
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
 };
@@ -9,11 +10,21 @@ use crate::gpu::{
 /// `PyramidParams` of `pyramid.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct PyramidParams {
-    child_first_word: u32,
-    child_words: u32,
-    parent_first_word: u32,
-    parent_words: u32,
+pub(super) struct PyramidParams {
+    pub child_first_word: u32,
+    pub child_words: u32,
+    pub parent_first_word: u32,
+    pub parent_words: u32,
+}
+
+/// Words of the occupancy bits of a level; `level_words` of `lookup.wgsl`.
+pub(super) fn level_words(grid: &Grid, level: u32) -> u64 {
+    (u64::from(grid.morton_edge(level)).pow(3) / 32).max(1)
+}
+
+/// The words before those of a level; `level_first_word` of `lookup.wgsl`.
+pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
+    (0..level).map(|finer| level_words(grid, finer)).sum()
 }
 
 /// Where the bits of a level stand in their buffer.
@@ -23,15 +34,15 @@ pub(crate) struct BitLevel {
     pub words: u32,
 }
 
-/// Sets a bit of a level where one of the eight below it is set.
+/// The kernel.
 #[derive(Debug)]
-pub(crate) struct BitPyramid {
+pub(crate) struct Pyramid {
     layout: wgpu::BindGroupLayout,
     kernel: Kernel,
 }
 
-impl BitPyramid {
-    /// Compiles the kernel; what group 0 is does not matter to it.
+impl Pyramid {
+    /// Compiles the kernel; group 0 is the grid.
     pub fn new(
         device: &wgpu::Device,
         shaders: &ShaderLibrary,
@@ -43,8 +54,25 @@ impl BitPyramid {
         Ok(Self { layout, kernel })
     }
 
+    /// Fills the coarser levels of bits that are laid out as the list's occupancy.
+    pub fn fill(
+        &self,
+        recorder: &mut Recorder,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        bits: &wgpu::Buffer,
+    ) {
+        let levels: Vec<BitLevel> = (0..grid.levels)
+            .map(|level| BitLevel {
+                first_word: level_first_word(grid, level) as u32,
+                words: level_words(grid, level) as u32,
+            })
+            .collect();
+        self.fill_levels(recorder, globals, bits, &levels);
+    }
+
     /// Fills all levels but the first one given, each from the one before.
-    pub fn run(
+    pub fn fill_levels(
         &self,
         recorder: &mut Recorder,
         globals: &wgpu::BindGroup,
@@ -74,22 +102,5 @@ impl BitPyramid {
                 self.kernel.dispatch_linear(pass, &[globals, group], *words);
             }
         });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::PyramidParams;
-    use crate::gpu::assert_layout;
-
-    #[test]
-    fn structs_lie_in_memory_alike() {
-        let library = crate::shaders::library();
-        assert_layout!(
-            library,
-            "voxels::pyramid",
-            "PyramidParams",
-            PyramidParams { child_first_word, child_words, parent_first_word, parent_words }
-        );
     }
 }

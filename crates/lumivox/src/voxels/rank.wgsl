@@ -10,9 +10,6 @@ import package::voxels::lookup::level_words;
 // One word more than `occupancy` has: the total.
 @group(1) @binding(1) var<storage, read_write> ranks: array<u32>;
 @group(1) @binding(2) var<storage, read_write> nodes: array<Node>;
-// The occupancy bits of a word of level 0 and its rank, side by side: one binding for kernels that have none
-// to spare.
-@group(1) @binding(3) var<storage, read_write> cells: array<vec2u>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn count(
@@ -36,9 +33,6 @@ fn list(
         return;
     }
     var bits = occupancy[word];
-    if word < arrayLength(&cells) {
-        cells[word] = vec2u(bits, ranks[word]);
-    }
     if bits == 0u {
         return;
     }

@@ -5,6 +5,7 @@
 mod common;
 mod materials;
 mod overlap;
+mod parts;
 mod promises;
 mod raster;
 mod read;

@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use glam::{UVec3, Vec3};
 use lumivox::gpu::{Timing, read_buffer};
 use lumivox::voxels::{FaceRecord, NodeRecord};
-use lumivox::{Geometry, Grid, VoxelizeMethod, VoxelizeStats, Voxelizer};
+use lumivox::{Geometry, Grid, KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
 
 /// All of a list.
 #[derive(Debug)]
@@ -42,12 +42,23 @@ impl Lab {
 
     /// Voxelizes, reads everything back and checks what holds for every list.
     pub fn voxelize(&self, grid: &Grid, geometry: &Geometry) -> ReadList {
-        let (list, stats, _) = pollster::block_on(self.voxelizer.voxelize(
+        self.voxelize_dynamic(grid, geometry, &mut KeptStatic::default())
+    }
+
+    /// The same, with what is kept of static draws.
+    pub fn voxelize_dynamic(
+        &self,
+        grid: &Grid,
+        geometry: &Geometry,
+        kept: &mut KeptStatic,
+    ) -> ReadList {
+        let (list, stats, _) = pollster::block_on(self.voxelizer.voxelize_dynamic(
             &self.device,
             &self.queue,
             grid,
             geometry,
             Timing::Off,
+            kept,
         ))
         .expect("the geometry is voxelized");
         let nodes = list.level_starts[grid.levels as usize];

@@ -124,6 +124,7 @@ impl Mesh {
                 base_vertex: 0,
                 material,
                 world_from_local: Mat4::IDENTITY,
+                is_static: false,
             }],
         }
     }

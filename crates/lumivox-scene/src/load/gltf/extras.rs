@@ -43,6 +43,11 @@ pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
     numbers(own.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
 }
 
+/// Whether a node says of its mesh that it is static, or that it is not.
+pub(super) fn static_mark(extras: &Extras) -> Option<bool> {
+    own(extras)?["static"].as_bool()
+}
+
 /// Makes a light what it was, of what other programs can show of it.
 pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
     let Some(own) = own(extras) else { return };

@@ -46,6 +46,8 @@ pub(super) struct Site {
     pub(super) moves: bool,
     /// Whether an animation moves its morph targets' weights.
     pub(super) weighs: bool,
+    /// Whether an animation moves a joint of its mesh's skin.
+    pub(super) bends: bool,
 }
 
 impl Loader<'_> {
@@ -77,6 +79,11 @@ impl Loader<'_> {
         let moves = moving(&rig.nodes, &rig.animations);
         let weighs = weighing(rig.nodes.len(), &rig.animations);
         for node in 0..in_scene {
+            let gltf = &nodes[tree.numbers[node]];
+            let bends = gltf.skin().is_some_and(|skin| {
+                let mut places = skin.joints().filter_map(|joint| tree.place(joint.index()));
+                places.any(|place| moves[place])
+            });
             let site = Site {
                 name: self.rig.nodes[node].name.clone(),
                 node,
@@ -84,8 +91,8 @@ impl Loader<'_> {
                 handedness: handedness[node],
                 moves: moves[node],
                 weighs: weighs[node],
+                bends,
             };
-            let gltf = &nodes[tree.numbers[node]];
             if let Some(mesh) = gltf.mesh() {
                 self.put_mesh(gltf, &mesh, &site, &tree)?;
             }

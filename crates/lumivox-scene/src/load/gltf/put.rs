@@ -4,8 +4,8 @@
 use glam::Mat4;
 use gltf::Semantic;
 
-use super::Loader;
 use super::node::{Site, Tree};
+use super::{Loader, extras};
 use crate::SceneError;
 use crate::pose::Placed;
 use crate::validate::is_invertible;
@@ -29,6 +29,13 @@ impl Loader<'_> {
                 .warn(format!("{}: its mesh was skipped, for it is scaled to zero", site.name));
             return Ok(());
         }
+        let marked = extras::static_mark(node.extras());
+        if marked == Some(true) && (site.moves || site.weighs || site.bends) {
+            self.notes.warn(format!(
+                "{}: it is marked as static, but an animation moves it: the mark was ignored",
+                site.name
+            ));
+        }
         for primitive in mesh.primitives() {
             // Counted before it is looked at: what is not shown takes time, too.
             self.spend_instances(&site.name, 1)?;
@@ -42,7 +49,7 @@ impl Loader<'_> {
                         ));
                     }
                     let skin = self.skin(&skin, tree)?;
-                    self.put_skinned(mesh, &primitive, site, skin)?;
+                    self.put_skinned(mesh, &primitive, site, (skin, marked))?;
                 }
                 skin => {
                     if skin.is_some() {
@@ -51,7 +58,7 @@ impl Loader<'_> {
                             site.name
                         ));
                     }
-                    self.put_copies(mesh, &primitive, site, copies.as_deref())?;
+                    self.put_copies(mesh, &primitive, site, (copies.as_deref(), marked))?;
                 }
             }
         }
@@ -64,7 +71,7 @@ impl Loader<'_> {
         mesh: &gltf::Mesh<'_>,
         primitive: &gltf::Primitive<'_>,
         site: &Site,
-        skin: usize,
+        (skin, marked): (usize, Option<bool>),
     ) -> Result<(), SceneError> {
         let material = self.material(primitive)?;
         if let Some(mesh) = self.deformed(mesh, primitive, site, false, material, Some(skin))? {
@@ -74,6 +81,7 @@ impl Loader<'_> {
                 node_from_local: None,
                 meshes: [Some(mesh), None],
                 material,
+                is_static: !site.bends && !site.weighs && marked != Some(false),
             });
         }
         Ok(())
@@ -84,7 +92,7 @@ impl Loader<'_> {
         mesh: &gltf::Mesh<'_>,
         primitive: &gltf::Primitive<'_>,
         site: &Site,
-        copies: Option<&[Mat4]>,
+        (copies, marked): (Option<&[Mat4]>, Option<bool>),
     ) -> Result<(), SceneError> {
         let material = self.material(primitive)?;
         let rest = &self.rig.nodes[site.node].weights;
@@ -126,6 +134,7 @@ impl Loader<'_> {
                     node_from_local,
                     meshes,
                     material,
+                    is_static: !site.moves && !site.weighs && marked != Some(false),
                 });
             }
         }

@@ -64,6 +64,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
             mesh: scene.meshes.len(),
             material,
             world_from_local: glam::Mat4::IDENTITY,
+            is_static: true,
         });
         scene.meshes.push(mesh);
     }

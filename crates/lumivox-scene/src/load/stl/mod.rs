@@ -84,6 +84,7 @@ impl Reading<'_> {
                 mesh: i,
                 material: 0,
                 world_from_local: Mat4::IDENTITY,
+                is_static: true,
             });
             scene.meshes.push(solid.mesh(crease_rad));
         }

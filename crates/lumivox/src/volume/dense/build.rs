@@ -1,52 +1,28 @@
-//! Storing faces into the dense volume, filtering its pyramid, and clearing what an earlier list had written.
+//! Storing faces into the dense volume, filtering its pyramid, and clearing what an earlier list had written: all where
+//! anything has changed.
 
-use bytemuck::{Pod, Zeroable};
-
-use crate::GiError;
-use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer,
-};
-use crate::voxels::VoxelList;
+use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary};
+use crate::volume::changes::{ChangedCells, LevelWords};
+use crate::{GiError, Grid};
 
 use super::CELL_FORMAT;
-use crate::volume::Directionality;
-
-/// `NodeRange` of `level_range.wgsl`: the nodes of a level.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct NodeRange {
-    pub(crate) level: u32,
-    pub(crate) first: u32,
-    pub(crate) count: u32,
-    pub(crate) first_mask_entry: u32,
-}
-
-impl NodeRange {
-    pub(crate) fn new(voxels: &VoxelList, level: u32) -> Self {
-        let nodes = voxels.level_nodes(level);
-        Self { level, first: nodes.start, count: nodes.len() as u32, first_mask_entry: 0 }
-    }
-}
-
-/// A bind group with the number of nodes that it is for.
-#[derive(Debug)]
-struct Work {
-    group: wgpu::BindGroup,
-    count: u64,
-}
+use crate::volume::{Directionality, Lists};
 
 /// Kernels, and the bind groups of the current voxel list.
 #[derive(Debug)]
 pub(super) struct Build {
+    clear_layout: wgpu::BindGroupLayout,
     store_layout: wgpu::BindGroupLayout,
     filter_layout: wgpu::BindGroupLayout,
-    store: Kernel,
     clear: Kernel,
+    store: Kernel,
     filter: Kernel,
-    /// Writing to each level, the finest first; the store uses the first one.
-    writes: Vec<Work>,
+    /// [`LevelWords`] of each level.
+    levels: Vec<wgpu::Buffer>,
+    /// Storing into the finest level.
+    store_group: Option<wgpu::BindGroup>,
     /// Filtering into each level but the finest.
-    filters: Vec<Work>,
+    filter_groups: Vec<wgpu::BindGroup>,
 }
 
 impl Build {
@@ -54,10 +30,14 @@ impl Build {
         device: &wgpu::Device,
         shaders: &ShaderLibrary,
         directionality: Directionality,
+        grid: &Grid,
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
         let d3 = wgpu::TextureViewDimension::D3;
-        let nodes = LayoutBuilder::compute().uniform().storage();
+        let cells = LayoutBuilder::compute().uniform().storage().storage();
+        let clear_layout =
+            cells.clone().storage_texture(d3, CELL_FORMAT).build(device, "clear cells");
+        let nodes = cells.storage();
         let store_layout = nodes
             .clone()
             .storage()
@@ -67,82 +47,105 @@ impl Build {
             .build(device, "store cells");
         let filter_layout =
             nodes.texture_3d().storage_texture(d3, CELL_FORMAT).build(device, "filter cells");
-        let (store, filter) = match directionality {
-            Directionality::SixLobes => ("volume::store", "volume::filter"),
-            Directionality::Isotropic => ("volume::isotropic_store", "volume::isotropic_filter"),
+        let (clear, store, filter) = match directionality {
+            Directionality::SixLobes => ("six_lobes", "volume::store", "volume::filter"),
+            Directionality::Isotropic => {
+                ("isotropic", "volume::isotropic_store", "volume::isotropic_filter")
+            }
         };
         let kernel =
             |module, entry, layout| Kernel::new(device, shaders, module, entry, &[globals, layout]);
+        let levels = LevelWords::of_levels(device, grid);
         Ok(Self {
+            clear: kernel("volume::clear", clear, &clear_layout)?,
             store: kernel(store, "store", &store_layout)?,
-            clear: kernel(store, "clear", &store_layout)?,
             filter: kernel(filter, "main", &filter_layout)?,
+            clear_layout,
             store_layout,
             filter_layout,
-            writes: Vec::new(),
-            filters: Vec::new(),
+            levels,
+            store_group: None,
+            filter_groups: Vec::new(),
         })
     }
 
-    /// Makes the bind groups for a voxel list; `levels` are the views of the texture's levels.
+    /// Makes the bind groups for a voxel list; `views` are the levels of the texture.
     pub(super) fn bind(
         &mut self,
         device: &wgpu::Device,
-        voxels: &VoxelList,
-        radiance: &wgpu::Buffer,
-        levels: &[wgpu::TextureView],
+        Lists { new: voxels, radiance, .. }: Lists<'_>,
+        changed: &ChangedCells,
+        views: &[wgpu::TextureView],
     ) {
-        let range = |level: usize| {
-            let range = NodeRange::new(voxels, level as u32);
-            (uniform_buffer(device, "node range", &range), u64::from(range.count))
-        };
-        self.writes = (0..levels.len())
+        let store = BindGroupBuilder::new(&self.store_layout)
+            .buffer(&self.levels[0])
+            .buffer(&changed.ranks)
+            .buffer(&changed.cells)
+            .buffer(&voxels.nodes)
+            .buffer(&voxels.first_faces)
+            .buffer(&voxels.faces)
+            .buffer(radiance)
+            .view(&views[0])
+            .build(device, "store cells");
+        self.store_group = Some(store);
+        self.filter_groups = (1..views.len())
             .map(|level| {
-                let (uniform, count) = range(level);
-                let group = BindGroupBuilder::new(&self.store_layout)
-                    .buffer(&uniform)
+                BindGroupBuilder::new(&self.filter_layout)
+                    .buffer(&self.levels[level])
+                    .buffer(&changed.ranks)
+                    .buffer(&changed.cells)
                     .buffer(&voxels.nodes)
-                    .buffer(&voxels.first_faces)
-                    .buffer(&voxels.faces)
-                    .buffer(radiance)
-                    .view(&levels[level])
-                    .build(device, "store cells");
-                Work { group, count }
-            })
-            .collect();
-        self.filters = (1..levels.len())
-            .map(|level| {
-                let (uniform, count) = range(level);
-                let group = BindGroupBuilder::new(&self.filter_layout)
-                    .buffer(&uniform)
-                    .buffer(&voxels.nodes)
-                    .view(&levels[level - 1])
-                    .view(&levels[level])
-                    .build(device, "filter cells");
-                Work { group, count }
+                    .view(&views[level - 1])
+                    .view(&views[level])
+                    .build(device, "filter cells")
             })
             .collect();
     }
 
-    /// Writes zeros over everything that the current list has written.
-    pub(super) fn clear(&self, recorder: &mut Recorder, grid: &wgpu::BindGroup) {
+    /// Writes zeros over the cells of all levels that have changed.
+    pub(super) fn clear(
+        &self,
+        recorder: &mut Recorder,
+        grid: &wgpu::BindGroup,
+        changed: &ChangedCells,
+        views: &[wgpu::TextureView],
+    ) {
+        let device = recorder.device().clone();
+        let groups: Vec<_> = self
+            .levels
+            .iter()
+            .zip(views)
+            .map(|(level, view)| {
+                BindGroupBuilder::new(&self.clear_layout)
+                    .buffer(level)
+                    .buffer(&changed.ranks)
+                    .buffer(&changed.cells)
+                    .view(view)
+                    .build(&device, "clear cells")
+            })
+            .collect();
         recorder.compute("volume::clear", |pass| {
-            for work in &self.writes {
-                self.clear.dispatch_linear(pass, &[grid, &work.group], work.count);
+            for (level, group) in groups.iter().enumerate() {
+                changed.dispatch(pass, &self.clear, &[grid, group], level);
             }
         });
     }
 
     /// Writes the faces' radiance into the finest level and filters it into the coarser ones.
-    pub(super) fn update(&self, recorder: &mut Recorder, grid: &wgpu::BindGroup) {
+    pub(super) fn update(
+        &self,
+        recorder: &mut Recorder,
+        grid: &wgpu::BindGroup,
+        changed: &ChangedCells,
+    ) {
         recorder.compute("volume::store", |pass| {
-            if let Some(work) = self.writes.first() {
-                self.store.dispatch_linear(pass, &[grid, &work.group], work.count);
+            if let Some(group) = &self.store_group {
+                changed.dispatch(pass, &self.store, &[grid, group], 0);
             }
         });
         recorder.compute("volume::filter", |pass| {
-            for work in &self.filters {
-                self.filter.dispatch_linear(pass, &[grid, &work.group], work.count);
+            for (level, group) in self.filter_groups.iter().enumerate() {
+                changed.dispatch(pass, &self.filter, &[grid, group], level + 1);
             }
         });
     }

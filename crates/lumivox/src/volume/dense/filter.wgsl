@@ -1,4 +1,4 @@
-// One level of the six-direction pyramid from the finer one.
+// One level of the six-direction pyramid from the finer one, where that has changed.
 //
 // Along a lobe's axis the farther cell adds to the nearer one up to full coverage; across it the four columns
 // are averaged. The sum saturates instead of multiplying transmittances, because coverage comes from clipping:
@@ -8,15 +8,18 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::volume::atlas::part_texel;
-import package::volume::level_range::{node_range, nodes};
+import package::volume::changes::cells::{changed_cell, level_words};
+import package::volume::changes::list::NOTHING;
 import package::volume::parts::{part_of, NEGATIVE, POSITIVE, TILT};
+import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(2) var cells_in: texture_3d<f32>;
-@group(1) @binding(3) var cells_out: texture_storage_3d<rgba16float, write>;
+@group(1) @binding(3) var<storage, read> nodes: array<Node>;
+@group(1) @binding(4) var cells_in: texture_3d<f32>;
+@group(1) @binding(5) var cells_out: texture_storage_3d<rgba16float, write>;
 
 fn load_child(cell: vec3u, axis: u32, kind: u32) -> vec4f {
-    return textureLoad(cells_in, part_texel(cell, part_of(axis, kind), node_range.level - 1u), 0);
+    return textureLoad(cells_in, part_texel(cell, part_of(axis, kind), level_words.level - 1u), 0);
 }
 
 // The share of the farther cell that the nearer one leaves visible.
@@ -32,11 +35,11 @@ fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = linear_index(invocation, workgroups);
-    if index >= node_range.count {
+    let changed = changed_cell(linear_index(invocation, workgroups));
+    if changed.node == NOTHING {
         return;
     }
-    let node = nodes[node_range.first + index];
+    let node = nodes[changed.node];
     let cell = morton_decode(node.morton);
     for (var axis = 0u; axis < 3u; axis++) {
         if ((node.lobes >> (2u * axis)) & 3u) == 0u {
@@ -68,9 +71,9 @@ fn main(
             );
         }
         textureStore(
-            cells_out, part_texel(cell, part_of(axis, POSITIVE), node_range.level), 0.25 * positive);
+            cells_out, part_texel(cell, part_of(axis, POSITIVE), level_words.level), 0.25 * positive);
         textureStore(
-            cells_out, part_texel(cell, part_of(axis, NEGATIVE), node_range.level), 0.25 * negative);
-        textureStore(cells_out, part_texel(cell, part_of(axis, TILT), node_range.level), 0.25 * tilt);
+            cells_out, part_texel(cell, part_of(axis, NEGATIVE), level_words.level), 0.25 * negative);
+        textureStore(cells_out, part_texel(cell, part_of(axis, TILT), level_words.level), 0.25 * tilt);
     }
 }

@@ -1,23 +1,25 @@
-// Fills the finest level of the isotropic volume from the faces of the voxel list, or zeros over any level.
+// Fills the finest level of the isotropic volume from the faces of the voxel list, where they have changed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::level_range::{node_range, nodes};
-import package::voxels::list::Face;
+import package::volume::changes::cells::changed_cell;
+import package::volume::changes::list::NOTHING;
+import package::voxels::list::{Face, Node};
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(2) var<storage, read> first_faces: array<u32>;
-@group(1) @binding(3) var<storage, read> faces: array<Face>;
-@group(1) @binding(4) var<storage, read> radiance: array<vec4f>;
-@group(1) @binding(5) var cells_out: texture_storage_3d<rgba16float, write>;
+@group(1) @binding(3) var<storage, read> nodes: array<Node>;
+@group(1) @binding(4) var<storage, read> first_faces: array<u32>;
+@group(1) @binding(5) var<storage, read> faces: array<Face>;
+@group(1) @binding(6) var<storage, read> radiance: array<vec4f>;
+@group(1) @binding(7) var cells_out: texture_storage_3d<rgba16float, write>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn store(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let voxel = linear_index(invocation, workgroups);
-    if voxel >= node_range.count {
+    let voxel = changed_cell(linear_index(invocation, workgroups)).node;
+    if voxel == NOTHING {
         return;
     }
     // The opacity is the surface's area in the voxel, the radiance the mean over it.
@@ -32,16 +34,4 @@ fn store(
         sum /= sum.a;
     }
     textureStore(cells_out, morton_decode(node.morton), sum);
-}
-
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn clear(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-) {
-    let index = linear_index(invocation, workgroups);
-    if index >= node_range.count {
-        return;
-    }
-    textureStore(cells_out, morton_decode(nodes[node_range.first + index].morton), vec4f(0.0));
 }

@@ -6,10 +6,9 @@ use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
     uniform_buffer,
 };
+use crate::volume::level_range::NodeRange;
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
-
-use super::build::NodeRange;
 
 /// `MAX_LEVELS` of `masks.wgsl`.
 const MAX_LEVELS: usize = 9;

@@ -14,12 +14,11 @@ mod tests;
 use glam::UVec3;
 
 use crate::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer};
-use crate::volume::{Directionality, budget};
-use crate::voxels::VoxelList;
+use crate::volume::changes::ChangedCells;
+use crate::volume::{Cells, Directionality, Lists, budget};
 use crate::{GiError, Grid};
 
 use build::Build;
-pub(crate) use build::NodeRange;
 #[cfg(test)]
 pub(crate) use masks::MaskLevels;
 use masks::Masks;
@@ -29,6 +28,7 @@ pub(crate) use tests::{Level, read_levels};
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("volume::atlas", include_str!("atlas.wgsl")),
+    ("volume::clear", include_str!("clear.wgsl")),
     ("volume::filter", include_str!("filter.wgsl")),
     ("volume::isotropic_filter", include_str!("isotropic_filter.wgsl")),
     ("volume::isotropic_store", include_str!("isotropic_store.wgsl")),
@@ -132,24 +132,21 @@ impl DenseVolume {
             levels,
             texture_bytes: texture_bytes(grid, directionality),
             masks,
-            build: Build::new(device, shaders, directionality, &grid_layout)?,
+            build: Build::new(device, shaders, directionality, grid, &grid_layout)?,
         })
     }
 
-    pub(super) fn rebuild(
-        &mut self,
-        recorder: &mut Recorder,
-        voxels: &VoxelList,
-        radiance: &wgpu::Buffer,
-    ) {
+    pub(super) fn rebuild(&mut self, recorder: &mut Recorder, lists: Lists<'_>, cells: Cells<'_>) {
         recorder.stage("volume");
-        self.build.clear(recorder, &self.grid);
-        self.build.bind(recorder.device(), voxels, radiance, &self.levels);
-        self.masks.rebuild(recorder, &self.grid, voxels);
+        if let Some(wrong) = cells.wrong {
+            self.build.clear(recorder, &self.grid, wrong, &self.levels);
+        }
+        self.build.bind(recorder.device(), lists, cells.changed, &self.levels);
+        self.masks.rebuild(recorder, &self.grid, lists.new);
     }
 
-    pub(super) fn update(&self, recorder: &mut Recorder) {
-        self.build.update(recorder, &self.grid);
+    pub(super) fn update(&self, recorder: &mut Recorder, changed: &ChangedCells) {
+        self.build.update(recorder, &self.grid, changed);
     }
 
     pub(super) fn globals(&self) -> &wgpu::BindGroup {

@@ -1,25 +1,27 @@
-// Writes the faces of the voxel list into the finest level, or zeros over the nodes of any level.
+// Writes the faces of the voxel list into the finest level, where they have changed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::volume::atlas::part_texel;
-import package::volume::level_range::{node_range, nodes};
-import package::volume::parts::{part_of, PARTS, POSITIVE, TILT};
-import package::voxels::list::Face;
+import package::volume::changes::cells::changed_cell;
+import package::volume::changes::list::NOTHING;
+import package::volume::parts::{part_of, POSITIVE, TILT};
+import package::voxels::list::{Face, Node};
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(2) var<storage, read> first_faces: array<u32>;
-@group(1) @binding(3) var<storage, read> faces: array<Face>;
-@group(1) @binding(4) var<storage, read> radiance: array<vec4f>;
-@group(1) @binding(5) var cells_out: texture_storage_3d<rgba16float, write>;
+@group(1) @binding(3) var<storage, read> nodes: array<Node>;
+@group(1) @binding(4) var<storage, read> first_faces: array<u32>;
+@group(1) @binding(5) var<storage, read> faces: array<Face>;
+@group(1) @binding(6) var<storage, read> radiance: array<vec4f>;
+@group(1) @binding(7) var cells_out: texture_storage_3d<rgba16float, write>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn store(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let voxel = linear_index(invocation, workgroups);
-    if voxel >= node_range.count {
+    let voxel = changed_cell(linear_index(invocation, workgroups)).node;
+    if voxel == NOTHING {
         return;
     }
     let node = nodes[voxel];
@@ -48,20 +50,5 @@ fn store(
             face++;
         }
         textureStore(cells_out, part_texel(cell, part_of(axis, TILT), 0u), tilt);
-    }
-}
-
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn clear(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-) {
-    let index = linear_index(invocation, workgroups);
-    if index >= node_range.count {
-        return;
-    }
-    let cell = morton_decode(nodes[node_range.first + index].morton);
-    for (var part = 0u; part < PARTS; part++) {
-        textureStore(cells_out, part_texel(cell, part, node_range.level), vec4f(0.0));
     }
 }

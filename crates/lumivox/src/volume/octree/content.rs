@@ -11,7 +11,10 @@ use crate::gpu::{
     storage_buffer, uniform_buffer,
 };
 use crate::volume::budget;
-use crate::volume::dense::{CELL_FORMAT, NodeRange};
+use crate::volume::changes::{ChangedCells, LevelWords};
+use crate::volume::dense::CELL_FORMAT;
+use crate::volume::level_range::NodeRange;
+use crate::volume::{Cells, Lists};
 use crate::voxelize::{Memory, Remedy};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
@@ -50,9 +53,22 @@ pub(super) struct Content {
     /// Group 0 of the kernels that do not search for nodes, and of those that do.
     globals: wgpu::BindGroup,
     searching: wgpu::BindGroup,
-    store: Work,
-    filters: Vec<Work>,
-    fill: Work,
+    bound: Option<Bound>,
+    /// Threads that fill bricks.
+    fill_threads: u64,
+    /// The bricks are new and empty.
+    is_empty: bool,
+}
+
+/// Bind groups of a list.
+#[derive(Debug)]
+struct Bound {
+    store: wgpu::BindGroup,
+    /// Of each level but the finest, with the threads that go over every cell.
+    filters: Vec<(wgpu::BindGroup, u64)>,
+    /// All texels, and those of changed cells.
+    fill_all: wgpu::BindGroup,
+    fill_changed: wgpu::BindGroup,
 }
 
 impl Content {
@@ -65,13 +81,6 @@ impl Content {
     pub fn neighbor_bytes(&self) -> u64 {
         self.neighbors.iter().flatten().map(wgpu::Buffer::size).sum()
     }
-}
-
-/// A bind group with the number of threads that it is for.
-#[derive(Debug)]
-struct Work {
-    group: wgpu::BindGroup,
-    count: u64,
 }
 
 /// The kernels that fill the octree.
@@ -89,6 +98,7 @@ pub(super) struct ContentKernels {
     store_layout: wgpu::BindGroupLayout,
     filter_layout: wgpu::BindGroupLayout,
     fill_layout: wgpu::BindGroupLayout,
+    carry_layout: wgpu::BindGroupLayout,
     masks: Kernel,
     count_bricks: Kernel,
     assign_bricks: Kernel,
@@ -98,12 +108,16 @@ pub(super) struct ContentKernels {
     store: Kernel,
     filter: Kernel,
     fill: Kernel,
+    carry: Kernel,
+    /// [`LevelWords`] of each level.
+    levels: Vec<wgpu::Buffer>,
 }
 
 impl ContentKernels {
     pub fn new(
         device: &wgpu::Device,
         shaders: &ShaderLibrary,
+        grid: &Grid,
         options: OctreeOptions,
     ) -> Result<Self, GiError> {
         let compute = LayoutBuilder::compute;
@@ -115,10 +129,19 @@ impl ContentKernels {
         let count_layout = storage(1).storage_mut().build(device, "octree::count_values");
         let neighbors_layout =
             storage(3).storage_mut().storage_mut().build(device, "octree::neighbors");
-        let values = || compute().uniform().storage().storage().storage_mut();
+        let values =
+            || (0..4).fold(compute().uniform(), |layout, _| layout.storage()).storage_mut();
         let store_layout = values().storage().storage().storage().build(device, "octree::store");
         let filter_layout = values().storage().storage().build(device, "octree::filter");
-        let fill_layout = storage(6)
+        let carry_layout = (0..3)
+            .fold(compute().uniform(), |layout, _| layout.storage())
+            .storage_mut()
+            .storage()
+            .storage()
+            .storage()
+            .storage()
+            .build(device, "octree::carry");
+        let fill_layout = storage(7)
             .storage_texture(wgpu::TextureViewDimension::D3, CELL_FORMAT)
             .build(device, "octree::fill");
         let write = |module: &str, entry: &str, layout: &wgpu::BindGroupLayout| {
@@ -148,6 +171,8 @@ impl ContentKernels {
             store: write("octree::store", "main", &store_layout)?,
             filter: write("octree::filter", filter, &filter_layout)?,
             fill: read(fill, "main", &fill_layout)?,
+            carry: write("octree::carry", "main", &carry_layout)?,
+            levels: LevelWords::of_levels(device, grid),
             write_layout,
             read_layout,
             masks_layout,
@@ -157,6 +182,7 @@ impl ContentKernels {
             store_layout,
             filter_layout,
             fill_layout,
+            carry_layout,
         })
     }
 
@@ -165,7 +191,6 @@ impl ContentKernels {
         &self,
         recorder: &mut Recorder,
         input: &Input<'_>,
-        radiance: &wgpu::Buffer,
         topology: &mut Topology,
     ) -> Result<Content, GiError> {
         let Input { grid, grid_uniform, voxels, memory_budget } = *input;
@@ -200,16 +225,6 @@ impl ContentKernels {
         let atlas = atlas(&device, texels);
         let neighbors =
             self.neighbors(recorder, &mut memory, grid, &searching, voxels, topology)?;
-        let fill = self.fill_work(
-            &device,
-            voxels,
-            topology,
-            neighbors.as_ref(),
-            (&value_starts, &values),
-            &atlas,
-        );
-        let (store, filters) =
-            self.value_work(&device, grid, voxels, radiance, (&value_starts, &values));
         Ok(Content {
             atlas,
             atlas_bytes,
@@ -218,9 +233,9 @@ impl ContentKernels {
             neighbors,
             globals,
             searching,
-            store,
-            filters,
-            fill,
+            bound: None,
+            fill_threads: u64::from(topology.slots) * BRICK_TEXELS,
+            is_empty: true,
         })
     }
 
@@ -312,88 +327,119 @@ impl ContentKernels {
         Ok(Some([contents, next_nodes]))
     }
 
-    fn fill_work(
-        &self,
-        device: &wgpu::Device,
-        voxels: &VoxelList,
-        topology: &Topology,
-        neighbors: Option<&[wgpu::Buffer; 2]>,
-        (value_starts, values): (&wgpu::Buffer, &wgpu::Buffer),
-        atlas: &wgpu::TextureView,
-    ) -> Work {
-        let [first, second] = match neighbors {
-            Some([contents, next_nodes]) => [contents, next_nodes],
-            None => [&voxels.occupancy, &voxels.ranks],
-        };
-        let group = BindGroupBuilder::new(&self.fill_layout)
-            .buffer(first)
-            .buffer(second)
-            .buffer(value_starts)
-            .buffer(values)
-            .buffer(&voxels.nodes)
-            .buffer(&topology.sites)
-            .view(atlas)
-            .build(device, "octree::fill");
-        Work { group, count: u64::from(topology.slots) * BRICK_TEXELS }
-    }
-
-    /// The work of storing the finest values, and of filtering each coarser level.
-    fn value_work(
+    /// Binds what was built to its list, its light, and the cells that will change.
+    pub fn bind(
         &self,
         device: &wgpu::Device,
         grid: &Grid,
-        voxels: &VoxelList,
-        radiance: &wgpu::Buffer,
-        (value_starts, values): (&wgpu::Buffer, &wgpu::Buffer),
-    ) -> (Work, Vec<Work>) {
-        let range = |level: u32| {
-            let range = NodeRange::new(voxels, level);
-            (uniform_buffer(device, "node range", &range), u64::from(range.count))
+        Lists { new: voxels, radiance, .. }: Lists<'_>,
+        cells: Cells<'_>,
+        topology: &Topology,
+        content: &mut Content,
+    ) {
+        let Content { value_starts, values, .. } = &*content;
+        let of_level = |layout, level: usize| {
+            BindGroupBuilder::new(layout)
+                .buffer(&self.levels[level])
+                .buffer(&cells.changed.ranks)
+                .buffer(&cells.changed.cells)
+                .buffer(&voxels.nodes)
+                .buffer(value_starts)
+                .buffer(values)
         };
-        let (uniform, count) = range(0);
-        let group = BindGroupBuilder::new(&self.store_layout)
-            .buffer(&uniform)
-            .buffer(&voxels.nodes)
-            .buffer(value_starts)
-            .buffer(values)
+        let store = of_level(&self.store_layout, 0)
             .buffer(&voxels.first_faces)
             .buffer(&voxels.faces)
             .buffer(radiance)
             .build(device, "octree::store");
-        let store = Work { group, count };
         let filters = (1..grid.levels)
             .map(|level| {
-                let (uniform, count) = range(level);
-                let group = BindGroupBuilder::new(&self.filter_layout)
-                    .buffer(&uniform)
-                    .buffer(&voxels.nodes)
-                    .buffer(value_starts)
-                    .buffer(values)
+                let group = of_level(&self.filter_layout, level as usize)
                     .buffer(&voxels.occupancy)
                     .buffer(&voxels.ranks)
                     .build(device, "octree::filter");
-                let count = match self.options.mipmapping {
-                    Mipmapping::Occupied => count,
-                    Mipmapping::Every => u64::from(grid.morton_edge(level)).pow(3),
-                };
-                Work { group, count }
+                (group, u64::from(grid.morton_edge(level)).pow(3))
             })
             .collect();
-        (store, filters)
+        let [first, second] = match &content.neighbors {
+            Some([contents, next_nodes]) => [contents, next_nodes],
+            None => [&voxels.occupancy, &voxels.ranks],
+        };
+        let fill = |bits: &wgpu::Buffer| {
+            BindGroupBuilder::new(&self.fill_layout)
+                .buffer(first)
+                .buffer(second)
+                .buffer(value_starts)
+                .buffer(values)
+                .buffer(&voxels.nodes)
+                .buffer(&topology.sites)
+                .buffer(bits)
+                .view(&content.atlas)
+                .build(device, "octree::fill")
+        };
+        let (fill_all, fill_changed) = (fill(&voxels.occupancy), fill(cells.bits));
+        content.bound = Some(Bound { store, filters, fill_all, fill_changed });
     }
 
-    /// Stores the radiance of all faces, filters it, and fills the bricks.
-    pub fn update(&self, recorder: &mut Recorder, content: &Content) {
-        let globals = &content.globals;
-        let Work { group, count } = &content.store;
-        self.store.run_linear(recorder, &[globals, group], *count);
-        recorder.compute("octree::filter", |pass| {
-            for Work { group, count } in &content.filters {
-                self.filter.dispatch_linear(pass, &[globals, group], *count);
+    /// Copies the values of cells in which nothing has changed from the content of the list before.
+    pub fn carry(
+        &self,
+        recorder: &mut Recorder,
+        grid: &Grid,
+        voxels: &VoxelList,
+        (old, earlier): (&VoxelList, &Content),
+        content: &Content,
+        changed: &wgpu::Buffer,
+    ) {
+        let device = recorder.device().clone();
+        let groups: Vec<_> = (0..grid.levels)
+            .map(|level| {
+                let range = NodeRange::new(voxels, level);
+                let uniform = uniform_buffer(&device, "node range", &range);
+                let group = BindGroupBuilder::new(&self.carry_layout)
+                    .buffer(&uniform)
+                    .buffer(&voxels.nodes)
+                    .buffer(changed)
+                    .buffer(&content.value_starts)
+                    .buffer(&content.values)
+                    .buffer(&old.occupancy)
+                    .buffer(&old.ranks)
+                    .buffer(&earlier.value_starts)
+                    .buffer(&earlier.values)
+                    .build(&device, "octree::carry");
+                (group, u64::from(range.count))
+            })
+            .collect();
+        recorder.compute("octree::carry", |pass| {
+            for (group, count) in &groups {
+                self.carry.dispatch_linear(pass, &[&content.globals, group], *count);
             }
         });
-        let Work { group, count } = &content.fill;
-        self.fill.run_linear(recorder, &[&content.searching, group], *count);
+    }
+
+    /// Stores the radiance of the faces, filters it, and fills the bricks, where it has changed.
+    pub fn update(&self, recorder: &mut Recorder, content: &mut Content, changed: &ChangedCells) {
+        let Some(bound) = &content.bound else {
+            return;
+        };
+        let globals = &content.globals;
+        recorder.compute("octree::store", |pass| {
+            changed.dispatch(pass, &self.store, &[globals, &bound.store], 0);
+        });
+        recorder.compute("octree::filter", |pass| {
+            for (finer, (group, every_cell)) in bound.filters.iter().enumerate() {
+                let groups = [globals, group];
+                match self.options.mipmapping {
+                    Mipmapping::Occupied => {
+                        changed.dispatch(pass, &self.filter, &groups, finer + 1);
+                    }
+                    Mipmapping::Every => self.filter.dispatch_linear(pass, &groups, *every_cell),
+                }
+            }
+        });
+        let fill = if content.is_empty { &bound.fill_all } else { &bound.fill_changed };
+        self.fill.run_linear(recorder, &[&content.searching, fill], content.fill_threads);
+        content.is_empty = false;
     }
 }
 

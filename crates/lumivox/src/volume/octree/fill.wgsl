@@ -18,7 +18,9 @@ import package::voxels::list::Node;
 @group(1) @binding(3) var<storage, read> values: array<vec2u>;
 @group(1) @binding(4) var<storage, read> nodes: array<Node>;
 @group(1) @binding(5) var<storage, read> sites: array<Site>;
-@group(1) @binding(6) var atlas_out: texture_storage_3d<rgba16float, write>;
+// A bit per cell, laid out as the occupancy: the texels of the others stay as they are.
+@group(1) @binding(6) var<storage, read> changed: array<u32>;
+@group(1) @binding(7) var atlas_out: texture_storage_3d<rgba16float, write>;
 
 const TEXELS: u32 = 27u;
 
@@ -29,6 +31,11 @@ fn texel_offset(texel: u32) -> vec3u {
 // `cell` is a place in the voxel list. Texels without one stay zero, as the texture was made.
 fn fill_texel(slot: u32, texel: u32, has_cell: bool, cell: u32) {
     if !has_cell {
+        return;
+    }
+    let code = nodes[cell].morton;
+    let word = changed[tree.levels[sites[slot].level - 1u].z + code / 32u];
+    if (word & (1u << (code % 32u))) == 0u {
         return;
     }
     let parts = node_parts(slot);

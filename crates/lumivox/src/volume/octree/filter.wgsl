@@ -1,19 +1,20 @@
 // The values of the cells of one level from those of the finer one: the rule of the dense volume's filters
 // (dense/filter.wgsl, dense/isotropic_filter.wgsl) over lists.
 //
-// `main` has a thread for each occupied cell. `every_cell` has one for each possible cell of the level, as the first
+// `main` has a thread for each cell that has changed. `every_cell` has one for each possible cell of the level, as the first
 // octree renderers did, and most of them find nothing to do: it is there to be measured.
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::octree::tree::tree;
-import package::octree::values::{load_value, store_value};
-import package::volume::level_range::{node_range, nodes};
+import package::octree::values::{load_value, nodes, store_value};
+import package::volume::changes::cells::{changed_cell, level_words};
+import package::volume::changes::list::NOTHING;
 import package::volume::parts::{part_of, stored_parts, NEGATIVE, POSITIVE, TILT};
 import package::voxels::lookup::bits_below;
 
-@group(1) @binding(4) var<storage, read> occupancy: array<u32>;
-@group(1) @binding(5) var<storage, read> ranks: array<u32>;
+@group(1) @binding(6) var<storage, read> occupancy: array<u32>;
+@group(1) @binding(7) var<storage, read> ranks: array<u32>;
 
 // The children of a cell: the first one's place in the list, and a bit for each that there is.
 struct Children {
@@ -105,7 +106,7 @@ fn filter_mean(cell: u32, children: Children) {
 }
 
 fn filter_cell(cell: u32, morton: u32) {
-    let children = children_of(morton, node_range.level);
+    let children = children_of(morton, level_words.level);
     if ISOTROPIC != 0u {
         filter_mean(cell, children);
     } else {
@@ -118,10 +119,9 @@ fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = linear_index(invocation, workgroups);
-    if index < node_range.count {
-        let cell = node_range.first + index;
-        filter_cell(cell, nodes[cell].morton);
+    let changed = changed_cell(linear_index(invocation, workgroups));
+    if changed.node != NOTHING {
+        filter_cell(changed.node, changed.morton);
     }
 }
 
@@ -131,11 +131,11 @@ fn every_cell(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let code = linear_index(invocation, workgroups);
-    let edge_bits = tree.root_level - node_range.level;
+    let edge_bits = tree.root_level - level_words.level;
     if code >= 1u << (3u * edge_bits) {
         return;
     }
-    let word = tree.levels[node_range.level].z + code / 32u;
+    let word = tree.levels[level_words.level].z + code / 32u;
     let bits = occupancy[word];
     if (bits & (1u << (code % 32u))) != 0u {
         filter_cell(ranks[word] + bits_below(bits, code % 32u), code);

@@ -10,8 +10,9 @@
 //! | which nodes there are | voxel list | `occupy.wgsl`, `holders.wgsl` |
 //! | their groups: by ranks, or by locks | voxel list | `groups.wgsl`, `build_ranked.wgsl`; `locks.wgsl`, `adopt.wgsl` |
 //! | table, masks, numbers of bricks | voxel list | `table.wgsl`, `masks.wgsl`, `bricks.wgsl` |
-//! | values of the cells, filtered level by level | light | `store.wgsl`, `filter.wgsl` |
-//! | bricks, with the neighbours' layer | light | `fill*.wgsl` |
+//! | values that are still right, from the list before | voxel list | `carry.wgsl` |
+//! | values of the cells, filtered level by level | light, where it has changed | `store.wgsl`, `filter.wgsl` |
+//! | bricks, with the neighbours' layer | light, where it has changed | `fill*.wgsl` |
 //! | look-ups | cone sample | `cells.wgsl`, `search.wgsl` |
 //!
 //! Everything is allocated from counts that the GPU has made, once they are known.
@@ -26,6 +27,8 @@ mod topology;
 use crate::gpu::{
     BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer, uniform_buffer,
 };
+use crate::volume::changes::ChangedCells;
+use crate::volume::{Cells, Lists};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
@@ -42,6 +45,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("octree::adopt", include_str!("adopt.wgsl")),
     ("octree::bricks", include_str!("bricks.wgsl")),
     ("octree::build_ranked", include_str!("build_ranked.wgsl")),
+    ("octree::carry", include_str!("carry.wgsl")),
     ("octree::cell_ranks", include_str!("cell_ranks.wgsl")),
     ("octree::contents", include_str!("contents.wgsl")),
     ("octree::count_values", include_str!("count_values.wgsl")),
@@ -142,6 +146,8 @@ pub(crate) struct OctreeVolume {
     topology_kernels: TopologyKernels,
     content_kernels: ContentKernels,
     built: Option<Built>,
+    /// Of a list that is still to be taken.
+    prepared: Option<Built>,
 }
 
 /// What an octree is built from.
@@ -206,20 +212,19 @@ impl OctreeVolume {
             grid_uniform,
             sampler,
             topology_kernels: TopologyKernels::new(device, shaders, options.builder)?,
-            content_kernels: ContentKernels::new(device, shaders, options)?,
+            content_kernels: ContentKernels::new(device, shaders, grid, options)?,
             built: None,
+            prepared: None,
         })
     }
 
-    /// Builds the nodes and allocates their bricks. Submits what was recorded before.
-    pub(super) async fn rebuild(
+    /// Builds the nodes of a new list and allocates their bricks. Submits what was recorded before.
+    pub(super) async fn prepare(
         &mut self,
         recorder: &mut Recorder,
         voxels: &VoxelList,
-        radiance: &wgpu::Buffer,
     ) -> Result<(), GiError> {
         recorder.stage("volume");
-        let device = recorder.device().clone();
         let input = Input {
             grid: &self.grid,
             grid_uniform: &self.grid_uniform,
@@ -227,7 +232,24 @@ impl OctreeVolume {
             memory_budget: self.memory_budget,
         };
         let mut topology = self.topology_kernels.build(recorder, &input).await?;
-        let content = self.content_kernels.build(recorder, &input, radiance, &mut topology).await?;
+        let content = self.content_kernels.build(recorder, &input, &mut topology).await?;
+        self.prepared = Some(Built { topology, content });
+        Ok(())
+    }
+
+    /// Takes the new list: carries over the values that are still right.
+    pub(super) fn rebuild(&mut self, recorder: &mut Recorder, lists: Lists<'_>, cells: Cells<'_>) {
+        let Some(mut built) = self.prepared.take() else {
+            return;
+        };
+        recorder.stage("volume");
+        let device = recorder.device().clone();
+        let Built { topology, content } = &mut built;
+        self.content_kernels.bind(&device, &self.grid, lists, cells, topology, content);
+        if let Some((old, earlier)) = lists.old.zip(self.built.as_ref()) {
+            let old = (old, &earlier.content);
+            self.content_kernels.carry(recorder, &self.grid, lists.new, old, content, cells.bits);
+        }
         self.globals = BindGroupBuilder::new(&self.globals_layout)
             .buffer(&self.grid_uniform)
             .buffer(&topology.tree)
@@ -235,13 +257,12 @@ impl OctreeVolume {
             .view(&content.atlas)
             .sampler(&self.sampler)
             .build(&device, "globals");
-        self.built = Some(Built { topology, content });
-        Ok(())
+        self.built = Some(built);
     }
 
-    pub(super) fn update(&self, recorder: &mut Recorder) {
-        if let Some(built) = &self.built {
-            self.content_kernels.update(recorder, &built.content);
+    pub(super) fn update(&mut self, recorder: &mut Recorder, changed: &ChangedCells) {
+        if let Some(built) = &mut self.built {
+            self.content_kernels.update(recorder, &mut built.content, changed);
         }
     }
 

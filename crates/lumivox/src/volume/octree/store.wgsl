@@ -1,15 +1,16 @@
-// The values of the finest cells, from the faces of the voxel list.
+// The values of the finest cells, from the faces of the voxel list, where they have changed.
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
-import package::octree::values::store_value;
-import package::volume::level_range::{node_range, nodes};
+import package::octree::values::{nodes, store_value};
+import package::volume::changes::cells::changed_cell;
+import package::volume::changes::list::NOTHING;
 import package::volume::parts::{part_of, stored_parts, POSITIVE, TILT};
 import package::voxels::list::Face;
 
-@group(1) @binding(4) var<storage, read> first_faces: array<u32>;
-@group(1) @binding(5) var<storage, read> faces: array<Face>;
-@group(1) @binding(6) var<storage, read> radiance: array<vec4f>;
+@group(1) @binding(6) var<storage, read> first_faces: array<u32>;
+@group(1) @binding(7) var<storage, read> faces: array<Face>;
+@group(1) @binding(8) var<storage, read> radiance: array<vec4f>;
 
 fn store_lobes(voxel: u32, lobes: u32) {
     let parts = stored_parts(lobes);
@@ -51,8 +52,8 @@ fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let voxel = linear_index(invocation, workgroups);
-    if voxel >= node_range.count {
+    let voxel = changed_cell(linear_index(invocation, workgroups)).node;
+    if voxel == NOTHING {
         return;
     }
     if ISOTROPIC != 0u {

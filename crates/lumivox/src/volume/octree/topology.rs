@@ -9,9 +9,9 @@ use crate::gpu::{
     uniform_buffer,
 };
 use crate::volume::budget;
-use crate::volume::dense::NodeRange;
+use crate::volume::level_range::NodeRange;
 use crate::voxelize::{Memory, Remedy};
-use crate::voxels::{BitLevel, BitPyramid, VoxelList};
+use crate::voxels::{BitLevel, Pyramid, VoxelList};
 use crate::{GiError, Grid};
 
 /// The nodes of a voxel list's octree, still without bricks.
@@ -37,7 +37,7 @@ pub(super) struct Topology {
 #[derive(Debug)]
 pub(super) struct TopologyKernels {
     scan: Scan,
-    pyramid: BitPyramid,
+    pyramid: Pyramid,
     /// Group 0: the grid and the tree.
     tree_layout: wgpu::BindGroupLayout,
     occupy_layout: wgpu::BindGroupLayout,
@@ -78,7 +78,7 @@ impl TopologyKernels {
         };
         Ok(Self {
             scan: Scan::new(device, shaders)?,
-            pyramid: BitPyramid::new(device, shaders, &tree_layout)?,
+            pyramid: Pyramid::new(device, shaders, &tree_layout)?,
             occupy: kernel("octree::occupy", "main", &occupy_layout)?,
             count_groups: kernel("octree::groups", "count", &groups_layout)?,
             build: kernel("octree::build_ranked", "main", &build_layout)?,
@@ -191,6 +191,6 @@ impl TopologyKernels {
         });
         let levels: Vec<BitLevel> =
             (grid.levels..=layout.root_level).map(|level| layout.bits(level)).collect();
-        self.pyramid.run(recorder, globals, node_bits, &levels);
+        self.pyramid.fill_levels(recorder, globals, node_bits, &levels);
     }
 }

@@ -4,12 +4,13 @@
 // node follow one another in the list, so that filtering reads side by side; and since bricks are copies alone, no
 // texture is read and written at once.
 
-import package::volume::parts::stored_parts;
 import package::voxels::list::Node;
 
+// Bindings 0 to 2 are those of the changed cells (volume/changes/cells.wgsl).
+@group(1) @binding(3) var<storage, read> nodes: array<Node>;
 // Of each cell of the list, the first value; one more than there are cells: the total.
-@group(1) @binding(2) var<storage, read> value_starts: array<u32>;
-@group(1) @binding(3) var<storage, read_write> values: array<vec2u>;
+@group(1) @binding(4) var<storage, read> value_starts: array<u32>;
+@group(1) @binding(5) var<storage, read_write> values: array<vec2u>;
 
 fn pack_value(value: vec4f) -> vec2u {
     return vec2u(pack2x16float(value.xy), pack2x16float(value.zw));

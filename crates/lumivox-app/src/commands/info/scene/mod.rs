@@ -26,6 +26,11 @@ const MOST_ROWS: usize = 50;
 pub struct Report {
     #[serde(flatten)]
     counts: SceneCounts,
+    /// Of the triangles and instances, those that stay as they are when others move.
+    static_triangles: usize,
+    static_instances: usize,
+    dynamic_triangles: usize,
+    dynamic_instances: usize,
     /// Vertices of all meshes, each once.
     vertices: usize,
     /// Of the box around everything, m.
@@ -123,8 +128,18 @@ impl Report {
             duration_s: animation.duration_s,
         });
         let notes = &scene.notes;
+        let [fixed, moving] = [true, false].map(|is_static| {
+            let instances = scene.instances.iter().filter(|i| i.is_static == is_static);
+            instances.fold((0, 0), |(triangles, instances), instance| {
+                (triangles + scene.meshes[instance.mesh].triangle_count(), instances + 1)
+            })
+        });
         Ok(Self {
             counts: SceneCounts::new(scene),
+            static_triangles: fixed.0,
+            static_instances: fixed.1,
+            dynamic_triangles: moving.0,
+            dynamic_instances: moving.1,
             vertices: scene.meshes.iter().map(|mesh| mesh.positions.len()).sum(),
             bounds_min: bounds.min.to_array(),
             bounds_max: bounds.max.to_array(),
@@ -209,6 +224,16 @@ impl Report {
                     count(counts.triangles as u64),
                     counted(counts.instances, "instance", "instances"),
                     counted(counts.meshes, "mesh", "meshes")
+                ),
+            ),
+            (
+                "that move",
+                format!(
+                    "{} in {}; static: {} in {}",
+                    count(self.dynamic_triangles as u64),
+                    counted(self.dynamic_instances, "instance", "instances"),
+                    count(self.static_triangles as u64),
+                    counted(self.static_instances, "instance", "instances"),
                 ),
             ),
             ("vertices", format!("{}, {}", count(self.vertices as u64), bytes(self.vertex_bytes))),

@@ -1,6 +1,7 @@
 //! `lumivox voxels`: what the voxelization of a scene finds, and what it takes.
 
 mod compare;
+mod dynamic;
 mod picture;
 
 use std::time::Instant;
@@ -31,7 +32,11 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     args.scene.scene.check()?;
     let progress = Progress::start(bars, "loading");
     let gpu = open_gpu(&args.gpu)?;
-    let scene = args.scene.load(&progress)?;
+    let mut scene = args.scene.load(&progress)?;
+    if let Some(share) = args.dynamic_share {
+        dynamic::mark(&mut scene, share);
+    }
+    let scene = scene;
     let bounds = scene.bounds();
     let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
     let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
@@ -40,7 +45,13 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let lighting = Lighting::of(&scene);
     let unit = radiance_unit(&scene, &lighting);
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
-    let mut gi = Gi::new(&gpu.device, &gpu.queue, args.voxels.config(grid))?;
+    let config = args.voxels.config(grid);
+    if args.dynamic_share.is_some() {
+        let report = dynamic::measure(&gpu, &scene, &uploaded, config, args.moves, &progress)?;
+        drop(progress);
+        return report.print(args.json);
+    }
+    let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
     gpu.wait("uploading the scene")?;
 
     progress.set("voxelizing", 0, 1);

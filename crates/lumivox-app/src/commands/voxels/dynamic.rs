@@ -1,0 +1,373 @@
+//! What it saves to keep what is static when other things move: a scene of which a share of the triangles moves,
+//! voxelized and lit as a whole and with what is static kept, move by move.
+
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::time::Instant;
+
+use glam::{Mat4, Vec3};
+use lumivox::gpu::{Recorder, StageTime, Timing, read_buffer};
+use lumivox::{Geometry, Gi, GiConfig, Lights, TraceSettings};
+use lumivox_render::{Gpu, GpuScene, Lighting};
+use lumivox_scene::{Bounds, Mesh, Scene};
+use serde::Serialize;
+
+use crate::progress::Progress;
+use crate::report::{
+    AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count, print, print_json,
+};
+
+/// How far things move, in voxels.
+const REACH_VOXELS: f32 = 1.5;
+
+/// Marks a share of the triangles as dynamic, and all others as static: small instances first, those of one size in
+/// an order of no meaning. The last one is cut in two, so that the share is met.
+pub fn mark(scene: &mut Scene, share: f32) {
+    let total = scene.triangle_count();
+    let mut left = ((total as f64 * f64::from(share)).round() as usize).clamp(1, total);
+    let mut order: Vec<(f32, u64, usize)> = (0..scene.instances.len())
+        .map(|index| {
+            let instance = &scene.instances[index];
+            let positions = &scene.meshes[instance.mesh].positions;
+            let points = positions.iter().map(|p| instance.world_from_local.transform_point3(*p));
+            let mut hasher = DefaultHasher::new();
+            index.hash(&mut hasher);
+            (Bounds::from_points(points).size().length(), hasher.finish(), index)
+        })
+        .collect();
+    // Sizes of equal things differ by rounding.
+    order.sort_by_key(|&(size, mix, _)| ((size * 1e3) as u64, mix));
+    for (_, _, index) in order {
+        let triangles = scene.meshes[scene.instances[index].mesh].triangle_count();
+        scene.instances[index].is_static = left == 0;
+        if left > 0 && left < triangles {
+            cut(scene, index, left);
+        }
+        left = left.saturating_sub(triangles);
+    }
+}
+
+/// Leaves the first triangles to an instance, and gives the others to a new, static one.
+fn cut(scene: &mut Scene, index: usize, triangles: usize) {
+    let mut rest = scene.instances[index].clone();
+    let whole = &scene.meshes[rest.mesh];
+    let (first, second) = whole.indices.split_at(3 * triangles);
+    let parts = [first.to_vec(), second.to_vec()].map(|indices| Mesh { indices, ..whole.clone() });
+    scene.instances[index].mesh = scene.meshes.len();
+    rest.mesh = scene.meshes.len() + 1;
+    rest.is_static = true;
+    scene.meshes.extend(parts);
+    scene.instances.push(rest);
+}
+
+/// Where everything dynamic is at a move, relative to where it was at first.
+fn offset(step: u32, voxel_size_m: f32) -> Vec3 {
+    // The golden angle: no two moves are alike.
+    let (sin, cos) = (2.399_963 * step as f32).sin_cos();
+    Vec3::new(cos, 0.3 * sin, sin) * (REACH_VOXELS * voxel_size_m)
+}
+
+fn moved(geometry: &Geometry, offset: Vec3) -> Geometry {
+    let mut geometry = geometry.clone();
+    for draw in geometry.batches.iter_mut().flat_map(|batch| &mut batch.draws) {
+        if !draw.is_static {
+            draw.world_from_local = Mat4::from_translation(offset) * draw.world_from_local;
+        }
+    }
+    geometry
+}
+
+/// One way of keeping up with moves.
+struct Way {
+    gi: Gi,
+    lights: Lights,
+    keeps_static: bool,
+    voxelize_ms: f64,
+    light_ms: f64,
+    times: Vec<StageTime>,
+}
+
+impl Way {
+    fn step(&mut self, gpu: &Gpu, geometry: &Geometry, timing: Timing) -> anyhow::Result<()> {
+        let start = Instant::now();
+        let voxelized = if self.keeps_static {
+            pollster::block_on(self.gi.voxelize_dynamic(geometry, timing))?
+        } else {
+            pollster::block_on(self.gi.voxelize(geometry, timing))?
+        };
+        gpu.wait("voxelizing")?;
+        let voxelize_ms = start.elapsed().as_secs_f64() * 1e3;
+        if !self.keeps_static {
+            self.gi.forget_light();
+        }
+        let start = Instant::now();
+        let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, timing);
+        self.gi.light(&mut recorder, &self.lights, 1, &TraceSettings::default())?;
+        let times = pollster::block_on(recorder.finish())?;
+        gpu.wait("lighting the voxels")?;
+        if timing == Timing::Off {
+            self.voxelize_ms += voxelize_ms;
+            self.light_ms += start.elapsed().as_secs_f64() * 1e3;
+        } else {
+            self.times.extend(voxelized.times);
+            self.times.extend(times);
+        }
+        Ok(())
+    }
+
+    /// The list and its light.
+    fn bits(&self, gpu: &Gpu) -> anyhow::Result<Vec<Vec<u32>>> {
+        let Some((voxels, light)) = self.gi.voxels().zip(self.gi.face_radiance()) else {
+            anyhow::bail!("there are no voxels");
+        };
+        let node_count = voxels.level_starts.last().copied().unwrap_or(0);
+        [
+            (&voxels.occupancy, voxels.occupancy.size()),
+            (&voxels.ranks, voxels.ranks.size()),
+            (&voxels.nodes, u64::from(node_count) * 8),
+            (&voxels.first_faces, u64::from(voxels.voxel_count() + 1) * 4),
+            (&voxels.faces, u64::from(voxels.face_count) * 64),
+            (light, u64::from(voxels.face_count) * 16),
+        ]
+        .into_iter()
+        .map(|(buffer, bytes)| {
+            Ok(pollster::block_on(read_buffer(&gpu.device, &gpu.queue, buffer, 0..bytes))?)
+        })
+        .collect()
+    }
+}
+
+/// Moves what is dynamic and takes the times of both ways.
+///
+/// # Errors
+/// When the voxels do not fit the GPU, or the device fails.
+pub fn measure(
+    gpu: &Gpu,
+    scene: &Scene,
+    uploaded: &GpuScene,
+    config: GiConfig,
+    moves: u32,
+    progress: &Progress,
+) -> anyhow::Result<Report> {
+    let lights = Lighting::of(scene).to_gpu(uploaded.radiance_unit);
+    let environment = scene.environment.radiance / uploaded.radiance_unit;
+    let way = |keeps_static: bool| -> anyhow::Result<Way> {
+        let gi = Gi::new(&gpu.device, &gpu.queue, config)?;
+        let lights = gi.bind_lights(&lights, environment, None);
+        let (voxelize_ms, light_ms, times) = (0.0, 0.0, Vec::new());
+        Ok(Way { gi, lights, keeps_static, voxelize_ms, light_ms, times })
+    };
+    let mut ways = [way(false)?, way(true)?];
+    let timing = Timing::for_device(&gpu.device);
+    let mut has_same_bits = true;
+    let mut changed = 0.0;
+    // One move more at first, for buffers and kernels are used for the first time there; then by the clock on the
+    // wall; then pass by pass, which slows the whole down.
+    let steps = 1 + 2 * moves;
+    for step in 0..steps {
+        progress.set("moving", step, steps);
+        let geometry = moved(&uploaded.geometry, offset(step, config.grid.voxel_size_m));
+        let timing = if step <= moves { Timing::Off } else { timing };
+        for way in &mut ways {
+            way.step(gpu, &geometry, timing)?;
+            if step == 0 {
+                (way.voxelize_ms, way.light_ms) = (0.0, 0.0);
+            }
+        }
+        let [whole, kept] = &ways;
+        has_same_bits &= whole.bits(gpu)? == kept.bits(gpu)?;
+        if step > 0 {
+            changed += share_of_changed(gpu, &kept.gi)? / f64::from(steps - 1);
+        }
+    }
+    let [whole, kept] = ways;
+    Ok(Report::new(gpu, scene, moves, (&whole, &kept), (changed, has_same_bits)))
+}
+
+/// The share of the occupied cells of all levels that the last update wrote.
+fn share_of_changed(gpu: &Gpu, gi: &Gi) -> anyhow::Result<f64> {
+    let Some((voxels, changed)) = gi.voxels().zip(gi.changed_cells()) else { return Ok(1.0) };
+    let count = |buffer: &wgpu::Buffer| -> anyhow::Result<f64> {
+        let bytes = 0..voxels.occupancy.size();
+        let words: Vec<u32> =
+            pollster::block_on(read_buffer(&gpu.device, &gpu.queue, buffer, bytes))?;
+        Ok(words.iter().map(|word| f64::from(word.count_ones())).sum())
+    };
+    Ok(count(changed)? / count(&voxels.occupancy)?)
+}
+
+/// What the moves took.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    scene: SceneCounts,
+    grid: GridReport,
+    dynamic_instances: usize,
+    dynamic_triangles: usize,
+    /// At the last move.
+    voxels: u32,
+    faces: u32,
+    moves: u32,
+    /// Voxelization and what the volume does with a new list, a move, as a whole and with what is static kept; by the
+    /// clock on the wall.
+    whole_voxelize_ms: f64,
+    kept_voxelize_ms: f64,
+    /// Direct light, stored and filtered.
+    whole_light_ms: f64,
+    kept_light_ms: f64,
+    /// With each pass waited for, a move.
+    stages: Vec<StageReport>,
+    passes: Vec<StageReport>,
+    /// Of the occupied cells of all levels, the share that a move writes.
+    changed_share: f64,
+    /// Whether the lists and their light were the same both ways at every move.
+    has_same_bits: bool,
+    /// What keeping takes.
+    kept_bytes: u64,
+    adapter: AdapterReport,
+}
+
+/// A stage, or a pass of it.
+#[derive(Clone, Debug, Serialize)]
+struct StageReport {
+    stage: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pass: Option<String>,
+    whole_ms: f64,
+    kept_ms: f64,
+}
+
+impl Report {
+    fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        moves: u32,
+        (whole, kept): (&Way, &Way),
+        (changed_share, has_same_bits): (f64, bool),
+    ) -> Self {
+        let a_move = |ms: f64| ms / f64::from(moves);
+        let [of_whole, of_kept] = [whole, kept].map(|way| Times::new(&way.times));
+        let pairs = |whole: &[TimeReport], kept: &[TimeReport]| -> Vec<StageReport> {
+            let pair = |own: &TimeReport| {
+                let is_same =
+                    |other: &&TimeReport| other.stage == own.stage && other.pass == own.pass;
+                StageReport {
+                    stage: own.stage.clone(),
+                    pass: own.pass.clone(),
+                    whole_ms: a_move(whole.iter().find(is_same).map_or(0.0, |other| other.ms)),
+                    kept_ms: a_move(own.ms),
+                }
+            };
+            kept.iter().map(pair).collect()
+        };
+        let dynamic = || scene.instances.iter().filter(|instance| !instance.is_static);
+        let voxels = kept.gi.voxels();
+        let memory = kept.gi.memory();
+        let kept_memory = memory.iter().filter(|(name, _)| name.contains("kept"));
+        Self {
+            scene: SceneCounts::new(scene),
+            grid: GridReport::new(kept.gi.grid()),
+            dynamic_instances: dynamic().count(),
+            dynamic_triangles: dynamic()
+                .map(|instance| scene.meshes[instance.mesh].triangle_count())
+                .sum(),
+            voxels: voxels.map_or(0, lumivox::voxels::VoxelList::voxel_count),
+            faces: voxels.map_or(0, |voxels| voxels.face_count),
+            moves,
+            whole_voxelize_ms: a_move(whole.voxelize_ms),
+            kept_voxelize_ms: a_move(kept.voxelize_ms),
+            whole_light_ms: a_move(whole.light_ms),
+            kept_light_ms: a_move(kept.light_ms),
+            stages: pairs(&of_whole.stages, &of_kept.stages),
+            passes: pairs(&of_whole.passes, &of_kept.passes),
+            changed_share,
+            has_same_bits,
+            kept_bytes: kept_memory.map(|(_, bytes)| bytes).sum(),
+            adapter: AdapterReport::new(&gpu.adapter_info),
+        }
+    }
+
+    /// Prints it.
+    ///
+    /// # Errors
+    /// When stdout is gone, and when the two ways gave different bits.
+    pub fn print(&self, json: bool) -> anyhow::Result<()> {
+        if json {
+            print_json(self)?;
+        } else {
+            print(&self.text())?;
+        }
+        anyhow::ensure!(
+            self.has_same_bits,
+            "keeping what is static gave other bits than voxelizing everything: a defect of this \
+             program or of the GPU's driver; please report it"
+        );
+        Ok(())
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}\n\n", self.scene.name);
+        let mut table = Table::new(&["", ""]);
+        let share = self.dynamic_triangles as f64 / self.scene.triangles.max(1) as f64;
+        for (name, value) in [
+            ("triangles", count(self.scene.triangles as u64)),
+            ("  that move", count(self.dynamic_triangles as u64)),
+            ("  share", format!("{:.2} %", share * 100.0)),
+            ("instances", count(self.scene.instances as u64)),
+            ("  that move", count(self.dynamic_instances as u64)),
+            ("voxels", count(self.voxels.into())),
+            ("cells that a move writes", format!("{:.1} %", self.changed_share * 100.0)),
+            ("moves", self.moves.to_string()),
+            ("memory to keep what is static", crate::report::bytes(self.kept_bytes)),
+        ] {
+            table.row([name.to_owned(), value]);
+        }
+        text += &table.text();
+        text.push('\n');
+        let mut table = Table::new(&["ms a move", "everything", "static kept", "gain"]);
+        let mut row = |name: &str, whole: f64, kept: f64| {
+            let gain = format!("{:.2} x", whole / kept.max(1e-9));
+            table.row([name.to_owned(), format!("{whole:.2}"), format!("{kept:.2}"), gain]);
+        };
+        row("voxels and volume, by the clock", self.whole_voxelize_ms, self.kept_voxelize_ms);
+        row("direct light and filter, by the clock", self.whole_light_ms, self.kept_light_ms);
+        for stage in &self.stages {
+            row(&format!("  {}", stage.stage), stage.whole_ms, stage.kept_ms);
+        }
+        text += &table.text();
+        let bits = if self.has_same_bits { "the same bits" } else { "DIFFERENT BITS" };
+        text +=
+            &format!("\nBoth ways gave {bits} at every move, on {}.\n", self.adapter.description);
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The share is met to the triangle, nothing is lost, and the small things move.
+    #[test]
+    fn the_share_is_met() {
+        for (name, share) in
+            [("spheres", 0.01), ("spheres", 0.5), ("cornell", 0.1), ("cornell", 1.0)]
+        {
+            let scene = lumivox_scene::builtin::scene(name).unwrap();
+            let mut marked = scene.clone();
+            mark(&mut marked, share);
+            marked.validate().unwrap();
+            assert_eq!(marked.triangle_count(), scene.triangle_count());
+            assert_eq!(marked.bounds(), scene.bounds());
+            let moving: usize = marked
+                .instances
+                .iter()
+                .filter(|instance| !instance.is_static)
+                .map(|instance| marked.meshes[instance.mesh].triangle_count())
+                .sum();
+            let wanted = scene.triangle_count() as f64 * f64::from(share);
+            assert!((moving as f64 - wanted).abs() <= 1.0, "{name}: {moving} of {wanted}");
+        }
+        let mut spheres = lumivox_scene::builtin::scene("spheres").unwrap();
+        mark(&mut spheres, 0.5);
+        let floor = spheres.instances.iter().find(|instance| instance.name == "floor").unwrap();
+        assert!(floor.is_static);
+    }
+}

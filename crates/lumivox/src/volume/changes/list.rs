@@ -1,0 +1,153 @@
+//! Bits of changed cells, as lists to run over.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::GiError;
+use crate::Grid;
+use crate::gpu::{
+    BindGroupBuilder, Indirect, Kernel, LayoutBuilder, Recorder, Run, Scan, ShaderLibrary,
+    storage_buffer, uniform_buffer,
+};
+use crate::voxels::level_first_word;
+
+/// `ListParams` of `list.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct ListParams {
+    pub(crate) only_occupied: u32,
+}
+
+/// `LevelWords` of `cells.wgsl`: where the bits of a level are.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct LevelWords {
+    pub(crate) level: u32,
+    pub(crate) first_word: u32,
+    pub(crate) end_word: u32,
+}
+
+impl LevelWords {
+    /// Of each level of a grid, as uniforms.
+    pub(crate) fn of_levels(device: &wgpu::Device, grid: &Grid) -> Vec<wgpu::Buffer> {
+        let words = |level: u32| Self {
+            level,
+            first_word: level_first_word(grid, level) as u32,
+            end_word: level_first_word(grid, level + 1) as u32,
+        };
+        (0..grid.levels).map(|l| uniform_buffer(device, "level words", &words(l))).collect()
+    }
+}
+
+/// Cells that have changed, level after level, and how to run over them.
+#[derive(Debug)]
+pub(crate) struct ChangedCells {
+    /// For each word of the bits, those before it, and last the total.
+    pub(crate) ranks: wgpu::Buffer,
+    /// `array<ChangedCell>` of `list.wgsl`.
+    pub(crate) cells: wgpu::Buffer,
+    /// Of a dispatch over each level's cells.
+    arguments: wgpu::Buffer,
+}
+
+impl ChangedCells {
+    /// Room for so many cells of all levels.
+    pub(super) fn new(device: &wgpu::Device, grid: &Grid, count: u64) -> Self {
+        let words = level_first_word(grid, grid.levels);
+        Self {
+            ranks: storage_buffer(device, "ranks of changed cells", (words + 1) * 4),
+            cells: storage_buffer(device, "changed cells", count * 8),
+            arguments: storage_buffer(device, "no changed cells", 16),
+        }
+    }
+
+    /// Runs a kernel with a thread for each changed cell of a level, and some more:
+    /// `package::volume::changes::cells` tells which.
+    pub(crate) fn dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        kernel: &Kernel,
+        groups: &[&wgpu::BindGroup],
+        level: usize,
+    ) {
+        kernel.dispatch_indirect(pass, groups, &self.arguments, level as u64 * Indirect::STRIDE);
+    }
+
+    /// Bytes on the GPU.
+    pub(super) fn bytes(&self) -> u64 {
+        self.ranks.size() + self.cells.size()
+    }
+}
+
+/// Bits, and the list of voxels that they are of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bits<'a> {
+    pub(super) changed: &'a wgpu::Buffer,
+    pub(super) occupancy: &'a wgpu::Buffer,
+    pub(super) ranks: &'a wgpu::Buffer,
+}
+
+/// The kernels.
+#[derive(Debug)]
+pub(super) struct Lister {
+    layout: wgpu::BindGroupLayout,
+    count: Kernel,
+    list: Kernel,
+    scan: Scan,
+    indirect: Indirect,
+    /// What stands for no overflow.
+    zero: wgpu::Buffer,
+}
+
+impl Lister {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        globals: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GiError> {
+        let layout = (0..3).fold(LayoutBuilder::compute().uniform(), |layout, _| layout.storage());
+        let layout = layout.storage_mut().storage_mut().build(device, "changed cells");
+        let kernel = |entry| {
+            Kernel::new(device, shaders, "volume::changes::list", entry, &[globals, &layout])
+        };
+        Ok(Self {
+            count: kernel("count")?,
+            list: kernel("list")?,
+            scan: Scan::new(device, shaders)?,
+            indirect: Indirect::new(device, shaders)?,
+            zero: storage_buffer(device, "no overflow", 16),
+            layout,
+        })
+    }
+
+    /// Lists the changed cells, of which `cells` must have room for all; those that are not occupied only if asked
+    /// for.
+    pub(super) fn list(
+        &self,
+        recorder: &mut Recorder,
+        globals: &wgpu::BindGroup,
+        grid: &Grid,
+        (bits, only_occupied): (Bits<'_>, bool),
+        cells: &mut ChangedCells,
+    ) {
+        let device = recorder.device().clone();
+        let params = ListParams { only_occupied: u32::from(only_occupied) };
+        let params = uniform_buffer(&device, "list parameters", &params);
+        let group = BindGroupBuilder::new(&self.layout)
+            .buffer(&params)
+            .buffer(bits.occupancy)
+            .buffer(bits.ranks)
+            .buffer(bits.changed)
+            .buffer(&cells.ranks)
+            .buffer(&cells.cells)
+            .build(&device, "changed cells");
+        let words = level_first_word(grid, grid.levels);
+        self.count.run_linear(recorder, &[globals, &group], words);
+        self.scan.run(recorder, &cells.ranks, words as u32 + 1);
+        self.list.run_linear(recorder, &[globals, &group], words);
+        let first_word = |level: u32| level_first_word(grid, level) as u32;
+        let levels: Vec<Run> = (0..grid.levels)
+            .map(|level| Run { first: first_word(level), end: first_word(level + 1) })
+            .collect();
+        cells.arguments = self.indirect.arguments(recorder, &cells.ranks, &levels, &self.zero);
+    }
+}

@@ -1,0 +1,326 @@
+//! Which cells of a volume do not hold what they should, so that the others can stay as they are.
+//!
+//! It works on the voxel list and the faces' radiance alone: any volume can use it. A bit per cell, laid out as the
+//! list's occupancy bits, says whether the cell's surface or light, or that of any cell below it, differs from what is
+//! stored. The cells whose bits are set are listed, and passes that write to the volume run over them alone. What they
+//! write depends on nothing but the voxel list and the radiance: so the volume has the bits that it had if all were
+//! written.
+//!
+//! A new list is compared with the one before: voxels that are gone, new, or of another surface have changed. Light
+//! is compared with what the volume holds of each face, which is carried along from list to list. With bounces nearly
+//! all light changes whenever something moves, and changes several times within one update; there everything is
+//! written, and nothing remembered. See [`Changes::find`] and [`Changes::all`].
+
+mod list;
+#[cfg(test)]
+mod tests;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
+    uniform_buffer,
+};
+use crate::voxels::{Pyramid, VoxelList, level_first_word};
+use crate::{GiError, Grid};
+#[cfg(test)]
+pub(crate) use list::ListParams;
+use list::{Bits, Lister};
+pub(crate) use list::{ChangedCells, LevelWords};
+
+/// The shader modules of this folder.
+pub(super) const MODULES: &[(&str, &str)] = &[
+    ("volume::changes::carry", include_str!("carry.wgsl")),
+    ("volume::changes::cells", include_str!("cells.wgsl")),
+    ("volume::changes::gone", include_str!("gone.wgsl")),
+    ("volume::changes::list", include_str!("list.wgsl")),
+    ("volume::changes::moved", include_str!("moved.wgsl")),
+    ("volume::changes::relit", include_str!("relit.wgsl")),
+];
+
+/// `MovedParams` of `moved.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct MovedParams {
+    pub(crate) voxel_count: u32,
+    pub(crate) finest_words: u32,
+    pub(crate) all: u32,
+}
+
+/// What belongs to the current voxel list.
+#[derive(Debug)]
+struct Bound {
+    params: wgpu::Buffer,
+    voxel_count: u64,
+    occupancy: wgpu::Buffer,
+    ranks: wgpu::Buffer,
+    nodes: wgpu::Buffer,
+    first_faces: wgpu::Buffer,
+    radiance: wgpu::Buffer,
+    /// The radiance that the volume holds of each face (`array<vec4f>`), if that is known.
+    held: Option<wgpu::Buffer>,
+    /// The occupied cells that are to be written.
+    changed: ChangedCells,
+}
+
+impl Bound {
+    fn bits<'a>(&'a self, changed: &'a wgpu::Buffer) -> Bits<'a> {
+        Bits { changed, occupancy: &self.occupancy, ranks: &self.ranks }
+    }
+}
+
+/// Finds the cells that have changed.
+#[derive(Debug)]
+pub(crate) struct Changes {
+    grid: Grid,
+    globals: wgpu::BindGroup,
+    pyramid: Pyramid,
+    gone_layout: wgpu::BindGroupLayout,
+    moved_layout: wgpu::BindGroupLayout,
+    carry_layout: wgpu::BindGroupLayout,
+    relit_layout: wgpu::BindGroupLayout,
+    gone: Kernel,
+    moved: Kernel,
+    carry: Kernel,
+    relit: Kernel,
+    lister: Lister,
+    bits: Option<wgpu::Buffer>,
+    bound: Option<Bound>,
+    /// The bits tell of a new list that the volume has not stored yet.
+    is_list_new: bool,
+}
+
+impl Changes {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        grid: &Grid,
+    ) -> Result<Self, GiError> {
+        let uniform = uniform_buffer(device, "grid", &grid.to_gpu());
+        let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
+        let globals = BindGroupBuilder::new(&grid_layout).buffer(&uniform).build(device, "grid");
+        let layout = |reads: u32, writes: u32, label: &str| {
+            let reads = (0..reads).fold(LayoutBuilder::compute().uniform(), |l, _| l.storage());
+            (0..writes).fold(reads, |layout, _| layout.storage_mut()).build(device, label)
+        };
+        let gone_layout = layout(2, 1, "gone voxels");
+        let moved_layout = layout(7, 1, "moved voxels");
+        let carry_layout = layout(7, 1, "carried light");
+        let relit_layout = layout(3, 2, "relit voxels");
+        let kernel = |module: &str, layout| {
+            let module = format!("volume::changes::{module}");
+            Kernel::new(device, shaders, &module, "main", &[&grid_layout, layout])
+        };
+        Ok(Self {
+            grid: *grid,
+            pyramid: Pyramid::new(device, shaders, &grid_layout)?,
+            lister: Lister::new(device, shaders, &grid_layout)?,
+            gone: kernel("gone", &gone_layout)?,
+            moved: kernel("moved", &moved_layout)?,
+            carry: kernel("carry", &carry_layout)?,
+            relit: kernel("relit", &relit_layout)?,
+            globals,
+            gone_layout,
+            moved_layout,
+            carry_layout,
+            relit_layout,
+            bits: None,
+            bound: None,
+            is_list_new: false,
+        })
+    }
+
+    /// Takes a new list, of which the bits become those of the cells whose surface is not what it was in the list
+    /// before, cells that are gone included. Those are returned, too: what the volume holds there is wrong.
+    /// `radiance` is what the faces will send out.
+    pub(crate) fn rebuild(
+        &mut self,
+        recorder: &mut Recorder,
+        old: Option<&VoxelList>,
+        voxels: &VoxelList,
+        radiance: &wgpu::Buffer,
+    ) -> Option<ChangedCells> {
+        recorder.stage("changes");
+        let device = recorder.device().clone();
+        let bytes = voxels.occupancy.size();
+        let bits = self.bits.take().unwrap_or_else(|| storage_buffer(&device, "changed", bytes));
+        // Of a list that was never stored, the volume holds nothing.
+        let all = self.is_list_new;
+        let params = MovedParams {
+            voxel_count: voxels.voxel_count(),
+            finest_words: level_first_word(&self.grid, 1) as u32,
+            all: u32::from(all),
+        };
+        let nodes = |voxels: &VoxelList| voxels.level_starts.last().map_or(0, |&n| u64::from(n));
+        let mut bound = Bound {
+            params: uniform_buffer(&device, "changes parameters", &params),
+            voxel_count: u64::from(params.voxel_count),
+            occupancy: voxels.occupancy.clone(),
+            ranks: voxels.ranks.clone(),
+            nodes: voxels.nodes.clone(),
+            first_faces: voxels.first_faces.clone(),
+            radiance: radiance.clone(),
+            held: None,
+            changed: ChangedCells::new(&device, &self.grid, nodes(voxels)),
+        };
+        let mut wrong = None;
+        if let (Some(earlier), Some(old)) = (self.bound.take(), old) {
+            self.compare_lists(recorder, old, voxels, (&bound, &bits));
+            let held = earlier.held.filter(|_| !all);
+            bound.held = held.map(|held| self.carry(recorder, old, voxels, (&bound, &bits), &held));
+            let mut cells = ChangedCells::new(&device, &self.grid, nodes(old) + nodes(voxels));
+            let list = (bound.bits(&bits), false);
+            self.lister.list(recorder, &self.globals, &self.grid, list, &mut cells);
+            wrong = Some(cells);
+        } else {
+            recorder.encoder().copy_buffer_to_buffer(&voxels.occupancy, 0, &bits, 0, bytes);
+        }
+        self.bound = Some(bound);
+        self.is_list_new = true;
+        self.bits = Some(bits);
+        wrong
+    }
+
+    fn compare_lists(
+        &self,
+        recorder: &mut Recorder,
+        old: &VoxelList,
+        voxels: &VoxelList,
+        (bound, bits): (&Bound, &wgpu::Buffer),
+    ) {
+        let device = recorder.device().clone();
+        let gone = BindGroupBuilder::new(&self.gone_layout)
+            .buffer(&bound.params)
+            .buffer(&old.occupancy)
+            .buffer(&voxels.occupancy)
+            .buffer(bits)
+            .build(&device, "gone voxels");
+        let words = level_first_word(&self.grid, 1);
+        self.gone.run_linear(recorder, &[&self.globals, &gone], words);
+        let moved = BindGroupBuilder::new(&self.moved_layout)
+            .buffer(&bound.params)
+            .buffer(&voxels.nodes)
+            .buffer(&voxels.first_faces)
+            .buffer(&voxels.faces)
+            .buffer(&old.occupancy)
+            .buffer(&old.ranks)
+            .buffer(&old.first_faces)
+            .buffer(&old.faces)
+            .buffer(bits)
+            .build(&device, "moved voxels");
+        self.moved.run_linear(recorder, &[&self.globals, &moved], bound.voxel_count);
+        self.pyramid.fill(recorder, &self.globals, &self.grid, bits);
+    }
+
+    fn carry(
+        &self,
+        recorder: &mut Recorder,
+        old: &VoxelList,
+        voxels: &VoxelList,
+        (bound, bits): (&Bound, &wgpu::Buffer),
+        old_held: &wgpu::Buffer,
+    ) -> wgpu::Buffer {
+        let device = recorder.device().clone();
+        let held = storage_buffer(&device, "held radiance", bound.radiance.size());
+        let carry = BindGroupBuilder::new(&self.carry_layout)
+            .buffer(&bound.params)
+            .buffer(&voxels.nodes)
+            .buffer(&voxels.first_faces)
+            .buffer(&old.occupancy)
+            .buffer(&old.ranks)
+            .buffer(&old.first_faces)
+            .buffer(old_held)
+            .buffer(bits)
+            .buffer(&held)
+            .build(&device, "carried light");
+        self.carry.run_linear(recorder, &[&self.globals, &carry], bound.voxel_count);
+        held
+    }
+
+    /// Before surfaces are needed, whatever their light: the cells that lack those of the current list; none if the
+    /// volume has them.
+    pub(crate) fn surfaces(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
+        if self.is_list_new { self.list(recorder) } else { None }
+    }
+
+    /// Before all cells are stored: every occupied one. What the volume holds is not remembered.
+    pub(crate) fn all(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
+        let (bits, bound) = self.bits.as_ref().zip(self.bound.as_mut())?;
+        let encoder = recorder.encoder();
+        encoder.copy_buffer_to_buffer(&bound.occupancy, 0, bits, 0, bits.size());
+        bound.held = None;
+        self.is_list_new = false;
+        self.list(recorder)
+    }
+
+    /// Before the current radiance is stored: the cells that do not hold it. If what the volume holds is not
+    /// known, that is every occupied cell. Afterwards it is known.
+    pub(crate) fn find(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
+        let (bits, bound) = self.bits.as_ref().zip(self.bound.as_ref())?;
+        let device = recorder.device().clone();
+        let Some(held) = &bound.held else {
+            let bytes = bound.radiance.size();
+            let held = storage_buffer(&device, "held radiance", bytes);
+            let encoder = recorder.encoder();
+            encoder.copy_buffer_to_buffer(&bound.radiance, 0, &held, 0, bytes);
+            self.all(recorder);
+            let bound = self.bound.as_mut()?;
+            bound.held = Some(held);
+            return Some(&bound.changed);
+        };
+        if !self.is_list_new {
+            recorder.encoder().clear_buffer(bits, 0, None);
+        }
+        let relit = BindGroupBuilder::new(&self.relit_layout)
+            .buffer(&bound.params)
+            .buffer(&bound.nodes)
+            .buffer(&bound.first_faces)
+            .buffer(&bound.radiance)
+            .buffer(held)
+            .buffer(bits)
+            .build(&device, "relit voxels");
+        self.relit.run_linear(recorder, &[&self.globals, &relit], bound.voxel_count);
+        self.pyramid.fill(recorder, &self.globals, &self.grid, bits);
+        self.is_list_new = false;
+        self.list(recorder)
+    }
+
+    /// Lists the occupied cells whose bits are set.
+    fn list(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
+        let (bits, bound) = self.bits.as_ref().zip(self.bound.as_mut())?;
+        let Bound { occupancy, ranks, changed, .. } = bound;
+        let list = (Bits { changed: bits, occupancy, ranks }, true);
+        self.lister.list(recorder, &self.globals, &self.grid, list, changed);
+        Some(changed)
+    }
+
+    /// The list of cells that [`Self::surfaces`], [`Self::all`] and [`Self::find`] fill.
+    pub(crate) fn cells(&self) -> Option<&ChangedCells> {
+        self.bound.as_ref().map(|bound| &bound.changed)
+    }
+
+    /// Forgets what the volume holds, so that all is stored the next time.
+    pub(crate) fn forget(&mut self) {
+        if let Some(bound) = &mut self.bound {
+            bound.held = None;
+        }
+    }
+
+    /// A bit per cell, laid out as the list's occupancy, once there is a list: what [`Self::rebuild`],
+    /// [`Self::all`] or [`Self::find`] found last.
+    pub(crate) fn bits(&self) -> Option<&wgpu::Buffer> {
+        self.bits.as_ref()
+    }
+
+    /// Bytes on the GPU, by what they hold.
+    pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
+        let held = self.bound.as_ref().and_then(|bound| bound.held.as_ref());
+        let size = |buffer: Option<&wgpu::Buffer>| buffer.map_or(0, wgpu::Buffer::size);
+        let cells = self.cells().map_or(0, ChangedCells::bytes);
+        let mut memory = vec![("voxels: changed cells", size(self.bits.as_ref()) + cells)];
+        if held.is_some() {
+            memory.push(("light: held radiance of the faces", size(held)));
+        }
+        memory
+    }
+}

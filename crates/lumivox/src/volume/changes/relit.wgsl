@@ -1,0 +1,37 @@
+// Which voxels send out other light than the volume holds of them: a thread per voxel.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::volume::changes::moved::MovedParams;
+import package::voxels::list::Node;
+
+@group(1) @binding(0) var<uniform> params: MovedParams;
+@group(1) @binding(1) var<storage, read> nodes: array<Node>;
+@group(1) @binding(2) var<storage, read> first_faces: array<u32>;
+@group(1) @binding(3) var<storage, read> radiance: array<vec4f>;
+// What the volume holds, of each face; what it is going to hold afterwards.
+@group(1) @binding(4) var<storage, read_write> held: array<vec4f>;
+@group(1) @binding(5) var<storage, read_write> changed: array<atomic<u32>>;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let voxel = linear_index(invocation, workgroups);
+    if voxel >= params.voxel_count {
+        return;
+    }
+    var is_same = true;
+    for (var face = first_faces[voxel]; face < first_faces[voxel + 1u]; face++) {
+        let now = radiance[face];
+        // Bits, since a zero has a sign that the volume stores.
+        is_same = is_same && all(bitcast<vec4u>(now) == bitcast<vec4u>(held[face]));
+        held[face] = now;
+    }
+    let word = nodes[voxel].morton / 32u;
+    let bit = 1u << (nodes[voxel].morton % 32u);
+    if !is_same && (atomicLoad(&changed[word]) & bit) == 0u {
+        atomicOr(&changed[word], bit);
+    }
+}

@@ -1,0 +1,202 @@
+//! After any moves and lights, the volume holds what a fresh one would, to the bit.
+
+use glam::{Mat4, Vec3};
+
+use crate::gpu::{Recorder, Timing};
+use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
+use crate::volume::read_levels;
+use crate::{
+    Directionality, Geometry, Gi, GiConfig, Grid, Light, LightSource, Shadow, TraceSettings,
+};
+
+/// The busy room, static, with a small box and a plate that move.
+fn scene() -> SceneBuilder {
+    let half = Vec3::splat(0.06);
+    busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).quad(
+        Vec3::ZERO,
+        Vec3::new(0.2, 0.03, 0.0),
+        Vec3::new(0.0, 0.05, 0.2),
+        lambert(0.3, 0.0),
+    )
+}
+
+/// Moves the dynamic draws.
+fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
+    let mut geometry = geometry.clone();
+    for draw in &mut geometry.batches[0].draws {
+        if !draw.is_static {
+            draw.world_from_local = place;
+        }
+    }
+    geometry
+}
+
+struct Stage {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    config: GiConfig,
+    geometry: Geometry,
+}
+
+impl Stage {
+    fn new(directionality: Directionality) -> Self {
+        let (device, queue) = device();
+        let size = Vec3::new(1.0, 0.7, 0.9);
+        let grid = Grid::fit(Vec3::ZERO, size, 32, Vec3::ZERO).expect("it fits");
+        let geometry = scene().build(&device);
+        Self { config: GiConfig { directionality, ..GiConfig::new(grid) }, device, queue, geometry }
+    }
+
+    fn gi(&self) -> Gi {
+        Gi::new(&self.device, &self.queue, self.config).expect("a device")
+    }
+
+    fn voxelize(&self, gi: &mut Gi, place: Mat4) {
+        let geometry = moved(&self.geometry, place);
+        pollster::block_on(gi.voxelize_dynamic(&geometry, Timing::Off)).expect("there are voxels");
+    }
+
+    /// A lamp that reaches no farther than `range_m`, so that much of the room stays as it is.
+    fn light(&self, gi: &mut Gi, bounces: u32, lamp: Vec3, shadow: Shadow) {
+        let source = LightSource::Point {
+            position: lamp,
+            intensity: Vec3::new(1.0, 2.0, 3.0),
+            radius_m: 0.02,
+            range_m: Some(0.3),
+        };
+        let lights = gi.bind_lights(&[Light { source, shadow }], Vec3::ZERO, None);
+        let mut recorder = Recorder::new(&self.device, &self.queue);
+        gi.light(&mut recorder, &lights, bounces, &TraceSettings::default()).expect("valid");
+        recorder.submit();
+    }
+
+    /// Compares all that a fresh object holds for the same scene and light.
+    fn assert_fresh(
+        &self,
+        gi: &Gi,
+        place: Mat4,
+        bounces: u32,
+        lamp: Vec3,
+        shadow: Shadow,
+        what: &str,
+    ) {
+        let mut fresh = self.gi();
+        let geometry = moved(&self.geometry, place);
+        pollster::block_on(fresh.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+        self.light(&mut fresh, bounces, lamp, shadow);
+        let radiance = |gi: &Gi| -> Vec<[u32; 4]> {
+            let count = gi.voxels().expect("there are voxels").face_count as usize;
+            read(&self.device, &self.queue, gi.face_radiance().expect("there is light"), count)
+        };
+        assert!(radiance(gi) == radiance(&fresh), "{what}: the faces' light differs");
+        let levels = read_levels(&self.device, &self.queue, gi);
+        let expected = read_levels(&self.device, &self.queue, &fresh);
+        for (level, (a, b)) in levels.iter().zip(&expected).enumerate() {
+            assert!(a.lobes == b.lobes, "{what}: lobes of level {level} differ");
+            assert!(a.tilts == b.tilts, "{what}: tilts of level {level} differ");
+        }
+    }
+
+    /// How many cells of all levels the last update wrote, and how many are occupied.
+    fn changed(&self, gi: &Gi) -> (u32, u32) {
+        let occupancy = &gi.voxels().expect("there are voxels").occupancy;
+        let words = occupancy.size() as usize / 4;
+        let count = |buffer: &wgpu::Buffer| {
+            let bits: Vec<u32> = read(&self.device, &self.queue, buffer, words);
+            bits.iter().map(|word| word.count_ones()).sum()
+        };
+        (count(gi.changed_cells().expect("there is a list")), count(occupancy))
+    }
+}
+
+fn at(x: f32, y: f32, z: f32) -> Mat4 {
+    Mat4::from_translation(Vec3::new(x, y, z))
+}
+
+const LAMP: Vec3 = Vec3::new(0.2, 0.4, 0.7);
+
+/// In the air, a little on, into a wall, onto the plate, half outside, far outside (gone), and back; lit directly,
+/// with bounces, directly again; with and without shadows through the voxels.
+fn check_moves(directionality: Directionality, shadow: Shadow) {
+    let stage = Stage::new(directionality);
+    let mut gi = stage.gi();
+    let places = [
+        at(0.3, 0.4, 0.6),
+        at(0.32, 0.41, 0.6),
+        at(0.0, 0.4, 0.6),
+        at(0.4, 0.3, 0.3),
+        at(1.0, 0.7, 0.9),
+        at(50.0, 0.0, 0.0),
+        at(0.3, 0.4, 0.6),
+    ];
+    for (step, place) in places.into_iter().enumerate() {
+        let bounces = [1, 1, 1, 2, 1, 1, 1][step];
+        stage.voxelize(&mut gi, place);
+        stage.light(&mut gi, bounces, LAMP, shadow);
+        let what = format!("{directionality:?}, {shadow:?}, step {step}");
+        stage.assert_fresh(&gi, place, bounces, LAMP, shadow, &what);
+    }
+}
+
+#[test]
+fn moves_leave_the_bits_of_a_fresh_volume() {
+    check_moves(Directionality::SixLobes, Shadow::None);
+    check_moves(Directionality::SixLobes, Shadow::Cone);
+}
+
+#[test]
+fn moves_leave_the_bits_of_a_fresh_isotropic_volume() {
+    check_moves(Directionality::Isotropic, Shadow::None);
+}
+
+/// Lists that are replaced before they are lit, and light that changes without the list.
+#[test]
+fn any_order_of_calls_leaves_the_bits_of_a_fresh_volume() {
+    let stage = Stage::new(Directionality::SixLobes);
+    let mut gi = stage.gi();
+    let (here, there, none) = (at(0.3, 0.4, 0.6), at(0.5, 0.2, 0.2), Shadow::None);
+    stage.voxelize(&mut gi, here);
+    stage.voxelize(&mut gi, there);
+    stage.light(&mut gi, 1, LAMP, none);
+    stage.assert_fresh(&gi, there, 1, LAMP, none, "two lists before the first light");
+    stage.voxelize(&mut gi, here);
+    stage.voxelize(&mut gi, at(0.7, 0.5, 0.4));
+    stage.voxelize(&mut gi, there);
+    stage.light(&mut gi, 1, LAMP, none);
+    stage.assert_fresh(&gi, there, 1, LAMP, none, "there and back without light");
+    let lamp = Vec3::new(0.8, 0.2, 0.3);
+    stage.light(&mut gi, 1, lamp, none);
+    stage.assert_fresh(&gi, there, 1, lamp, none, "another lamp");
+    stage.light(&mut gi, 3, lamp, none);
+    stage.voxelize(&mut gi, here);
+    stage.light(&mut gi, 0, lamp, Shadow::Cone);
+    stage.assert_fresh(&gi, here, 0, lamp, Shadow::Cone, "after bounces");
+    gi.forget_light();
+    stage.light(&mut gi, 0, lamp, Shadow::Cone);
+    let (changed, occupied) = stage.changed(&gi);
+    assert_eq!(changed, occupied, "what is forgotten is stored");
+    stage.assert_fresh(&gi, here, 0, lamp, Shadow::Cone, "forgotten");
+}
+
+/// What changes little is written little.
+#[test]
+fn only_what_changed_is_written() {
+    let stage = Stage::new(Directionality::SixLobes);
+    let mut gi = stage.gi();
+    stage.voxelize(&mut gi, at(0.3, 0.4, 0.6));
+    stage.light(&mut gi, 1, LAMP, Shadow::None);
+    let (changed, occupied) = stage.changed(&gi);
+    assert_eq!(changed, occupied, "at first everything is new");
+    stage.light(&mut gi, 1, LAMP, Shadow::None);
+    assert_eq!(stage.changed(&gi).0, 0, "nothing has changed");
+    stage.voxelize(&mut gi, at(0.32, 0.4, 0.6));
+    stage.light(&mut gi, 1, LAMP, Shadow::None);
+    let (changed, occupied) = stage.changed(&gi);
+    assert!((10..occupied / 4).contains(&changed), "a small move changed {changed} of {occupied}");
+    stage.light(&mut gi, 1, Vec3::new(0.8, 0.2, 0.3), Shadow::None);
+    let (changed, occupied) = stage.changed(&gi);
+    assert!((10..occupied).contains(&changed), "the lamp changed {changed} of {occupied}");
+    stage.light(&mut gi, 2, LAMP, Shadow::None);
+    let (changed, occupied) = stage.changed(&gi);
+    assert_eq!(changed, occupied, "bounces are not tracked");
+}

@@ -1,0 +1,81 @@
+// From the sums of a face to its means.
+
+import package::voxels::list::{lobe_axis, lobe_sign};
+
+// Light that bounces for ever must lose some at each bounce.
+const LARGEST_REFLECTANCE = 0.99;
+
+// A face before and after: sums as integers, then the numbers of voxels::list::Face as their bits. In place,
+// since the two together would be the largest thing that voxelization needs.
+struct FaceSlot {
+    // Within the voxel at first.
+    position_in_world: vec3i,
+    voxel: u32,
+    vector_area: vec3i,
+    lobe: u32,
+    reflectance: vec3i,
+    padding_0: u32,
+    emission: vec3i,
+    padding_1: u32,
+}
+
+// Sums over pieces of surface, multiplied by `scale`; all but the area weighted by the area along the lobe.
+struct FaceSums {
+    scale: f32,
+    position: vec3f,
+    area: vec3f,
+    reflectance: vec3f,
+    emission: vec3f,
+}
+
+struct FaceMeans {
+    position_in_voxel: vec3f,
+    vector_area: vec3f,
+    reflectance: vec3f,
+    // Relative to the largest of all materials.
+    emission: vec3f,
+}
+
+fn sums_of(slot: FaceSlot, scale: f32) -> FaceSums {
+    return FaceSums(
+        scale,
+        vec3f(slot.position_in_world),
+        vec3f(slot.vector_area),
+        vec3f(slot.reflectance),
+        vec3f(slot.emission),
+    );
+}
+
+fn means_of(sums: FaceSums, lobe: u32) -> FaceMeans {
+    // The part along the lobe is the weight of the means as well. All its parts have one sign, so that it
+    // is zero only where all of them are too small for the sums.
+    let along = sums.area[lobe_axis(lobe)] * lobe_sign(lobe);
+    let weight = max(along, 1.0);
+    return FaceMeans(
+        clamp(sums.position / weight, vec3f(0.0), vec3f(1.0)),
+        sums.area / max(sums.scale, along),
+        clamp(sums.reflectance / weight, vec3f(0.0), vec3f(LARGEST_REFLECTANCE)),
+        max(sums.emission / weight, vec3f(0.0)),
+    );
+}
+
+// Whether a vector area has a part off its lobe's axis that survives rounding to 8 bits.
+fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
+    var across = vector_area;
+    across[lobe_axis(lobe)] = 0.0;
+    // As WebGPU packs a number into 8 bits with a sign.
+    return any(floor(abs(across) * 127.0 + 0.5) > vec3f(0.0));
+}
+
+fn face_slot(means: FaceMeans, position_in_world: vec3f, emission: vec3f, voxel: u32, lobe: u32) -> FaceSlot {
+    return FaceSlot(
+        bitcast<vec3i>(position_in_world),
+        voxel,
+        bitcast<vec3i>(means.vector_area),
+        lobe,
+        bitcast<vec3i>(means.reflectance),
+        0u,
+        bitcast<vec3i>(emission),
+        0u,
+    );
+}

@@ -1,0 +1,234 @@
+//! A part of the surface, static or dynamic, on its way through the three walks.
+
+use super::batch::{Fallbacks, SplitBatch, SplitCounts};
+use super::input::PartInput;
+use super::kernels::Kernels;
+use super::method::Step;
+use super::{Memory, Remedy, VoxelFaces, Voxelizer};
+use crate::gpu::{BindGroupBuilder, Recorder, storage_buffer};
+use crate::voxels::{FaceRecord, ListBuilder, Occupied};
+use crate::{Geometry, GiError, Grid};
+
+/// What all passes of a voxelization need.
+pub(super) struct Work<'a> {
+    /// Who walks.
+    pub voxelizer: &'a Voxelizer,
+    pub kernels: &'a Kernels,
+    pub device: &'a wgpu::Device,
+    pub grid: &'a Grid,
+    /// Group 0.
+    pub globals: wgpu::BindGroup,
+    pub recorder: Recorder,
+    pub memory: Memory<'a>,
+}
+
+impl Work<'_> {
+    /// What helps where a buffer of the surface does not fit.
+    pub fn remedy(&self) -> Remedy {
+        Remedy::Surface(self.grid.dimensions.max_element())
+    }
+}
+
+/// How many triangles and pieces a part has.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PartCounts {
+    pub degenerate: u64,
+    pub outside: u64,
+    pub items: u64,
+    pub pieces: u64,
+}
+
+/// A part whose voxels are marked and ranked.
+#[derive(Debug)]
+pub(super) struct MarkedPart {
+    batches: Vec<SplitBatch>,
+    pub occupied: Occupied,
+    pub cells: wgpu::Buffer,
+}
+
+/// What a part collects: nothing in it depends on the other part.
+#[derive(Debug)]
+pub(super) struct Part {
+    pub occupied: Occupied,
+    /// Bits and ranks of the finest level, side by side.
+    pub cells: wgpu::Buffer,
+    /// Where the nodes of each level start, and last their total.
+    pub level_starts: Vec<u32>,
+    /// `VoxelFaces`, in the order of the part's voxels.
+    pub voxels: wgpu::Buffer,
+    /// The index of each voxel's first face, and last the total.
+    pub first_faces: wgpu::Buffer,
+    pub face_count: u32,
+    /// The faces' sums, as `FaceSlot` of `face_sums.wgsl` has them.
+    pub sums: wgpu::Buffer,
+    pub counts: PartCounts,
+}
+
+/// A part whose lobes are known, before its faces are counted.
+#[derive(Debug)]
+pub(super) struct LobedPart {
+    batches: Vec<SplitBatch>,
+    pub part: Part,
+    pieces: wgpu::Buffer,
+}
+
+impl MarkedPart {
+    /// Splits the triangles into items and marks the voxels that they touch.
+    pub fn new(
+        work: &mut Work<'_>,
+        fallbacks: &Fallbacks,
+        input: &PartInput<'_>,
+        geometry: &Geometry,
+    ) -> Result<Self, GiError> {
+        let mut batches = Vec::new();
+        for (batch, prepared) in &input.batches {
+            batches.push(SplitBatch::new(
+                &mut work.recorder,
+                &mut work.memory,
+                work.kernels,
+                &work.globals,
+                fallbacks,
+                (batch, prepared),
+                &geometry.materials,
+            )?);
+        }
+        let occupied = ListBuilder::begin(&mut work.memory, work.grid)?;
+        Self::mark(work, &batches, &occupied);
+        let Work { kernels, recorder, memory, globals, grid, .. } = work;
+        kernels.list.pyramid.fill(recorder, globals, grid, &occupied.occupancy);
+        kernels.list.rank(recorder, &kernels.scan, globals, grid, &occupied);
+        let cells = kernels.list.cells(recorder, memory, globals, grid, &occupied)?;
+        Ok(Self { batches, occupied, cells })
+    }
+
+    /// The first walk: which voxels are touched.
+    fn mark(work: &mut Work<'_>, batches: &[SplitBatch], occupied: &Occupied) {
+        let kernels = work.kernels;
+        let buffers = [&occupied.occupancy];
+        walk(work, batches, (&kernels.layouts.mark, &buffers), Step::Mark);
+    }
+
+    /// The buffers of the batches' [`SplitCounts`].
+    pub fn split_counts(&self) -> impl Iterator<Item = &wgpu::Buffer> {
+        self.batches.iter().map(|batch| &batch.counts)
+    }
+
+    /// Collects the lobes of the part's voxels, of which there are `level_starts[1]`, and counts their faces.
+    pub fn collect_lobes(
+        self,
+        work: &mut Work<'_>,
+        level_starts: Vec<u32>,
+        splits: &[SplitCounts],
+    ) -> Result<LobedPart, GiError> {
+        let voxel_count = u64::from(level_starts[1]);
+        let remedy = work.remedy();
+        let stride = size_of::<VoxelFaces>() as u64;
+        let voxels = work.memory.buffer("lobes of voxels", voxel_count, stride, remedy)?;
+        let first_faces = work.memory.buffer("first faces", voxel_count + 1, 4, remedy)?;
+        let pieces = storage_buffer(work.device, "pieces", 8);
+        let kernels = work.kernels;
+        let Self { batches, occupied, cells } = self;
+        Self::lobes(work, &batches, [&cells, &voxels, &pieces]);
+
+        let group = BindGroupBuilder::new(&kernels.layouts.faces)
+            .buffer(&voxels)
+            .buffer(&first_faces)
+            .build(work.device, "voxelize::faces");
+        let groups = [&work.globals, &group];
+        kernels.count_faces.run_linear(&mut work.recorder, &groups, voxel_count);
+        kernels.scan.run(&mut work.recorder, &first_faces, voxel_count as u32 + 1);
+        kernels.prepare_faces.run_linear(&mut work.recorder, &groups, voxel_count);
+
+        let sum = |count: fn(&SplitCounts) -> u32| splits.iter().map(|s| u64::from(count(s))).sum();
+        let counts = PartCounts {
+            degenerate: sum(|split| split.degenerate),
+            outside: sum(|split| split.outside),
+            items: sum(|split| split.items),
+            pieces: 0,
+        };
+        // The sums are made once the faces are counted.
+        let sums = storage_buffer(work.device, "no sums", 16);
+        let part = Part {
+            occupied,
+            cells,
+            level_starts,
+            voxels,
+            first_faces,
+            face_count: 0,
+            sums,
+            counts,
+        };
+        Ok(LobedPart { batches, part, pieces })
+    }
+
+    /// The second walk: which lobes the voxels have, and how much surface.
+    fn lobes(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&wgpu::Buffer; 3]) {
+        let kernels = work.kernels;
+        walk(work, batches, (&kernels.layouts.lobes, &buffers), Step::Lobes);
+    }
+}
+
+impl Part {
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        let Occupied { occupancy, ranks } = &self.occupied;
+        let buffers = [occupancy, ranks, &self.cells, &self.voxels, &self.first_faces, &self.sums];
+        buffers.into_iter().map(wgpu::Buffer::size).sum()
+    }
+}
+
+impl LobedPart {
+    /// Words that [`Self::copy_counts`] copies.
+    pub const COUNT_WORDS: usize = 3;
+
+    /// Copies the number of faces and the low and the high word of that of pieces to `counts` at a byte.
+    pub fn copy_counts(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        counts: &wgpu::Buffer,
+        place: u64,
+    ) {
+        let total = u64::from(self.part.level_starts[1]) * 4;
+        encoder.copy_buffer_to_buffer(&self.part.first_faces, total, counts, place, 4);
+        encoder.copy_buffer_to_buffer(&self.pieces, 0, counts, place + 4, 8);
+    }
+
+    /// Sums the faces up, given what [`Self::copy_counts`] has copied.
+    pub fn sum_up(self, work: &mut Work<'_>, counts: &[u32]) -> Result<Part, GiError> {
+        let Self { batches, mut part, .. } = self;
+        part.face_count = counts[0];
+        part.counts.pieces = u64::from(counts[2]) << 32 | u64::from(counts[1]);
+        let stride = size_of::<FaceRecord>() as u64;
+        // A binding of an array has room for one element at least.
+        let faces = u64::from(part.face_count).max(1);
+        part.sums = work.memory.buffer("faces", faces, stride, work.remedy())?;
+        Self::accumulate(work, &batches, [&part.cells, &part.voxels, &part.sums]);
+        Ok(part)
+    }
+
+    /// The third walk: what is in the faces.
+    fn accumulate(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&wgpu::Buffer; 3]) {
+        let kernels = work.kernels;
+        let layout = &kernels.layouts.accumulate;
+        walk(work, batches, (layout, &buffers), Step::Accumulate);
+    }
+}
+
+/// Walks over all items: bind group 2 has each batch's starts of items, and then the given buffers.
+fn walk(
+    work: &mut Work<'_>,
+    batches: &[SplitBatch],
+    (layout, buffers): (&wgpu::BindGroupLayout, &[&wgpu::Buffer]),
+    step: Step,
+) {
+    let groups: Vec<_> = batches
+        .iter()
+        .map(|batch| {
+            let group = BindGroupBuilder::new(layout).buffer(&batch.item_starts);
+            let group = buffers.iter().fold(group, |group, &buffer| group.buffer(buffer));
+            group.build(work.device, "voxelize::walk")
+        })
+        .collect();
+    let Work { voxelizer, recorder, globals, grid, .. } = work;
+    voxelizer.walk(recorder, (grid, globals), batches, &groups, step);
+}
