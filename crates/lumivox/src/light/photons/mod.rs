@@ -6,6 +6,7 @@
 //! irradiance that the direct evaluation computes face by face; it scatters with the number of texels that a face
 //! is seen by, so maps must be fine enough: a texel of at most half a voxel.
 //!
+//! A face that is seen in less than four texels is evaluated directly, since it would get all or nothing.
 //! A voxel does not tell layers behind each other apart (a ceiling, and a lamp's black panel below it). Where light
 //! arrives in front of a face's middle it is evaluated directly (`reflect.wgsl`).
 //!
@@ -45,7 +46,7 @@ pub enum Injection {
     #[default]
     Direct,
     /// Each texel of a light's shadow map is a bundle of photons that carries its flux to the voxel that it shows.
-    /// Lights without a map are evaluated directly.
+    /// Lights without a map, and faces that the map shows in too few texels, are evaluated directly.
     Photons,
 }
 

@@ -4,14 +4,15 @@
 // A face may be made of layers behind each other, such as a ceiling and a lamp's black panel below it. What the panel
 // takes up must not be reflected by the ceiling's share of the face: a turned Cornell box was 29 % too bright. Such
 // light gives itself away by arriving in front of the face's middle, where on a plane it arrives level with it. Faces
-// on which it leads by more than LEAD are evaluated directly, by what reaches their middle.
+// on which it leads by more than LEAD are evaluated directly, by what reaches their middle. So are those that the map
+// shows in less than LEAST_TEXELS: slivers at the corners of voxels, which get a texel or none.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::light::lights::{incident_light, lights};
+import package::light::lights::{incident_light, is_parallel, lights};
 import package::light::photon_map::{photon_map, Taken};
-import package::light::shadow_map::shadow_map_visibility;
+import package::light::shadow_map::{shadow_layers, shadow_map_visibility};
 import package::voxels::list::Face;
 
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
@@ -23,6 +24,9 @@ const PI: f32 = 3.14159265359;
 
 // A 32nd of a voxel, as `Taken` counts it: a hidden layer half a voxel behind that makes up a sixteenth of the face.
 const LEAD: f32 = 0.015625;
+
+// Two along an edge, as a whole side has of the coarsest map that does.
+const LEAST_TEXELS: f32 = 4.0;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -40,10 +44,16 @@ fn main(
     sums[index] = Taken(0u, 0u);
     let flux = light.intensity * (f32(taken.flux) / photon_map.counts_per_flux);
     var irradiance = flux / area_m2;
-    if f32(bitcast<i32>(taken.lead)) > LEAD * f32(taken.flux) {
-        let normal = normalize(face.vector_area);
-        let incident = incident_light(light, face.position_in_world);
-        irradiance = incident.irradiance * max(dot(normal, incident.direction), 0.0)
+    let normal = normalize(face.vector_area);
+    let incident = incident_light(light, face.position_in_world);
+    let cosine = max(dot(normal, incident.direction), 0.0);
+    var texel_m = shadow_layers[photon_map.first_layer].texel_size;
+    if !is_parallel(light) {
+        texel_m *= incident.distance_m;
+    }
+    let is_small = area_m2 * cosine < LEAST_TEXELS * texel_m * texel_m;
+    if is_small || f32(bitcast<i32>(taken.lead)) > LEAD * f32(taken.flux) {
+        irradiance = incident.irradiance * cosine
             * shadow_map_visibility(light, face.position_in_world, normal);
     }
     let leaving = direct[index].rgb + face.reflectance / PI * irradiance;

@@ -166,8 +166,8 @@ fn a_floor_takes_up_the_suns_irradiance_times_its_area() {
     }
 }
 
-/// What is kept adds up: nothing is lost to rounding, and no sum overflows, with texels from a twentieth of a voxel
-/// to seven of them.
+/// Nothing is lost to rounding, and no sum overflows, with texels from a twentieth of a voxel to seven of them; where
+/// they are coarser than half a voxel all faces are evaluated directly.
 #[test]
 fn every_texel_counts() {
     for size in [16, 64, 256, 1024] {
@@ -175,9 +175,11 @@ fn every_texel_counts() {
         let (bounds, source) = (FLOOR_BOUNDS, sun(direction));
         let photons = lit_by_maps(floor(), bounds, Vec3::ZERO, source, Injection::Photons, size);
         let kept = photons.fates.expect("there are photons").kept;
-        let expected = kept as f32 * photons.texel_size.powi(2);
+        let is_fine = photons.texel_size < 0.5 / 29.0;
+        let sine = -direction.normalize().y;
+        let expected = if is_fine { kept as f32 * photons.texel_size.powi(2) } else { sine };
         println!("{size}: {kept} texels, flux {} of {expected}", photons.flux());
-        assert!(kept > 10 && (photons.flux() / expected - 1.0).abs() < 2e-4, "a map of {size}");
+        assert!(kept > 10 && (photons.flux() / expected - 1.0).abs() < 2e-3, "a map of {size}");
     }
 }
 
