@@ -26,7 +26,7 @@ pub(crate) use level_range::NodeRange;
 use octree::OctreeVolume;
 pub use octree::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
 #[cfg(test)]
-pub(crate) use octree::{LockPass, TreeUniform};
+pub(crate) use octree::{LockPass, TreeUniform, read_nodes};
 
 /// Modules that volumes share.
 const SHARED: &[(&str, &str)] = &[

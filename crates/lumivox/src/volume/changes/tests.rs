@@ -4,9 +4,10 @@ use glam::{Mat4, Vec3};
 
 use crate::gpu::{Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
-use crate::volume::read_levels;
+use crate::volume::{read_levels, read_nodes};
 use crate::{
-    Directionality, Geometry, Gi, GiConfig, Grid, Light, LightSource, Shadow, TraceSettings,
+    Directionality, Duplication, Geometry, Gi, GiConfig, Grid, Light, LightSource, Mipmapping,
+    OctreeBuilder, OctreeOptions, Shadow, TraceSettings, VolumeKind,
 };
 
 /// The busy room, static, with a small box and a plate that move.
@@ -39,12 +40,13 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(directionality: Directionality) -> Self {
+    fn new(volume: VolumeKind, directionality: Directionality) -> Self {
         let (device, queue) = device();
         let size = Vec3::new(1.0, 0.7, 0.9);
         let grid = Grid::fit(Vec3::ZERO, size, 32, Vec3::ZERO).expect("it fits");
         let geometry = scene().build(&device);
-        Self { config: GiConfig { directionality, ..GiConfig::new(grid) }, device, queue, geometry }
+        let config = GiConfig { directionality, volume, ..GiConfig::new(grid) };
+        Self { device, queue, config, geometry }
     }
 
     fn gi(&self) -> Gi {
@@ -89,6 +91,11 @@ impl Stage {
             read(&self.device, &self.queue, gi.face_radiance().expect("there is light"), count)
         };
         assert!(radiance(gi) == radiance(&fresh), "{what}: the faces' light differs");
+        if matches!(self.config.volume, VolumeKind::Octree(_)) {
+            let nodes = |gi: &Gi| read_nodes(&self.device, &self.queue, gi);
+            assert!(nodes(gi) == nodes(&fresh), "{what}: nodes, masks or bricks differ");
+            return;
+        }
         let levels = read_levels(&self.device, &self.queue, gi);
         let expected = read_levels(&self.device, &self.queue, &fresh);
         for (level, (a, b)) in levels.iter().zip(&expected).enumerate() {
@@ -117,8 +124,8 @@ const LAMP: Vec3 = Vec3::new(0.2, 0.4, 0.7);
 
 /// In the air, a little on, into a wall, onto the plate, half outside, far outside (gone), and back; lit directly,
 /// with bounces, directly again; with and without shadows through the voxels.
-fn check_moves(directionality: Directionality, shadow: Shadow) {
-    let stage = Stage::new(directionality);
+fn check_moves(volume: VolumeKind, directionality: Directionality, shadow: Shadow) {
+    let stage = Stage::new(volume, directionality);
     let mut gi = stage.gi();
     let places = [
         at(0.3, 0.4, 0.6),
@@ -133,26 +140,45 @@ fn check_moves(directionality: Directionality, shadow: Shadow) {
         let bounces = [1, 1, 1, 2, 1, 1, 1][step];
         stage.voxelize(&mut gi, place);
         stage.light(&mut gi, bounces, LAMP, shadow);
-        let what = format!("{directionality:?}, {shadow:?}, step {step}");
+        let what = format!("{volume:?}, {directionality:?}, {shadow:?}, step {step}");
         stage.assert_fresh(&gi, place, bounces, LAMP, shadow, &what);
     }
 }
 
 #[test]
 fn moves_leave_the_bits_of_a_fresh_volume() {
-    check_moves(Directionality::SixLobes, Shadow::None);
-    check_moves(Directionality::SixLobes, Shadow::Cone);
+    check_moves(VolumeKind::Dense, Directionality::SixLobes, Shadow::None);
+    check_moves(VolumeKind::Dense, Directionality::SixLobes, Shadow::Cone);
 }
 
 #[test]
 fn moves_leave_the_bits_of_a_fresh_isotropic_volume() {
-    check_moves(Directionality::Isotropic, Shadow::None);
+    check_moves(VolumeKind::Dense, Directionality::Isotropic, Shadow::None);
+}
+
+#[test]
+fn moves_leave_the_bits_of_a_fresh_octree() {
+    let usual = OctreeOptions::default();
+    check_moves(VolumeKind::Octree(usual), Directionality::SixLobes, Shadow::Cone);
+    check_moves(VolumeKind::Octree(usual), Directionality::Isotropic, Shadow::None);
+    for options in [
+        OctreeOptions { builder: OctreeBuilder::Locks, ..usual },
+        OctreeOptions { duplication: Duplication::Pointers, ..usual },
+        OctreeOptions { mipmapping: Mipmapping::Every, ..usual },
+    ] {
+        check_moves(VolumeKind::Octree(options), Directionality::SixLobes, Shadow::None);
+    }
 }
 
 /// Lists that are replaced before they are lit, and light that changes without the list.
 #[test]
 fn any_order_of_calls_leaves_the_bits_of_a_fresh_volume() {
-    let stage = Stage::new(Directionality::SixLobes);
+    check_any_order(VolumeKind::Dense);
+    check_any_order(VolumeKind::Octree(OctreeOptions::default()));
+}
+
+fn check_any_order(volume: VolumeKind) {
+    let stage = Stage::new(volume, Directionality::SixLobes);
     let mut gi = stage.gi();
     let (here, there, none) = (at(0.3, 0.4, 0.6), at(0.5, 0.2, 0.2), Shadow::None);
     stage.voxelize(&mut gi, here);
@@ -181,7 +207,7 @@ fn any_order_of_calls_leaves_the_bits_of_a_fresh_volume() {
 /// What changes little is written little.
 #[test]
 fn only_what_changed_is_written() {
-    let stage = Stage::new(Directionality::SixLobes);
+    let stage = Stage::new(VolumeKind::Dense, Directionality::SixLobes);
     let mut gi = stage.gi();
     stage.voxelize(&mut gi, at(0.3, 0.4, 0.6));
     stage.light(&mut gi, 1, LAMP, Shadow::None);

@@ -38,6 +38,8 @@ use layout::TreeLayout;
 pub(crate) use layout::TreeUniform;
 #[cfg(test)]
 pub(crate) use locks::LockPass;
+#[cfg(test)]
+pub(crate) use tests::read_nodes;
 use topology::{Topology, TopologyKernels};
 
 /// The shader modules of this folder.

@@ -4,6 +4,8 @@ mod builders;
 mod content;
 mod read;
 
+pub(crate) use read::read_nodes;
+
 use glam::{Mat4, Vec3};
 
 use super::OctreeOptions;

@@ -54,7 +54,7 @@ fn nodes_of(
     let config = GiConfig { volume: octree(options), ..GiConfig::new(grid) };
     let mut gi = voxelize(gpu, config, geometry).expect("it fits");
     light(gpu, &mut gi, 2);
-    let nodes = read_nodes(gpu, &gi);
+    let nodes = read_nodes(&gpu.0, &gpu.1, &gi);
     (gi, nodes)
 }
 

@@ -46,7 +46,7 @@ fn bricks_hold_the_cells_of_the_dense_volume_and_their_neighbours() {
             voxelize(&gpu, config(volume, directionality), &geometry).expect("it fits");
         light(&gpu, &mut sparse, 1);
         let levels = read_levels(&gpu.0, &gpu.1, &dense);
-        let nodes = read_nodes(&gpu, &sparse);
+        let nodes = read_nodes(&gpu.0, &gpu.1, &sparse);
         let mut compared = 0;
         for ((level, at), node) in &nodes {
             for (part, brick) in &node.bricks {
@@ -96,7 +96,7 @@ fn every_way_to_duplicate_and_to_filter_gives_the_same_bits() {
             let config = config(octree(options), directionality);
             let mut gi = voxelize(&gpu, config, &geometry).expect("it fits");
             light(&gpu, &mut gi, 1);
-            read_nodes(&gpu, &gi)
+            read_nodes(&gpu.0, &gpu.1, &gi)
         };
         let ranked = nodes(Duplication::Ranks, Mipmapping::Occupied);
         assert!(ranked == nodes(Duplication::Pointers, Mipmapping::Occupied), "pointers differ");
@@ -142,7 +142,10 @@ fn another_list_leaves_nothing_of_the_last_one() {
     light(&gpu, &mut reused, 2);
     let mut fresh = voxelize(&gpu, config, &geometry).expect("it fits");
     light(&gpu, &mut fresh, 2);
-    assert!(read_nodes(&gpu, &reused) == read_nodes(&gpu, &fresh), "the octrees differ");
+    assert!(
+        read_nodes(&gpu.0, &gpu.1, &reused) == read_nodes(&gpu.0, &gpu.1, &fresh),
+        "the octrees differ"
+    );
 }
 
 #[test]
@@ -174,9 +177,9 @@ fn after_an_error_the_earlier_voxels_are_still_there() {
     };
     let mut gi = voxelize(&gpu, config, &small).expect("a small thing fits");
     light(&gpu, &mut gi, 1);
-    let before = read_nodes(&gpu, &gi);
+    let before = read_nodes(&gpu.0, &gpu.1, &gi);
     let room = turned_room(&gpu.0);
     pollster::block_on(gi.voxelize(&room, Timing::Off)).expect_err("the room does not");
     light(&gpu, &mut gi, 1);
-    assert!(before == read_nodes(&gpu, &gi), "the small thing is no longer there");
+    assert!(before == read_nodes(&gpu.0, &gpu.1, &gi), "the small thing is no longer there");
 }

@@ -12,13 +12,13 @@ use crate::volume::octree::layout::AtlasSize;
 use crate::volume::octree::{Built, TreeUniform};
 
 /// The level and the coordinates of a node.
-pub(super) type NodeAt = (u32, [u32; 3]);
+pub(crate) type NodeAt = (u32, [u32; 3]);
 
 /// One of its bricks: 27 texels, x fastest.
-pub(super) type Brick = [[u16; 4]; 27];
+pub(crate) type Brick = [[u16; 4]; 27];
 
 #[derive(Debug, PartialEq)]
-pub(super) struct ReadNode {
+pub(crate) struct ReadNode {
     /// The masks of the eight look-ups.
     pub masks: [u32; 8],
     /// By part.
@@ -33,8 +33,9 @@ fn built(gi: &Gi) -> &Built {
 }
 
 /// All nodes, found by going down from the root; panics if a node is where it does not belong.
-pub(super) fn read_nodes(
-    (device, queue): &(wgpu::Device, wgpu::Queue),
+pub(crate) fn read_nodes(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
     gi: &Gi,
 ) -> BTreeMap<NodeAt, ReadNode> {
     let built = built(gi);
