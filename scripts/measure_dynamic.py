@@ -18,6 +18,7 @@ import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 SHARES = [0.01, 0.1, 0.5]
+VOLUMES = ["dense", "octree"]
 RESOLUTION = 128
 SEGMENTS = 16
 
@@ -97,18 +98,18 @@ def main():
         with open(path, "w") as file:
             file.write(field())
         for name, scene in [("field", path), ("atrium", "builtin:atrium")]:
-            for share in SHARES:
-                print(f"{name} {share}", file=sys.stderr)
+            for volume, share in [(volume, share) for volume in VOLUMES for share in SHARES]:
+                print(f"{name} {volume} {share}", file=sys.stderr)
                 command = [program, "voxels", scene, "--resolution", str(RESOLUTION),
-                           "--dynamic-share", str(share), "--json"]
+                           "--volume", volume, "--dynamic-share", str(share), "--json"]
                 result = subprocess.run(command, check=True, capture_output=True, text=True)
-                rows.append((name, share, json.loads(result.stdout)))
+                rows.append((f"{name}, {volume}", share, json.loads(result.stdout)))
 
     def pair(whole, kept):
         return f"{whole:.1f} | {kept:.1f} | {whole / max(kept, 1e-9):.1f}"
 
-    print(f"GPU: {rows[0][2]['adapter']['name']}; {RESOLUTION} voxels, dense, six lobes; ms a move\n")
-    print("| scene | share that moves | voxelize: all | kept | gain "
+    print(f"GPU: {rows[0][2]['adapter']['name']}; {RESOLUTION} voxels, six lobes; ms a move\n")
+    print("| scene, volume | share that moves | voxelize: all | kept | gain "
           "| with the volume: all | kept | gain | filter: all | kept | gain | cells written |")
     print("| --- | ---: " + "| ---: | ---: | ---: " * 3 + "| ---: |")
     for name, share, report in rows:

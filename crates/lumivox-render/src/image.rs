@@ -84,7 +84,8 @@ impl Picture {
             (r, g, b)
         });
         let image = exr::image::Image::from_channels((width, self.size.y as usize), channels);
-        image.write().to_buffered(out).map_err(io::Error::other)
+        // Threads would add their blocks of lines in the order in which they end: other bytes in every run.
+        image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
     }
 }
 
@@ -99,6 +100,22 @@ mod tests {
         let hdr = (0..6).map(|i| [i as f32 * 1000.5, 0.25, -1.0, 1.0]).collect();
         let ldr = (0..6).map(|i| [i * 40, 255 - i, 7, 255]).collect();
         Picture { size, hdr, ldr }
+    }
+
+    #[test]
+    fn the_same_picture_is_the_same_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let size = UVec2::new(64, 400);
+        let pixels = 0..size.x * size.y;
+        let hdr = pixels.map(|i| [(i % 977) as f32, (i % 13) as f32, 0.5, 1.0]).collect::<Vec<_>>();
+        let picture = Picture { size, ldr: vec![[0; 4]; hdr.len()], hdr };
+        let file = folder.path().join("a.exr");
+        let mut bytes = (0..20).map(|_| {
+            picture.write(&file).expect("written");
+            fs::read(&file).expect("read")
+        });
+        let first = bytes.next().expect("a file");
+        assert!(bytes.all(|other| other == first), "the order of the lines differs");
     }
 
     fn names(folder: &Path) -> Vec<String> {

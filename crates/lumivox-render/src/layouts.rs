@@ -201,8 +201,8 @@ fn every_shader_is_valid() {
             let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             entry_points += module.entry_points.len();
         }
-        // Six compute kernels; three vertex and two fragment shaders for shadows; two and four for
+        // Nine compute kernels; three vertex and two fragment shaders for shadows; two and four for
         // the G-buffer.
-        assert_eq!(entry_points, 17);
+        assert_eq!(entry_points, 20);
     }
 }

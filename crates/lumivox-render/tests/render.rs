@@ -9,6 +9,7 @@ use std::f32::consts::PI;
 
 use common::gpu;
 use glam::{Mat4, UVec2, Vec2, Vec3};
+use lumivox::{OctreeOptions, VolumeKind};
 use lumivox_render::{
     Exposure, Picture, RenderError, RenderSettings, Renderer, ShadowMethod, ToneMap, View,
 };
@@ -225,7 +226,9 @@ fn progress_and_views_can_be_followed() {
     let scene = floor_in_the_sun();
     let mut seen = Vec::new();
     pollster::block_on(async {
-        let settings = RenderSettings { frames: 2, bounces: 1, ..small() };
+        // An octree has all views.
+        let volume = VolumeKind::Octree(OctreeOptions::default());
+        let settings = RenderSettings { frames: 2, bounces: 1, volume, ..small() };
         let mut progress = |p: lumivox_render::Progress| seen.push((p.stage, p.done));
         let mut renderer = Renderer::new(&gpu(), &scene, None, settings, &mut progress).await?;
         for view in View::ALL {

@@ -94,8 +94,10 @@ impl ReferenceLayers {
         let channels = AnyChannels::sort(channels.into());
         let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, channels);
         let image = exr::image::Image::from_layer(layer);
-        let written =
-            write_atomically(path, |out| image.write().to_buffered(out).map_err(io::Error::other));
+        let written = write_atomically(path, |out| {
+            // In one thread, so that the bytes are the same in every run.
+            image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
+        });
         written.map_err(|error| RenderError::Write {
             file: path.to_owned(),
             reason: error.to_string(),
