@@ -24,7 +24,7 @@ const FACE_BYTES: u64 = 64 + 32;
 /// What photons sum up.
 const FLUX_BYTES: u64 = 8;
 const NODE_BYTES: u64 = 8;
-/// 170 to 420 on the scenes of docs/octree.md.
+/// 160 to 430 on the scenes of docs/octree.md, from 128 voxels on.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
 /// The same with one value a voxel.
 const ISOTROPIC_OCTREE_BYTES_PER_VOXEL: u64 = 170;

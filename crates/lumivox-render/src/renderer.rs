@@ -409,6 +409,12 @@ impl Renderer {
         self.times = Times::default();
     }
 
+    /// Lets the next lighting store and filter all voxels, even those whose light is what the volume holds already:
+    /// for measurements.
+    pub fn forget_light(&mut self) {
+        self.gi.forget_light();
+    }
+
     /// GPU memory by what it holds.
     pub fn memory(&self) -> Vec<MemoryUse> {
         let mut memory = self.scene.memory.clone();

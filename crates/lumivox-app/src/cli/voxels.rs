@@ -20,8 +20,9 @@ use crate::args::{load, number, size};
 pub struct VoxelArgs {
     /// Voxels along the scene's longest axis: a multiple of 8 from 16 to 1024
     ///
-    /// Higher resolves finer detail and leaks less. Memory grows with the cube (165 MiB at 128 for a
-    /// cube-shaped scene; `lumivox info` tells what fits), time with the square.
+    /// Higher resolves finer detail and leaks less. Memory grows with the cube in a dense volume (165 MiB at
+    /// 128 for a cube-shaped scene; `lumivox info` tells what fits), with the square in an octree; time
+    /// with the square.
     #[arg(long, value_name = "VOXELS", value_parser = number::resolution)]
     #[arg(default_value = "128", allow_negative_numbers = true)]
     pub resolution: u32,

@@ -220,6 +220,7 @@ async fn timed(
         renderer.render_frame().await?;
     }
     renderer.forget_times();
+    renderer.forget_light();
     renderer.set_scene(scene, ignore).await?;
     for _ in 0..if with_trace { FRAMES } else { 0 } {
         renderer.render_frame().await?;

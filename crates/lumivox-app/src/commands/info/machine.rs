@@ -46,6 +46,8 @@ struct DeviceReport {
     largest_volume: VolumeReport,
     /// The usual resolutions within that.
     volumes: Vec<VolumeReport>,
+    /// The largest resolution of an octree, if its surface is not too large.
+    largest_octree: u32,
 }
 
 /// The dense volume of a cube-shaped scene.
@@ -136,7 +138,11 @@ impl Capabilities {
                 bytes(volume.isotropic_bytes),
             ]);
         }
-        text + &table.text()
+        text += &table.text();
+        text + &format!(
+            "  octree                  up to resolution {} by the limits; memory goes with the surface\n",
+            device.largest_octree
+        )
     }
 }
 
@@ -163,6 +169,7 @@ impl DeviceReport {
             shader_f16: features.contains(wgpu::Features::SHADER_F16),
             largest_volume: VolumeReport::new(largest),
             volumes: usual.map(VolumeReport::new).collect(),
+            largest_octree: largest_octree(&limits),
         }
     }
 }
@@ -210,6 +217,17 @@ fn largest_resolution(limits: &wgpu::Limits) -> u32 {
         .unwrap_or(0)
 }
 
+/// The largest resolution at which the voxel list keeps to the limits whatever the surface: a word of occupancy bits
+/// with its rank for every 32 cells of the enclosing cube, whose edge is a power of two.
+fn largest_octree(limits: &wgpu::Limits) -> u32 {
+    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    (lumivox::MIN_RESOLUTION..=lumivox::MAX_RESOLUTION)
+        .step_by(8)
+        .take_while(|n| u64::from(n.next_power_of_two()).pow(3) / 32 * 8 <= binding)
+        .last()
+        .unwrap_or(0)
+}
+
 /// All adapters, for their features, which an open device does not tell.
 async fn adapters() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
@@ -247,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn default_limits_hold_a_cube_of_384() {
+    fn default_limits_hold_a_dense_cube_of_384_and_an_octree_of_512() {
         assert_eq!(largest_resolution(&wgpu::Limits::default()), 384);
         let large = wgpu::Limits {
             max_texture_dimension_3d: 16_384,
@@ -256,5 +274,7 @@ mod tests {
             ..wgpu::Limits::default()
         };
         assert_eq!(largest_resolution(&large), lumivox::MAX_RESOLUTION);
+        assert_eq!(largest_octree(&wgpu::Limits::default()), 512);
+        assert_eq!(largest_octree(&large), lumivox::MAX_RESOLUTION);
     }
 }
