@@ -13,7 +13,7 @@ mod dense;
 mod level_range;
 mod octree;
 
-use crate::gpu::{Recorder, ShaderLibrary};
+use crate::gpu::{LayoutBuilder, Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
@@ -31,6 +31,7 @@ pub(crate) use octree::{LockPass, TreeUniform, read_nodes};
 /// Modules that volumes share.
 const SHARED: &[(&str, &str)] = &[
     ("volume::border", include_str!("border.wgsl")),
+    ("volume::column", include_str!("column.wgsl")),
     ("volume::level_range", include_str!("level_range.wgsl")),
     ("volume::parts", include_str!("parts.wgsl")),
 ];
@@ -108,6 +109,28 @@ pub(crate) struct Cells<'a> {
     pub(crate) changed: &'a ChangedCells,
     /// The bits that it is made from; now those of cells of another surface, if there was a list before.
     pub(crate) bits: &'a wgpu::Buffer,
+}
+
+/// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes, its one texture,
+/// and how that is filtered.
+fn globals_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    LayoutBuilder::compute()
+        .uniform()
+        .uniform()
+        .storage()
+        .texture_3d()
+        .sampler()
+        .build(device, "globals")
+}
+
+/// Levels are not mixed: the tracer draws one for each sample.
+fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("volume"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
 }
 
 /// A volume on the GPU.

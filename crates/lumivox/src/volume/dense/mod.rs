@@ -103,20 +103,8 @@ impl DenseVolume {
         let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let masks = Masks::new(device, shaders, grid, &grid_layout)?;
-        let globals_layout = LayoutBuilder::compute()
-            .uniform()
-            .uniform()
-            .storage()
-            .texture_3d()
-            .sampler()
-            .build(device, "globals");
-        // The tracer draws one level for each sample, so that levels need no mixing.
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("volume"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        let globals_layout = super::globals_layout(device);
+        let sampler = super::sampler(device);
         let all_levels = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let globals = BindGroupBuilder::new(&globals_layout)
             .buffer(&grid_uniform)

@@ -1,5 +1,4 @@
-// The values of the cells of one level from those of the finer one: the rule of the dense volume's filters
-// (dense/filter.wgsl, dense/isotropic_filter.wgsl) over lists.
+// The values of the cells of one level from those of the finer one, by the rule of all volumes (column.wgsl), over lists.
 //
 // `main` has a thread for each cell that has changed. `every_cell` has one for each possible cell of the level, as the first
 // octree renderers did, and most of them find nothing to do: it is there to be measured.
@@ -10,6 +9,7 @@ import package::octree::tree::tree;
 import package::octree::values::{load_value, nodes, store_value};
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
+import package::volume::column::{filter_column, AxisParts};
 import package::volume::parts::{part_of, stored_parts, NEGATIVE, POSITIVE, TILT};
 import package::voxels::lookup::bits_below;
 
@@ -43,16 +43,12 @@ fn child_at(children: Children, octant: u32) -> Child {
     return Child(cell, stored_parts(nodes[cell].lobes));
 }
 
-// The share of the farther cell that the nearer one leaves visible.
-fn uncovered(near: f32, far: f32) -> f32 {
-    if far <= 0.0 {
-        return 0.0;
-    }
-    return min(far, 1.0 - near) / far;
-}
-
-fn load(child: Child, axis: u32, kind: u32) -> vec4f {
-    return load_value(child.cell, child.parts, part_of(axis, kind));
+fn load(child: Child, axis: u32) -> AxisParts {
+    return AxisParts(
+        load_value(child.cell, child.parts, part_of(axis, POSITIVE)),
+        load_value(child.cell, child.parts, part_of(axis, NEGATIVE)),
+        load_value(child.cell, child.parts, part_of(axis, TILT)),
+    );
 }
 
 fn filter_lobes(cell: u32, lobes: u32, children: Children) {
@@ -61,37 +57,24 @@ fn filter_lobes(cell: u32, lobes: u32, children: Children) {
         if ((lobes >> (2u * axis)) & 3u) == 0u {
             continue;
         }
-        var positive = vec4f(0.0);
-        var negative = vec4f(0.0);
-        var tilt = vec4f(0.0);
-        for (var column = 0u; column < 4u; column++) {
-            let octant = ((column & 1u) << ((axis + 1u) % 3u)) | ((column >> 1u) << ((axis + 2u) % 3u));
-            let low = child_at(children, octant);
-            let high = child_at(children, octant | (1u << axis));
-
-            let positive_near = load(high, axis, POSITIVE);
-            let positive_far = load(low, axis, POSITIVE);
-            let negative_near = load(low, axis, NEGATIVE);
-            let negative_far = load(high, axis, NEGATIVE);
-            let tilt_low = load(low, axis, TILT);
-            let tilt_high = load(high, axis, TILT);
-            let positive_share = uncovered(positive_near.a, positive_far.a);
-            let negative_share = uncovered(negative_near.a, negative_far.a);
-            positive += positive_near + positive_share * positive_far;
-            negative += negative_near + negative_share * negative_far;
-            tilt += vec4f(
-                tilt_high.xy + positive_share * tilt_low.xy,
-                tilt_low.zw + negative_share * tilt_high.zw,
-            );
+        var sum = AxisParts(vec4f(0.0), vec4f(0.0), vec4f(0.0));
+        for (var i = 0u; i < 4u; i++) {
+            let octant = ((i & 1u) << ((axis + 1u) % 3u)) | ((i >> 1u) << ((axis + 2u) % 3u));
+            let low = load(child_at(children, octant), axis);
+            let high = load(child_at(children, octant | (1u << axis)), axis);
+            let column = filter_column(low, high);
+            sum.positive += column.positive;
+            sum.negative += column.negative;
+            sum.tilt += column.tilt;
         }
         if ((parts >> part_of(axis, POSITIVE)) & 1u) != 0u {
-            store_value(cell, parts, part_of(axis, POSITIVE), 0.25 * positive);
+            store_value(cell, parts, part_of(axis, POSITIVE), 0.25 * sum.positive);
         }
         if ((parts >> part_of(axis, NEGATIVE)) & 1u) != 0u {
-            store_value(cell, parts, part_of(axis, NEGATIVE), 0.25 * negative);
+            store_value(cell, parts, part_of(axis, NEGATIVE), 0.25 * sum.negative);
         }
         if ((parts >> part_of(axis, TILT)) & 1u) != 0u {
-            store_value(cell, parts, part_of(axis, TILT), 0.25 * tilt);
+            store_value(cell, parts, part_of(axis, TILT), 0.25 * sum.tilt);
         }
     }
 }

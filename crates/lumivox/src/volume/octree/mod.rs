@@ -24,9 +24,7 @@ mod locks;
 mod tests;
 mod topology;
 
-use crate::gpu::{
-    BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer, uniform_buffer,
-};
+use crate::gpu::{BindGroupBuilder, Recorder, ShaderLibrary, storage_buffer, uniform_buffer};
 use crate::volume::changes::ChangedCells;
 use crate::volume::{Cells, Lists};
 use crate::voxels::VoxelList;
@@ -179,20 +177,8 @@ impl OctreeVolume {
         memory_budget: Option<u64>,
     ) -> Result<Self, GiError> {
         let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
-        let globals_layout = LayoutBuilder::compute()
-            .uniform()
-            .uniform()
-            .storage()
-            .texture_3d()
-            .sampler()
-            .build(device, "globals");
-        // Levels stand in bricks of their own, so that there is nothing to mix.
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("octree"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        let globals_layout = super::globals_layout(device);
+        let sampler = super::sampler(device);
         // Before there are voxels: a table without nodes.
         let layout = TreeLayout::new(grid);
         shaders.constant_u32("OCTREE_STEPS", layout.steps());
