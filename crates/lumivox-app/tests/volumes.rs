@@ -11,9 +11,7 @@ use serde_json::Value;
 
 fn row<'a>(report: &'a Value, name: &str, resolution: u32) -> &'a Value {
     let rows = report["rows"].as_array().unwrap();
-    let is_it = |row: &&Value| {
-        row["name"].as_str().unwrap().trim() == name && row["resolution"] == resolution
-    };
+    let is_it = |row: &&Value| row["name"] == name && row["resolution"] == resolution;
     rows.iter().find(is_it).unwrap_or_else(|| panic!("{name} at {resolution} in {report}"))
 }
 

@@ -58,7 +58,7 @@ pub use estimate::MemoryEstimate;
 pub use gpu::{Gpu, GpuOptions, describe};
 pub use image::{ImageFormat, Picture};
 pub use memory::MemoryUse;
-pub use renderer::{Progress, Renderer};
+pub use renderer::{Progress, Renderer, global_illumination};
 pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
 pub use srgb::srgb_encode;
 pub use upload::{GpuScene, Lighting, radiance_unit};

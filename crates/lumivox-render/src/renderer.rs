@@ -20,6 +20,7 @@ use crate::{
     COST_SCALE_SAMPLES, Exposure, Gpu, Picture, RenderError, RenderSettings, ShadowMethod, ToneMap,
     View,
 };
+pub use prepare::global_illumination;
 use prepare::{bind_lights, environment_map, upload};
 
 /// How far the work is.
@@ -88,7 +89,7 @@ impl Renderer {
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
         let config = settings.gi_config(grid);
-        let mut gi = prepare::global_illumination(gpu, config).await?;
+        let mut gi = global_illumination(gpu, config).await?;
         let voxelized = gi.voxelize(&scene.geometry, settings.timing).await?;
         times.add(voxelized.times);
         gpu.check("voxelizing")?;

@@ -37,7 +37,7 @@ pub fn view() -> impl TypedValueParser<Value = View> {
             View::Albedo => "share of light that is reflected diffusely; metals are black",
             View::Normal => "shading normals; -1 to 1 along x, y, z as red, green, blue",
             View::Depth => "distance from the camera; metres in OpenEXR, near is white in PNG",
-            View::Cost => "cone samples a pixel, from violet (none) to yellow (1024 and more)",
+            View::Cost => "cone samples a pixel, from violet (none) to yellow (512 and more)",
             View::Voxels => "the voxels of one level (--level) as cubes, in their light",
             View::Lit => {
                 "which voxels of one level get direct light (yellow), and which not (grey)"
@@ -70,7 +70,7 @@ pub fn preset() -> impl TypedValueParser<Value = Preset> {
             Preset::Balanced => "6 cones, every pixel",
             Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
             Preset::Report => {
-                "the SVO report's tuning, which is not physical, with isotropic voxels and photons"
+                "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
             }
         };
         (preset_name(preset), help)

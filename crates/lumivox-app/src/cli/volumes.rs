@@ -44,9 +44,10 @@ pub struct VolumesArgs {
     #[arg(long, help_heading = "Measurement")]
     pub no_trace: bool,
 
-    /// Width and height of the frames in pixels, each from 1 to 16384
+    /// Width and height of the frames in pixels, each from 1 to 32768 (or less, as the GPU allows)
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size)]
     #[arg(default_value = "320x180", allow_hyphen_values = true, help_heading = "Measurement")]
+    #[arg(conflicts_with = "no_trace")]
     pub size: UVec2,
 
     /// File for a chart of memory against resolution, .svg [default: none]

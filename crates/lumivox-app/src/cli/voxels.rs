@@ -20,7 +20,7 @@ use crate::args::{load, number, size};
 pub struct VoxelArgs {
     /// Voxels along the scene's longest axis: a multiple of 8 from 16 to 1024
     ///
-    /// Higher resolves finer detail and leaks less. Memory grows with the cube in a dense volume (165 MiB at
+    /// Higher resolves finer detail and leaks less. Memory grows with the cube in a dense volume (169 MiB at
     /// 128 for a cube-shaped scene; `lumivox info` tells what fits), with the square in an octree; time
     /// with the square.
     #[arg(long, value_name = "VOXELS", value_parser = number::resolution)]
@@ -37,7 +37,8 @@ pub struct VoxelArgs {
     /// Keep one radiance a voxel instead of one for each of six directions [default: off; preset
     /// report: on]
     ///
-    /// A ninth of the memory; surfaces light and shadow themselves, thin walls leak.
+    /// A ninth of a dense volume's memory, half of an octree's; surfaces light and shadow themselves, thin walls
+    /// leak.
     #[arg(long, conflicts_with = "six_lobes")]
     pub isotropic: bool,
 
@@ -47,25 +48,27 @@ pub struct VoxelArgs {
 
     /// Where the voxels' light is stored for the cones [default: dense; preset report: octree]
     ///
-    /// The picture is the same to 0.2 % in the mean. A dense volume is a little faster and takes memory with the
-    /// cube of the resolution; an octree takes it with the surface.
+    /// The picture is the same to 0.2 % in the mean. A dense volume is faster below 256 voxels (docs/octree.md has
+    /// figures) and takes memory with the cube of the resolution; an octree takes it with the surface.
     #[arg(long, value_name = "KIND", value_parser = choices::volume())]
     pub volume: Option<VolumeChoice>,
 
-    /// How the nodes of an octree come into being
+    /// How the nodes of an octree come into being [default: ranks]
+    ///
+    /// Each option of the octree asks for one, if --volume is not given.
     #[arg(long, value_name = "HOW", value_parser = choices::octree_builder())]
-    #[arg(default_value = "ranks", hide_short_help = true)]
-    pub octree_builder: OctreeBuilder,
+    #[arg(hide_short_help = true)]
+    pub octree_builder: Option<OctreeBuilder>,
 
-    /// How the texels of an octree's bricks that belong to their neighbours are found
+    /// How the texels of an octree's bricks that belong to their neighbours are found [default: ranks]
     #[arg(long, value_name = "HOW", value_parser = choices::octree_duplication())]
-    #[arg(default_value = "ranks", hide_short_help = true)]
-    pub octree_duplication: Duplication,
+    #[arg(hide_short_help = true)]
+    pub octree_duplication: Option<Duplication>,
 
-    /// Over which cells an octree's coarser levels are filtered
+    /// Over which cells an octree's coarser levels are filtered [default: occupied]
     #[arg(long, value_name = "CELLS", value_parser = choices::octree_mipmaps())]
-    #[arg(default_value = "occupied", hide_short_help = true)]
-    pub octree_mipmaps: Mipmapping,
+    #[arg(hide_short_help = true)]
+    pub octree_mipmaps: Option<Mipmapping>,
 
     /// The most memory that the volume may take, as in 512MiB [default: what the GPU has]
     ///
@@ -91,14 +94,23 @@ impl VoxelArgs {
         }
     }
 
-    /// Where cells are stored.
+    /// Where cells are stored; `default` where the command line says nothing of it.
     pub fn volume(&self, default: VolumeChoice) -> VolumeKind {
+        let has_octree_option = self.octree_builder.is_some()
+            || self.octree_duplication.is_some()
+            || self.octree_mipmaps.is_some();
+        let default = if has_octree_option { VolumeChoice::Octree } else { default };
         match self.volume.unwrap_or(default) {
-            VolumeChoice::Dense => VolumeKind::Dense,
+            VolumeChoice::Dense => {
+                if has_octree_option {
+                    tracing::warn!("a dense volume has no use for the options of an octree");
+                }
+                VolumeKind::Dense
+            }
             VolumeChoice::Octree => VolumeKind::Octree(OctreeOptions {
-                builder: self.octree_builder,
-                duplication: self.octree_duplication,
-                mipmapping: self.octree_mipmaps,
+                builder: self.octree_builder.unwrap_or_default(),
+                duplication: self.octree_duplication.unwrap_or_default(),
+                mipmapping: self.octree_mipmaps.unwrap_or_default(),
             }),
         }
     }
@@ -129,8 +141,9 @@ pub struct VoxelsArgs {
     /// Share of the triangles that moves, 0.0001 to 1: measure what it saves to keep the others
     /// [default: measure one voxelization of everything]
     ///
-    /// Small things are chosen first, and moved by a voxel or two at a time. Each move is voxelized
-    /// and lit once as a whole and once keeping what is static, and both must give the same bits.
+    /// Small things are chosen first, and moved by up to three voxels at a time. Each move is voxelized
+    /// and lit once as a whole and once keeping what is static, and both must give the same voxels and the
+    /// same light of them, to the bit.
     #[arg(long, value_name = "SHARE", value_parser = number::number(0.0001..=1.0))]
     #[arg(help_heading = "Measurement", allow_negative_numbers = true)]
     #[arg(conflicts_with = "compare_voxelizers")]
@@ -139,6 +152,7 @@ pub struct VoxelsArgs {
     /// Number of moves for --dynamic-share, 1 to 1000
     #[arg(long, value_name = "MOVES", value_parser = number::whole(1..=1000))]
     #[arg(help_heading = "Measurement", default_value = "8", allow_negative_numbers = true)]
+    #[arg(requires = "dynamic_share")]
     pub moves: u32,
 
     /// The comparison.

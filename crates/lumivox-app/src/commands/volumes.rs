@@ -79,17 +79,17 @@ fn variants(with_alternatives: bool) -> Vec<Variant> {
         vec![Variant { name: "dense", volume: VolumeKind::Dense }, octree("octree", usual)];
     if with_alternatives {
         variants.extend([
-            octree("  locks", OctreeOptions { builder: OctreeBuilder::Locks, ..usual }),
+            octree("locks", OctreeOptions { builder: OctreeBuilder::Locks, ..usual }),
             octree(
-                "  neighbours by pointers",
+                "neighbours by pointers",
                 OctreeOptions { duplication: Duplication::Pointers, ..usual },
             ),
             octree(
-                "  neighbours by search",
+                "neighbours by search",
                 OctreeOptions { duplication: Duplication::Search, ..usual },
             ),
             octree(
-                "  mipmaps of every cell",
+                "mipmaps of every cell",
                 OctreeOptions { mipmapping: Mipmapping::Every, ..usual },
             ),
         ]);
@@ -270,8 +270,9 @@ impl Report {
         ]);
         let ms = |value: Option<f64>| value.map_or("-".to_owned(), |ms| format!("{ms:.1} ms"));
         for row in &self.rows {
+            let indent = if row.name == row.volume { "" } else { "  " };
             table.row([
-                row.name.to_owned(),
+                format!("{indent}{}", row.name),
                 row.resolution.to_string(),
                 row.voxels.map_or("-".to_owned(), |voxels| count(voxels.into())),
                 row.bytes.map_or("-".to_owned(), bytes),
@@ -293,7 +294,7 @@ impl Report {
                 );
             }
             if let Some(problem) = &row.problem {
-                text += &format!("\n{} at {}: {problem}.\n", row.name.trim(), row.resolution);
+                text += &format!("\n{} at {}: {problem}.\n", row.name, row.resolution);
             }
         }
         text + &format!(

@@ -3,7 +3,7 @@
 use lumivox::gpu::Recorder;
 use lumivox::{
     EnvironmentLight, EnvironmentMap, Gi, GiConfig, Injection, Light, LightSource, Lights,
-    Panorama, Shadow, ShadowLayer, ShadowMaps, dense_volume_bytes,
+    Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, dense_volume_bytes,
 };
 use lumivox_scene::{Bounds, Scene};
 
@@ -35,7 +35,10 @@ pub(super) async fn upload(
 }
 
 /// Makes the voxels' volume and compiles the library's kernels.
-pub(super) async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, RenderError> {
+///
+/// # Errors
+/// [`RenderError::OutOfMemory`] and the library's own, when something does not fit.
+pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, RenderError> {
     // What is done with a texture that could not be made is refused in turn.
     let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -44,12 +47,21 @@ pub(super) async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<G
     let refused = followers.pop().await;
     if is_short {
         let [x, y, z] = config.grid.dimensions.to_array();
-        let needed = dense_volume_bytes(&config.grid, config.directionality);
+        // An octree takes next to nothing before there are voxels.
+        let (kind, bytes, remedy) = match config.volume {
+            VolumeKind::Dense => (
+                "a dense volume",
+                dense_volume_bytes(&config.grid, config.directionality),
+                "lower the resolution, or store the voxels in an octree (--volume octree)",
+            ),
+            VolumeKind::Octree(_) => {
+                ("an octree", 0, "free memory for it, or lower the resolution")
+            }
+        };
         return Err(RenderError::OutOfMemory {
-            what: format!("a dense volume of {x} x {y} x {z} voxels"),
-            needed_mib: needed.div_ceil(1 << 20),
-            remedy: "lower the resolution, or store the voxels in an octree (--volume octree)"
-                .to_owned(),
+            what: format!("{kind} of {x} x {y} x {z} voxels"),
+            needed_mib: bytes.div_ceil(1 << 20).max(1),
+            remedy: remedy.to_owned(),
         });
     }
     if let Some(error) = refused {
@@ -131,9 +143,9 @@ fn warn_of_coarse_texels(texel_in_voxels: f32, resolution: u32) {
     let needed = resolution as f32 * texel_in_voxels / MAX_PHOTON_TEXEL_VOXELS;
     tracing::warn!(
         "photons start from texels of up to {texel_in_voxels:.1} voxels, so that the light of voxels scatters: \
-         raise the resolution of the shadow maps (--shadow-resolution) from {resolution} to {}, or inject \
-         directly (--injection direct)",
-        (needed.ceil() as u32).next_power_of_two()
+         raise the resolution of the shadow maps (--shadow-resolution) from {resolution} to {}, as far as the \
+         GPU allows, or inject directly (--injection direct)",
+        (needed.ceil() as u32).checked_next_power_of_two().unwrap_or(u32::MAX)
     );
 }
 

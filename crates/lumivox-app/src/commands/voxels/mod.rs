@@ -9,7 +9,7 @@ use std::time::Instant;
 use indicatif::MultiProgress;
 use lumivox::gpu::Timing;
 use lumivox::{Gi, Grid, VoxelizeStats};
-use lumivox_render::{GpuScene, Lighting, radiance_unit};
+use lumivox_render::{GpuScene, Lighting, global_illumination, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -51,7 +51,7 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
         drop(progress);
         return report.print(args.json);
     }
-    let mut gi = Gi::new(&gpu.device, &gpu.queue, config)?;
+    let mut gi = pollster::block_on(global_illumination(&gpu, config))?;
     gpu.wait("uploading the scene")?;
 
     progress.set("voxelizing", 0, 1);

@@ -30,7 +30,9 @@ impl Loader<'_> {
             return Ok(());
         }
         let marked = extras::static_mark(node.extras());
-        if marked == Some(true) && (site.moves || site.weighs || site.bends) {
+        // A skinned mesh does not follow its node.
+        let follows = site.moves && node.skin().is_none();
+        if marked == Some(true) && (follows || site.weighs || site.bends) {
             self.notes.warn(format!(
                 "{}: it is marked as static, but an animation moves it: the mark was ignored",
                 site.name

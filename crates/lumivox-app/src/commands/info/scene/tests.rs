@@ -1,7 +1,5 @@
 use lumivox_scene::{Texture, TextureRef};
 
-use lumivox::{Duplication, Mipmapping, OctreeBuilder};
-
 use super::*;
 
 fn voxels() -> VoxelArgs {
@@ -12,9 +10,9 @@ fn voxels() -> VoxelArgs {
         six_lobes: false,
         voxelizer: lumivox::VoxelizeMethod::Exact,
         volume: None,
-        octree_builder: OctreeBuilder::default(),
-        octree_duplication: Duplication::default(),
-        octree_mipmaps: Mipmapping::default(),
+        octree_builder: None,
+        octree_duplication: None,
+        octree_mipmaps: None,
         volume_memory: None,
     }
 }
