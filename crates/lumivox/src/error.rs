@@ -67,7 +67,7 @@ pub enum GiError {
     /// A shader failed to link or to validate: a defect of this crate or of a shader added by the caller.
     #[error(transparent)]
     Shader(#[from] ShaderError),
-    /// The device was lost, or a buffer could not be mapped.
+    /// The device was lost, a buffer could not be mapped, or what the device computed cannot be right.
     #[error("the device failed while {doing}: {reason}")]
     Device {
         /// What was under way.

@@ -25,7 +25,8 @@ pub struct GiConfig {
     pub directionality: Directionality,
     /// Where cells are stored.
     pub volume: VolumeKind,
-    /// The most bytes that the volume may take; `None` (the default): as much as the device gives.
+    /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree takes
+    /// a new list, the last one's is there besides.
     pub memory_budget: Option<u64>,
     /// How triangles become voxels. Default: exactly.
     pub method: VoxelizeMethod,
@@ -86,7 +87,9 @@ impl Gi {
     /// Makes the volume and compiles all kernels.
     ///
     /// # Errors
-    /// [`GiError::Limit`] when the device cannot hold the volume: it names the limit and what would fit.
+    /// [`GiError::Limit`] when the device cannot hold the volume: it names the limit and what would fit;
+    /// [`GiError::Budget`] when a dense volume takes more than it may; [`GiError::Shader`] when a kernel does not link,
+    /// which is a defect of this crate.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -169,15 +172,17 @@ impl Gi {
         let faces = self.lighting.prepare(&self.device, &voxels);
         self.volume.prepare(&mut recorder, &voxels).await?;
         let old = self.voxels.as_ref();
-        let wrong = self.changes.rebuild(&mut recorder, old, &voxels, faces.radiance());
+        let (lists, clears) = ((old, &voxels), self.volume.clears_in_place());
+        let wrong = self.changes.rebuild(&mut recorder, lists, faces.radiance(), clears);
         if let Some((changed, bits)) = self.changes.cells().zip(self.changes.bits()) {
             let lists = Lists { old, new: &voxels, radiance: faces.radiance() };
             let cells = Cells { wrong: wrong.as_ref(), changed, bits };
             self.volume.rebuild(&mut recorder, lists, cells);
         }
         self.lighting.take(&self.device, &voxels, faces);
-        times.extend(recorder.finish().await?);
+        // Whatever happens from here on, everything is bound to the new list.
         self.voxels = Some(voxels);
+        times.extend(recorder.finish().await?);
         Ok(Voxelized { stats, times })
     }
 
@@ -224,8 +229,9 @@ impl Gi {
         self.changes.forget();
     }
 
-    /// A bit per cell of the voxel list, laid out as [`VoxelList::occupancy`], once there is a list: the cells whose
-    /// content the last call of [`Self::light`] wrote, because it or that of a cell below had changed.
+    /// A bit per cell, laid out as [`VoxelList::occupancy`], once there is a list. After [`Self::light`]: the cells that
+    /// it wrote, because their content or that of a cell below had changed. After a voxelization: those of another
+    /// surface than before, cells that are gone included.
     pub fn changed_cells(&self) -> Option<&wgpu::Buffer> {
         self.changes.bits()
     }
@@ -307,7 +313,7 @@ impl Gi {
         self.lighting.photon_fates()
     }
 
-    /// Group 0: the grid and the volume.
+    /// Group 0: the grid and the volume. Ask again after each voxelization: an octree has another one then.
     pub fn globals(&self) -> &wgpu::BindGroup {
         self.volume.globals()
     }
@@ -327,7 +333,8 @@ impl Gi {
         &self.gbuffer_layout
     }
 
-    /// Bytes on the GPU, by what they hold; temporary buffers of the voxelization are in its statistics.
+    /// Bytes on the GPU, by what they hold; what only a voxelization itself needs is in its statistics, but for what an
+    /// octree needs while it is built.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.volume.memory();
         memory.extend(self.changes.memory());

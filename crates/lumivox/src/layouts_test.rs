@@ -27,13 +27,13 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "octree::tree",
+        "volume::octree::tree",
         "Tree",
         TreeUniform { root_level, table_level, table_words, slots, inverse_size, row_bits, levels }
     );
     assert_layout!(
         library,
-        "octree::locks",
+        "volume::octree::locks",
         "LockPass",
         LockPass { pass_number, item_count, capacity, level_starts }
     );
@@ -132,7 +132,7 @@ fn structs_lie_in_memory_alike() {
         "LevelWords",
         LevelWords { level, first_word, end_word }
     );
-    assert_layout!(library, "volume::masks", "MaskLevels", MaskLevels { first_entry });
+    assert_layout!(library, "volume::dense::masks", "MaskLevels", MaskLevels { first_entry });
 }
 
 #[test]
@@ -143,6 +143,6 @@ fn every_shader_is_valid() {
             let (module, _) = library.reflect(&path).unwrap_or_else(|error| panic!("{error}"));
             kernels += module.entry_points.len();
         }
-        assert!(kernels > 15, "the library has lost its kernels: {kernels} left");
+        assert!(kernels >= 69, "the library has lost its kernels: {kernels} left");
     }
 }

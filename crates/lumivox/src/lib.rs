@@ -9,7 +9,7 @@
 //! albedo / pi times irradiance: there is no scale to tune. Whatever many threads write at once is an integer
 //! sum or a bit set, so two runs give the same bits.
 //!
-//! The order of calls is that of [`Gi`]'s methods; `examples/own_engine.rs` shows them with triangles, lights
+//! The order of calls is that of [`Gi`]'s methods; `examples/own_engine` shows them with triangles, lights
 //! and a G-buffer of its own.
 
 mod error;

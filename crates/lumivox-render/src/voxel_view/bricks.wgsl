@@ -6,8 +6,8 @@
 import package::constants::ISOTROPIC;
 import package::grid::grid;
 import package::light::environment::environment_background;
-import package::octree::search::{brick_of, find_node, node_parts};
-import package::octree::tree::brick_origin;
+import package::volume::octree::search::{brick_of, find_node, node_parts};
+import package::volume::octree::tree::brick_origin;
 import package::render::voxel_view::cell_walk::{longest_walk, walk_into, walked_on};
 import package::render::voxel_view::view::{picture, pixel_ray, voxel_view_settings, Ray, MIN_OPACITY};
 import package::trace::gbuffer::view;

@@ -3,8 +3,8 @@
 // Blue: nodes with cells of their own. Orange: those that are there for their neighbours' sake alone.
 
 import package::grid::grid;
-import package::octree::search::{find_node, node_parts};
-import package::octree::tree::corner_of;
+import package::volume::octree::search::{find_node, node_parts};
+import package::volume::octree::tree::corner_of;
 import package::render::voxel_view::cell_walk::{longest_walk, next_axis, walk_into, walked_on};
 import package::render::voxel_view::first_cube::first_cube;
 import package::render::voxel_view::view::{

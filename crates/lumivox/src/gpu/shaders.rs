@@ -4,7 +4,7 @@
 //! modules is a map from paths (`package::trace::cone`) to sources; linking one of them pulls in what it
 //! imports and yields plain WGSL. Constants that Rust and WGSL share are defined once in Rust and injected as
 //! the module `package::constants`. The module `package::volume` is the interface behind which the volumes
-//! (dense, octree, clipmap) differ: a library is made for one of them.
+//! (dense, octree) differ: a library is made for one of them.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -57,7 +57,8 @@ pub struct TraceSettings {
     /// corrected for it, so that it changes cost and noise, not brightness.
     pub step_per_voxel: f32,
     /// Cones end when less than this share of light would still pass, 0 to 0.1; default 0.03. What is left is
-    /// taken to look like what was met. (At oblique walls they go on until the wall is over.) Higher: a little faster, and the last of the sky in a gap is lost.
+    /// taken to look like what was met. Higher: a little faster, and the last of the sky in a gap is lost. At
+    /// oblique walls cones go on until the wall is over.
     pub min_transmittance: f32,
     /// Whether glossy cones are traced.
     pub specular: bool,

@@ -1,4 +1,4 @@
-// The nodes of one level: what fills the masks runs over (group 1, bindings 0 and 1).
+// The nodes of one level, for kernels that run over all of them (group 1, bindings 0 and 1).
 
 import package::voxels::list::Node;
 
@@ -6,6 +6,7 @@ struct NodeRange {
     level: u32,
     first: u32,
     count: u32,
+    // For the dense volume's masks alone.
     first_mask_entry: u32,
 }
 

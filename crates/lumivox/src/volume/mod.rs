@@ -36,6 +36,9 @@ const SHARED: &[(&str, &str)] = &[
     ("volume::parts", include_str!("parts.wgsl")),
 ];
 
+/// Of the textures that hold cells.
+const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
 /// Where cells are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VolumeKind {
@@ -103,7 +106,7 @@ pub(crate) struct Lists<'a> {
 /// What differs between them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<'a> {
-    /// The cells of another surface than the last list's, which hold what must go.
+    /// The cells of another surface than the last list's, which hold what must go, for a volume that clears in place.
     pub(crate) wrong: Option<&'a ChangedCells>,
     /// The list of cells that updates will come with.
     pub(crate) changed: &'a ChangedCells,
@@ -176,6 +179,11 @@ impl Volume {
             Self::Dense(_) => Ok(()),
             Self::Octree(octree) => octree.prepare(recorder, voxels).await,
         }
+    }
+
+    /// Whether cells that are gone must be cleared where they are.
+    pub(crate) fn clears_in_place(&self) -> bool {
+        matches!(self, Self::Dense(_))
     }
 
     /// Takes a new voxel list, for which there is room: forgets what is gone of the last one. The radiance is not

@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Mat4, Vec3};
 
 use super::kernels::Detail;
+use super::method::VoxelizeMethod;
 use crate::geometry::{Draw, GeometryBatch};
 use crate::{Geometry, GiError, Grid, SurfaceMaterial, SurfaceTexture, VertexAttributes};
 
@@ -84,6 +85,7 @@ pub(crate) struct PartInput<'a> {
 /// they were.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PartKey {
+    method: VoxelizeMethod,
     grid: Grid,
     batches: Vec<BatchKey>,
 }
@@ -137,7 +139,7 @@ impl<'a> PartInput<'a> {
     }
 
     /// What the part is made of.
-    pub(crate) fn key(&self, geometry: &Geometry, grid: &Grid) -> PartKey {
+    pub(crate) fn key(&self, method: VoxelizeMethod, geometry: &Geometry, grid: &Grid) -> PartKey {
         let key = |(batch, prepared): &(&GeometryBatch, PreparedBatch)| BatchKey {
             positions: batch.positions.clone(),
             attributes: batch.attributes.clone(),
@@ -145,7 +147,7 @@ impl<'a> PartInput<'a> {
             draws: bytemuck::cast_slice(&prepared.draws).to_vec(),
             groups: prepared.groups.iter().map(|group| group.key(&geometry.materials)).collect(),
         };
-        PartKey { grid: *grid, batches: self.batches.iter().map(key).collect() }
+        PartKey { method, grid: *grid, batches: self.batches.iter().map(key).collect() }
     }
 }
 

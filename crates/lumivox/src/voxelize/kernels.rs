@@ -1,5 +1,6 @@
 //! The kernels of the voxelizer and the layouts of their bind groups.
 
+use super::method::VoxelizeMethod;
 use crate::gpu::{Indirect, Kernel, LayoutBuilder, Scan, ShaderError, ShaderLibrary};
 use crate::voxels::ListBuilder;
 
@@ -22,12 +23,16 @@ pub(super) struct Layouts {
 }
 
 impl Layouts {
-    fn new(device: &wgpu::Device) -> Self {
+    fn new(device: &wgpu::Device, method: VoxelizeMethod) -> Self {
         use wgpu::ShaderStages;
         let compute = LayoutBuilder::compute;
-        // The walks are compute kernels or the rasterizer's.
-        let walk = || LayoutBuilder::new(ShaderStages::COMPUTE | ShaderStages::VERTEX_FRAGMENT);
-        let pass = || LayoutBuilder::new(ShaderStages::COMPUTE | ShaderStages::FRAGMENT);
+        // The rasterizer walks in other stages; what walks exactly asks nothing of them.
+        let (drawn, written) = match method {
+            VoxelizeMethod::Exact => (ShaderStages::NONE, ShaderStages::NONE),
+            _ => (ShaderStages::VERTEX_FRAGMENT, ShaderStages::FRAGMENT),
+        };
+        let walk = || LayoutBuilder::new(ShaderStages::COMPUTE | drawn);
+        let pass = || LayoutBuilder::new(ShaderStages::COMPUTE | written);
         let triangles = walk().storage().storage().storage().storage();
         let split = compute().uniform().storage_mut().storage_mut();
         let lobes = pass().storage().storage().storage_mut().storage_mut();
@@ -97,8 +102,12 @@ pub(super) struct Kernels {
 }
 
 impl Kernels {
-    pub fn new(device: &wgpu::Device, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
-        let layouts = Layouts::new(device);
+    pub fn new(
+        device: &wgpu::Device,
+        shaders: &ShaderLibrary,
+        method: VoxelizeMethod,
+    ) -> Result<Self, ShaderError> {
+        let layouts = Layouts::new(device, method);
         let kernel = |module: &str, entry: &str, own: &[&wgpu::BindGroupLayout]| {
             let mut groups = vec![&layouts.grid];
             groups.extend(own);

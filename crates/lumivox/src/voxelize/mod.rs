@@ -129,9 +129,9 @@ pub struct VoxelizeStats {
     /// Whether what an earlier voxelization found of the static triangles was used again. All that is counted
     /// here is counted with them.
     pub static_reused: bool,
-    /// Of those, the ones without an area or with coordinates that are not finite; they are left out.
+    /// Of the triangles given, the ones without an area or with coordinates that are not finite; they are left out.
     pub skipped: u64,
-    /// Of those, the ones that lie wholly outside the grid.
+    /// Of the triangles given, the ones that lie wholly outside the grid.
     pub outside: u64,
     /// Tiles of triangles: the threads of each walk of [`VoxelizeMethod::Exact`].
     pub work_items: u64,
@@ -148,6 +148,7 @@ pub struct VoxelizeStats {
 /// The kernels that turn triangles into voxels.
 #[derive(Debug)]
 pub struct Voxelizer {
+    method: VoxelizeMethod,
     kernels: Kernels,
     /// The pipelines that take the place of the kernels' walks.
     raster: Option<Raster>,
@@ -171,9 +172,9 @@ impl Voxelizer {
         shaders: &ShaderLibrary,
         method: VoxelizeMethod,
     ) -> Result<Self, GiError> {
-        let kernels = Kernels::new(device, shaders)?;
+        let kernels = Kernels::new(device, shaders, method)?;
         let raster = Raster::new(device, shaders, &kernels.layouts, method)?;
-        Ok(Self { kernels, raster })
+        Ok(Self { method, kernels, raster })
     }
 
     /// Voxelizes triangles: the list of voxels, what was found, and the time of each pass if asked for.
@@ -203,7 +204,7 @@ impl Voxelizer {
     /// The list is that of [`Self::voxelize`] to the bit.
     ///
     /// # Errors
-    /// As [`Self::voxelize`]; then nothing is kept.
+    /// As [`Self::voxelize`]. What is kept then, if anything, is still right.
     pub async fn voxelize_dynamic(
         &self,
         device: &wgpu::Device,
@@ -217,7 +218,7 @@ impl Voxelizer {
         let limits = device.limits();
         let fixed = PartInput::new(geometry, true, grid, &limits)?;
         let moving = PartInput::new(geometry, false, grid, &limits)?;
-        let key = fixed.key(geometry, grid);
+        let key = fixed.key(self.method, geometry, grid);
         let earlier = kept.0.take().filter(|kept| !fixed.is_empty() && kept.key == key);
         let earlier = earlier.map(|kept| kept.part);
         let is_reused = earlier.is_some();

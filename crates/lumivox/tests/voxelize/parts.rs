@@ -1,7 +1,7 @@
 //! Static and dynamic parts: what is kept and what is walked again give the bits of a whole voxelization.
 
 use glam::{Mat4, Vec3, Vec4};
-use lumivox::{Draw, Geometry, Grid, KeptStatic, SurfaceMaterial};
+use lumivox::{Draw, Geometry, Grid, KeptStatic, SurfaceMaterial, VoxelizeMethod};
 
 use crate::read::{Lab, ReadList};
 use crate::scenes::{Mesh, Random, cornell_box};
@@ -173,6 +173,11 @@ fn a_change_of_static_draws_is_noticed() {
     let shifted = Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 32, Vec3::splat(0.5)).expect("it fits");
     let partly = lab.voxelize_dynamic(&shifted, &geometry, &mut kept);
     assert_same(&partly, &lab.voxelize(&shifted, &geometry), "another grid");
+    let mut kept = KeptStatic::default();
+    lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+    let other = lab.switched_to(VoxelizeMethod::DominantAxis);
+    let partly = other.voxelize_dynamic(&grid, &geometry, &mut kept);
+    assert_same(&partly, &other.voxelize(&grid, &geometry), "another method");
 }
 
 /// Two parts hold what one part would: the same voxels, and faces that differ by rounding alone.

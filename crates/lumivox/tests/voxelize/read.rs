@@ -35,9 +35,18 @@ impl Lab {
 
     pub fn with_method(method: VoxelizeMethod) -> Self {
         let (device, queue) = crate::common::device();
+        Self::on_device(device, queue, method)
+    }
+
+    fn on_device(device: wgpu::Device, queue: wgpu::Queue, method: VoxelizeMethod) -> Self {
         let library = lumivox::shaders::library();
         let voxelizer = Voxelizer::with_method(&device, &library, method).expect("kernels");
         Self { device, queue, voxelizer }
+    }
+
+    /// Another method on the same device.
+    pub fn switched_to(&self, method: VoxelizeMethod) -> Self {
+        Self::on_device(self.device.clone(), self.queue.clone(), method)
     }
 
     /// Voxelizes, reads everything back and checks what holds for every list.

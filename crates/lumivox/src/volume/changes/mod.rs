@@ -131,14 +131,14 @@ impl Changes {
     }
 
     /// Takes a new list, of which the bits become those of the cells whose surface is not what it was in the list
-    /// before, cells that are gone included. Those are returned, too: what the volume holds there is wrong.
+    /// before, cells that are gone included. Those are returned, too, if asked for: what the volume holds there is wrong.
     /// `radiance` is what the faces will send out.
     pub(crate) fn rebuild(
         &mut self,
         recorder: &mut Recorder,
-        old: Option<&VoxelList>,
-        voxels: &VoxelList,
+        (old, voxels): (Option<&VoxelList>, &VoxelList),
         radiance: &wgpu::Buffer,
+        lists_wrong: bool,
     ) -> Option<ChangedCells> {
         recorder.stage("changes");
         let device = recorder.device().clone();
@@ -168,10 +168,12 @@ impl Changes {
             self.compare_lists(recorder, old, voxels, (&bound, &bits));
             let held = earlier.held.filter(|_| !all);
             bound.held = held.map(|held| self.carry(recorder, old, voxels, (&bound, &bits), &held));
-            let mut cells = ChangedCells::new(&device, &self.grid, nodes(old) + nodes(voxels));
-            let list = (bound.bits(&bits), false);
-            self.lister.list(recorder, &self.globals, &self.grid, list, &mut cells);
-            wrong = Some(cells);
+            if lists_wrong {
+                let mut cells = ChangedCells::new(&device, &self.grid, nodes(old) + nodes(voxels));
+                let list = (bound.bits(&bits), false);
+                self.lister.list(recorder, &self.globals, &self.grid, list, &mut cells);
+                wrong = Some(cells);
+            }
         } else {
             recorder.encoder().copy_buffer_to_buffer(&voxels.occupancy, 0, &bits, 0, bytes);
         }

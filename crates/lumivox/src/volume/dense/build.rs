@@ -5,8 +5,7 @@ use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrar
 use crate::volume::changes::{ChangedCells, LevelWords};
 use crate::{GiError, Grid};
 
-use super::CELL_FORMAT;
-use crate::volume::{Directionality, Lists};
+use crate::volume::{CELL_FORMAT, Directionality, Lists};
 
 /// Kernels, and the bind groups of the current voxel list.
 #[derive(Debug)]
@@ -48,16 +47,18 @@ impl Build {
         let filter_layout =
             nodes.texture_3d().storage_texture(d3, CELL_FORMAT).build(device, "filter cells");
         let (clear, store, filter) = match directionality {
-            Directionality::SixLobes => ("six_lobes", "volume::store", "volume::filter"),
+            Directionality::SixLobes => {
+                ("six_lobes", "volume::dense::store", "volume::dense::filter")
+            }
             Directionality::Isotropic => {
-                ("isotropic", "volume::isotropic_store", "volume::isotropic_filter")
+                ("isotropic", "volume::dense::isotropic_store", "volume::dense::isotropic_filter")
             }
         };
         let kernel =
             |module, entry, layout| Kernel::new(device, shaders, module, entry, &[globals, layout]);
         let levels = LevelWords::of_levels(device, grid);
         Ok(Self {
-            clear: kernel("volume::clear", clear, &clear_layout)?,
+            clear: kernel("volume::dense::clear", clear, &clear_layout)?,
             store: kernel(store, "store", &store_layout)?,
             filter: kernel(filter, "main", &filter_layout)?,
             clear_layout,
@@ -124,7 +125,7 @@ impl Build {
                     .build(&device, "clear cells")
             })
             .collect();
-        recorder.compute("volume::clear", |pass| {
+        recorder.compute("volume::dense::clear", |pass| {
             for (level, group) in groups.iter().enumerate() {
                 changed.dispatch(pass, &self.clear, &[grid, group], level);
             }
@@ -138,12 +139,12 @@ impl Build {
         grid: &wgpu::BindGroup,
         changed: &ChangedCells,
     ) {
-        recorder.compute("volume::store", |pass| {
+        recorder.compute("volume::dense::store", |pass| {
             if let Some(group) = &self.store_group {
                 changed.dispatch(pass, &self.store, &[grid, group], 0);
             }
         });
-        recorder.compute("volume::filter", |pass| {
+        recorder.compute("volume::dense::filter", |pass| {
             for (level, group) in self.filter_groups.iter().enumerate() {
                 changed.dispatch(pass, &self.filter, &[grid, group], level + 1);
             }

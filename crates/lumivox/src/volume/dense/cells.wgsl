@@ -2,8 +2,8 @@
 
 import package::constants::ISOTROPIC;
 import package::grid::grid;
-import package::volume::atlas::{part_texel, slab_of};
-import package::volume::masks::parts_near;
+import package::volume::dense::atlas::{part_texel, slab_of};
+import package::volume::dense::masks::parts_near;
 
 @group(0) @binding(3) var atlas: texture_3d<f32>;
 @group(0) @binding(4) var atlas_sampler: sampler;

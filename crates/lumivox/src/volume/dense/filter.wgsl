@@ -3,7 +3,7 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::atlas::part_texel;
+import package::volume::dense::atlas::part_texel;
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
 import package::volume::column::{filter_column, AxisParts};

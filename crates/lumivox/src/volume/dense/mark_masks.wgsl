@@ -4,7 +4,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::level_range::{node_range, nodes};
-import package::volume::masks::mask_entry;
+import package::volume::dense::masks::mask_entry;
 import package::volume::parts::parts_of_lobes;
 import package::voxels::morton::morton_decode;
 

@@ -70,7 +70,8 @@ impl Masks {
         }
         let layout =
             LayoutBuilder::compute().uniform().storage().storage_mut().build(device, "mask marks");
-        let mark = Kernel::new(device, shaders, "volume::mark_masks", "main", &[globals, &layout])?;
+        let mark =
+            Kernel::new(device, shaders, "volume::dense::mark_masks", "main", &[globals, &layout])?;
         Ok(Self {
             levels,
             levels_uniform: uniform_buffer(device, "mask levels", &levels),
@@ -101,7 +102,7 @@ impl Masks {
                 (group, range.count)
             })
             .collect();
-        recorder.compute("volume::mark_masks", |pass| {
+        recorder.compute("volume::dense::mark_masks", |pass| {
             for (group, count) in &groups {
                 self.mark.dispatch_linear(pass, &[grid, group], u64::from(*count));
             }

@@ -15,7 +15,7 @@ use glam::UVec3;
 
 use crate::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer};
 use crate::volume::changes::ChangedCells;
-use crate::volume::{Cells, Directionality, Lists, budget};
+use crate::volume::{CELL_FORMAT, Cells, Directionality, Lists, budget};
 use crate::{GiError, Grid};
 
 use build::Build;
@@ -27,21 +27,18 @@ pub(crate) use tests::{Level, read_levels};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("volume::atlas", include_str!("atlas.wgsl")),
-    ("volume::clear", include_str!("clear.wgsl")),
-    ("volume::filter", include_str!("filter.wgsl")),
-    ("volume::isotropic_filter", include_str!("isotropic_filter.wgsl")),
-    ("volume::isotropic_store", include_str!("isotropic_store.wgsl")),
-    ("volume::mark_masks", include_str!("mark_masks.wgsl")),
-    ("volume::masks", include_str!("masks.wgsl")),
-    ("volume::store", include_str!("store.wgsl")),
+    ("volume::dense::atlas", include_str!("atlas.wgsl")),
+    ("volume::dense::clear", include_str!("clear.wgsl")),
+    ("volume::dense::filter", include_str!("filter.wgsl")),
+    ("volume::dense::isotropic_filter", include_str!("isotropic_filter.wgsl")),
+    ("volume::dense::isotropic_store", include_str!("isotropic_store.wgsl")),
+    ("volume::dense::mark_masks", include_str!("mark_masks.wgsl")),
+    ("volume::dense::masks", include_str!("masks.wgsl")),
+    ("volume::dense::store", include_str!("store.wgsl")),
 ];
 
 /// The look-ups into the dense volume: the module `package::volume::cells` of this kind of volume.
 pub(crate) const CELLS: &str = include_str!("cells.wgsl");
-
-/// Of every texture of cells.
-pub(crate) const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 impl Directionality {
     /// Slabs of the texture along each of its axes.

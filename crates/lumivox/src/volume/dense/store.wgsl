@@ -2,7 +2,7 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::atlas::part_texel;
+import package::volume::dense::atlas::part_texel;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
 import package::volume::parts::{part_of, POSITIVE, TILT};

@@ -2,9 +2,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::locks::WANTED;
-import package::octree::sites::Site;
-import package::octree::tree::{node_word, tree, NODE_CHILDREN, NONE};
+import package::volume::octree::locks::WANTED;
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{node_word, tree, NODE_CHILDREN, NONE};
 
 @group(1) @binding(0) var<storage, read> children: array<u32>;
 @group(1) @binding(1) var<storage, read> locks: array<u32>;

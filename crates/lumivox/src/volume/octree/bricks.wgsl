@@ -6,9 +6,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::ranked::ranked_slot;
-import package::octree::sites::Site;
-import package::octree::tree::{all_parts, node_word, tree, NODE_FIRST_BRICK, NODE_MASKS};
+import package::volume::octree::ranked::ranked_slot;
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{all_parts, node_word, tree, NODE_FIRST_BRICK, NODE_MASKS};
 
 @group(1) @binding(2) var<storage, read> sites: array<Site>;
 @group(1) @binding(3) var<storage, read_write> octree_out: array<u32>;

@@ -2,9 +2,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::ranked::{children_of, group_number, node_bits};
-import package::octree::sites::Site;
-import package::octree::tree::{node_word, tree, NODE_CHILDREN};
+import package::volume::octree::ranked::{children_of, group_number, node_bits};
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{node_word, tree, NODE_CHILDREN};
 
 @group(1) @binding(2) var<storage, read_write> octree_out: array<u32>;
 @group(1) @binding(3) var<storage, read_write> sites: array<Site>;

@@ -2,7 +2,7 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::tree::tree;
+import package::volume::octree::tree::tree;
 import package::volume::level_range::{node_range, nodes};
 import package::voxels::lookup::bits_below;
 

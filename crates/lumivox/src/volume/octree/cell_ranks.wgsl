@@ -1,7 +1,7 @@
 // A cell's place in the voxel list, from the occupancy bits and their ranks.
 
 import package::grid::grid;
-import package::octree::tree::tree;
+import package::volume::octree::tree::tree;
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 

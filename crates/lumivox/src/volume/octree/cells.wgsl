@@ -1,8 +1,8 @@
 // The cells of the octree, as filtered look-ups see them: the module package::volume::cells.
 
 import package::grid::grid;
-import package::octree::search::{brick_of, find_node, node_mask, node_parts};
-import package::octree::tree::{brick_origin, octant_of, tree};
+import package::volume::octree::search::{brick_of, find_node, node_mask, node_parts};
+import package::volume::octree::tree::{brick_origin, octant_of, tree};
 
 @group(0) @binding(3) var atlas: texture_3d<f32>;
 @group(0) @binding(4) var atlas_sampler: sampler;

@@ -4,15 +4,15 @@ use glam::UVec3;
 
 use super::GROWTH;
 use super::layout::AtlasSize;
-use super::topology::Topology;
+use super::topology::{NodeRanks, Topology};
 use super::{Duplication, Input, Mipmapping, OctreeOptions};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderLibrary, read_buffer,
     storage_buffer, uniform_buffer,
 };
+use crate::volume::CELL_FORMAT;
 use crate::volume::budget;
 use crate::volume::changes::{ChangedCells, LevelWords};
-use crate::volume::dense::CELL_FORMAT;
 use crate::volume::level_range::NodeRange;
 use crate::volume::{Cells, Lists};
 use crate::voxelize::{Memory, Remedy};
@@ -122,17 +122,20 @@ impl ContentKernels {
     ) -> Result<Self, GiError> {
         let compute = LayoutBuilder::compute;
         let storage = |count: usize| (0..count).fold(compute(), |layout, _| layout.storage());
-        let write_layout = compute().uniform().uniform().build(device, "octree::tree");
-        let read_layout = compute().uniform().uniform().storage().build(device, "octree::search");
-        let masks_layout = storage(4).storage_mut().build(device, "octree::masks");
-        let bricks_layout = storage(3).storage_mut().storage_mut().build(device, "octree::bricks");
-        let count_layout = storage(1).storage_mut().build(device, "octree::count_values");
+        let write_layout = compute().uniform().uniform().build(device, "volume::octree::tree");
+        let read_layout =
+            compute().uniform().uniform().storage().build(device, "volume::octree::search");
+        let masks_layout = storage(4).storage_mut().build(device, "volume::octree::masks");
+        let bricks_layout =
+            storage(3).storage_mut().storage_mut().build(device, "volume::octree::bricks");
+        let count_layout = storage(1).storage_mut().build(device, "volume::octree::count_values");
         let neighbors_layout =
-            storage(3).storage_mut().storage_mut().build(device, "octree::neighbors");
+            storage(3).storage_mut().storage_mut().build(device, "volume::octree::neighbors");
         let values =
             || (0..4).fold(compute().uniform(), |layout, _| layout.storage()).storage_mut();
-        let store_layout = values().storage().storage().storage().build(device, "octree::store");
-        let filter_layout = values().storage().storage().build(device, "octree::filter");
+        let store_layout =
+            values().storage().storage().storage().build(device, "volume::octree::store");
+        let filter_layout = values().storage().storage().build(device, "volume::octree::filter");
         let carry_layout = (0..3)
             .fold(compute().uniform(), |layout, _| layout.storage())
             .storage_mut()
@@ -140,10 +143,10 @@ impl ContentKernels {
             .storage()
             .storage()
             .storage()
-            .build(device, "octree::carry");
+            .build(device, "volume::octree::carry");
         let fill_layout = storage(7)
             .storage_texture(wgpu::TextureViewDimension::D3, CELL_FORMAT)
-            .build(device, "octree::fill");
+            .build(device, "volume::octree::fill");
         let write = |module: &str, entry: &str, layout: &wgpu::BindGroupLayout| {
             Kernel::new(device, shaders, module, entry, &[&write_layout, layout])
         };
@@ -155,23 +158,23 @@ impl ContentKernels {
             Mipmapping::Every => "every_cell",
         };
         let fill = match options.duplication {
-            Duplication::Ranks => "octree::fill_ranked",
-            Duplication::Pointers => "octree::fill_pointers",
-            Duplication::Search => "octree::fill_search",
+            Duplication::Ranks => "volume::octree::fill_ranked",
+            Duplication::Pointers => "volume::octree::fill_pointers",
+            Duplication::Search => "volume::octree::fill_search",
         };
         Ok(Self {
             options,
             scan: Scan::new(device, shaders)?,
-            masks: write("octree::masks", "main", &masks_layout)?,
-            count_bricks: write("octree::bricks", "count", &bricks_layout)?,
-            assign_bricks: write("octree::bricks", "assign", &bricks_layout)?,
-            count_values: write("octree::count_values", "main", &count_layout)?,
-            own_cells: read("octree::neighbors", "own_cells", &neighbors_layout)?,
-            pointers: read("octree::neighbors", "pointers", &neighbors_layout)?,
-            store: write("octree::store", "main", &store_layout)?,
-            filter: write("octree::filter", filter, &filter_layout)?,
+            masks: write("volume::octree::masks", "main", &masks_layout)?,
+            count_bricks: write("volume::octree::bricks", "count", &bricks_layout)?,
+            assign_bricks: write("volume::octree::bricks", "assign", &bricks_layout)?,
+            count_values: write("volume::octree::count_values", "main", &count_layout)?,
+            own_cells: read("volume::octree::neighbors", "own_cells", &neighbors_layout)?,
+            pointers: read("volume::octree::neighbors", "pointers", &neighbors_layout)?,
+            store: write("volume::octree::store", "main", &store_layout)?,
+            filter: write("volume::octree::filter", filter, &filter_layout)?,
             fill: read(fill, "main", &fill_layout)?,
-            carry: write("octree::carry", "main", &carry_layout)?,
+            carry: write("volume::octree::carry", "main", &carry_layout)?,
             levels: LevelWords::of_levels(device, grid),
             write_layout,
             read_layout,
@@ -191,23 +194,23 @@ impl ContentKernels {
         &self,
         recorder: &mut Recorder,
         input: &Input<'_>,
-        topology: &mut Topology,
+        (topology, order): (&mut Topology, NodeRanks),
     ) -> Result<Content, GiError> {
         let Input { grid, grid_uniform, voxels, memory_budget } = *input;
         let device = recorder.device().clone();
         let globals = BindGroupBuilder::new(&self.write_layout)
             .buffer(grid_uniform)
             .buffer(&topology.tree)
-            .build(&device, "octree::tree");
+            .build(&device, "volume::octree::tree");
         let searching = BindGroupBuilder::new(&self.read_layout)
             .buffer(grid_uniform)
             .buffer(&topology.tree)
             .buffer(&topology.octree)
-            .build(&device, "octree::search");
+            .build(&device, "volume::octree::search");
         let remedy = Remedy::Surface(grid.dimensions.max_element());
         let mut memory = Memory::new(&device);
         let value_starts =
-            self.count(recorder, &mut memory, grid, &globals, voxels, topology).await?;
+            self.count(recorder, &mut memory, &globals, input, (topology, &order)).await?;
         let stats = &mut topology.stats;
         let size = AtlasSize::of(stats.bricks);
         let texels = size.texels();
@@ -217,7 +220,8 @@ impl ContentKernels {
             + topology.octree.size()
             + topology.sites.size()
             + value_starts.size()
-            + u64::from(stats.values) * TEXEL_BYTES;
+            + u64::from(stats.values) * TEXEL_BYTES
+            + self.neighbor_bytes(topology.slots);
         budget::check("the octree with its bricks", needed, memory_budget, grid, GROWTH)?;
         let values = memory.buffer("octree: values", stats.values.into(), TEXEL_BYTES, remedy)?;
         let tree = topology.layout.uniform(topology.slots, stats.bricks);
@@ -245,10 +249,9 @@ impl ContentKernels {
         &self,
         recorder: &mut Recorder,
         memory: &mut Memory<'_>,
-        grid: &Grid,
         globals: &wgpu::BindGroup,
-        voxels: &VoxelList,
-        topology: &mut Topology,
+        &Input { grid, voxels, .. }: &Input<'_>,
+        (topology, order): (&mut Topology, &NodeRanks),
     ) -> Result<wgpu::Buffer, GiError> {
         let device = recorder.device().clone();
         let queue = recorder.queue().clone();
@@ -261,16 +264,16 @@ impl ContentKernels {
             .buffer(&voxels.nodes)
             .buffer(&topology.sites)
             .buffer(&topology.octree)
-            .build(&device, "octree::masks");
+            .build(&device, "volume::octree::masks");
         self.masks.run_linear(recorder, &[globals, &masks], slots);
         let brick_starts = memory.buffer("octree: brick starts", slots + 1, 4, remedy)?;
         let bricks = BindGroupBuilder::new(&self.bricks_layout)
-            .buffer(&topology.node_bits)
-            .buffer(&topology.group_ranks)
+            .buffer(&order.node_bits)
+            .buffer(&order.group_ranks)
             .buffer(&topology.sites)
             .buffer(&topology.octree)
             .buffer(&brick_starts)
-            .build(&device, "octree::bricks");
+            .build(&device, "volume::octree::bricks");
         self.count_bricks.run_linear(recorder, &[globals, &bricks], slots);
         self.scan.run(recorder, &brick_starts, topology.slots + 1);
         self.assign_bricks.run_linear(recorder, &[globals, &bricks], slots);
@@ -279,7 +282,7 @@ impl ContentKernels {
         let values = BindGroupBuilder::new(&self.count_layout)
             .buffer(&voxels.nodes)
             .buffer(&value_starts)
-            .build(&device, "octree::count_values");
+            .build(&device, "volume::octree::count_values");
         self.count_values.run_linear(recorder, &[globals, &values], cells.into());
         self.scan.run(recorder, &value_starts, cells + 1);
         let totals = storage_buffer(&device, "octree: totals", 12);
@@ -291,6 +294,16 @@ impl ContentKernels {
         topology.stats.bricks = totals[0];
         topology.stats.values = totals[1];
         Ok(value_starts)
+    }
+
+    /// Bytes of what nodes must know of their neighbours.
+    fn neighbor_bytes(&self, slots: u32) -> u64 {
+        let a_node = match self.options.duplication {
+            Duplication::Ranks => 0,
+            Duplication::Pointers => 20,
+            Duplication::Search => 8,
+        };
+        a_node * u64::from(slots)
     }
 
     /// What nodes must know of their neighbours, by the way in which bricks are filled.
@@ -319,7 +332,7 @@ impl ContentKernels {
             .buffer(&topology.sites)
             .buffer(&contents)
             .buffer(&next_nodes)
-            .build(&device, "octree::neighbors");
+            .build(&device, "volume::octree::neighbors");
         self.own_cells.run_linear(recorder, &[globals, &group], slots);
         if has_pointers {
             self.pointers.run_linear(recorder, &[globals, &group], slots);
@@ -351,13 +364,13 @@ impl ContentKernels {
             .buffer(&voxels.first_faces)
             .buffer(&voxels.faces)
             .buffer(radiance)
-            .build(device, "octree::store");
+            .build(device, "volume::octree::store");
         let filters = (1..grid.levels)
             .map(|level| {
                 let group = of_level(&self.filter_layout, level as usize)
                     .buffer(&voxels.occupancy)
                     .buffer(&voxels.ranks)
-                    .build(device, "octree::filter");
+                    .build(device, "volume::octree::filter");
                 (group, u64::from(grid.morton_edge(level)).pow(3))
             })
             .collect();
@@ -375,7 +388,7 @@ impl ContentKernels {
                 .buffer(&topology.sites)
                 .buffer(bits)
                 .view(&content.atlas)
-                .build(device, "octree::fill")
+                .build(device, "volume::octree::fill")
         };
         let (fill_all, fill_changed) = (fill(&voxels.occupancy), fill(cells.bits));
         content.bound = Some(Bound { store, filters, fill_all, fill_changed });
@@ -406,11 +419,11 @@ impl ContentKernels {
                     .buffer(&old.ranks)
                     .buffer(&earlier.value_starts)
                     .buffer(&earlier.values)
-                    .build(&device, "octree::carry");
+                    .build(&device, "volume::octree::carry");
                 (group, u64::from(range.count))
             })
             .collect();
-        recorder.compute("octree::carry", |pass| {
+        recorder.compute("volume::octree::carry", |pass| {
             for (group, count) in &groups {
                 self.carry.dispatch_linear(pass, &[&content.globals, group], *count);
             }
@@ -423,10 +436,10 @@ impl ContentKernels {
             return;
         };
         let globals = &content.globals;
-        recorder.compute("octree::store", |pass| {
+        recorder.compute("volume::octree::store", |pass| {
             changed.dispatch(pass, &self.store, &[globals, &bound.store], 0);
         });
-        recorder.compute("octree::filter", |pass| {
+        recorder.compute("volume::octree::filter", |pass| {
             for (finer, (group, every_cell)) in bound.filters.iter().enumerate() {
                 let groups = [globals, group];
                 match self.options.mipmapping {

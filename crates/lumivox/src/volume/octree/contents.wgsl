@@ -1,6 +1,5 @@
 // What nodes know of themselves and of their neighbours, for the ways of filling bricks that do without ranks.
 
-import package::octree::tree::{octant_of, NONE};
 import package::voxels::lookup::bits_below;
 
 // A node's own cells: the first one's place in the voxel list, and a bit for each of the eight that there is.

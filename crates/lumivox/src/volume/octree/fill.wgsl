@@ -4,12 +4,10 @@
 // by the ranks of the voxel list (fill_ranked.wgsl), by pointers to the next nodes (fill_pointers.wgsl), and by a
 // search from the root (fill_search.wgsl).
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::gpu::dispatch::linear_index;
-import package::octree::search::{node_parts, octree};
-import package::octree::sites::Site;
-import package::octree::tree::{brick_origin, node_word, tree, NODE_FIRST_BRICK};
-import package::octree::values::unpack_value;
+import package::volume::octree::search::{node_parts, octree};
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{brick_origin, node_word, tree, NODE_FIRST_BRICK};
+import package::volume::octree::values::unpack_value;
 import package::volume::parts::stored_parts;
 import package::voxels::list::Node;
 

@@ -6,9 +6,9 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::octree::contents::own_cell;
-import package::octree::fill::{fill_texel, sites, texel_offset, TEXELS};
-import package::octree::tree::{octant_of, tree, NONE};
+import package::volume::octree::contents::own_cell;
+import package::volume::octree::fill::{fill_texel, sites, texel_offset, TEXELS};
+import package::volume::octree::tree::{octant_of, tree, NONE};
 
 // Three a node.
 @group(1) @binding(1) var<storage, read> next_nodes: array<u32>;

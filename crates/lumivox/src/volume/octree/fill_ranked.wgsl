@@ -3,9 +3,9 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::octree::cell_ranks::{cell_rank, NO_CELL};
-import package::octree::fill::{fill_texel, sites, texel_offset, TEXELS};
-import package::octree::tree::tree;
+import package::volume::octree::cell_ranks::{cell_rank, NO_CELL};
+import package::volume::octree::fill::{fill_texel, sites, texel_offset, TEXELS};
+import package::volume::octree::tree::tree;
 import package::voxels::morton::morton_decode;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

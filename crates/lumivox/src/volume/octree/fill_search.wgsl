@@ -3,10 +3,10 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::octree::contents::own_cell;
-import package::octree::fill::{fill_texel, sites, texel_offset, TEXELS};
-import package::octree::search::find_node_from_root;
-import package::octree::tree::{octant_of, tree, NONE};
+import package::volume::octree::contents::own_cell;
+import package::volume::octree::fill::{fill_texel, sites, texel_offset, TEXELS};
+import package::volume::octree::search::find_node_from_root;
+import package::volume::octree::tree::{octant_of, tree, NONE};
 import package::voxels::morton::morton_decode;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

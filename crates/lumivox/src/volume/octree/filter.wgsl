@@ -5,8 +5,8 @@
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
-import package::octree::tree::tree;
-import package::octree::values::{load_value, nodes, store_value};
+import package::volume::octree::tree::tree;
+import package::volume::octree::values::{load_value, nodes, store_value};
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
 import package::volume::column::{filter_column, AxisParts};

@@ -5,7 +5,7 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::tree::tree;
+import package::volume::octree::tree::tree;
 
 // The bits of the nodes below the root's level, level 1 first.
 @group(1) @binding(0) var<storage, read> node_bits: array<u32>;

@@ -59,18 +59,18 @@ impl LockBuilder {
             .storage_mut()
             .storage()
             .storage_mut()
-            .build(device, "octree::locks");
+            .build(device, "volume::octree::locks");
         let adopt_layout = LayoutBuilder::compute()
             .storage()
             .storage()
             .storage_mut()
             .storage_mut()
-            .build(device, "octree::adopt");
+            .build(device, "volume::octree::adopt");
         let kernel =
             |module, layout| Kernel::new(device, shaders, module, "main", &[tree_layout, layout]);
         Ok(Self {
-            pass: kernel("octree::locks", &pass_layout)?,
-            adopt: kernel("octree::adopt", &adopt_layout)?,
+            pass: kernel("volume::octree::locks", &pass_layout)?,
+            adopt: kernel("volume::octree::adopt", &adopt_layout)?,
             indirect: Indirect::new(device, shaders)?,
             pass_layout,
             adopt_layout,
@@ -130,14 +130,14 @@ impl LockBuilder {
                 .buffer(&counters)
                 .buffer(&lists[(pass_number % 2) as usize])
                 .buffer(&lists[((pass_number + 1) % 2) as usize])
-                .build(&device, "octree::locks");
+                .build(&device, "volume::octree::locks");
             if pass_number == 0 {
                 self.pass.run_linear(recorder, &[globals, &group], items);
                 continue;
             }
             let run = Run { first: DEFERRED - 1, end: DEFERRED + pass_number - 1 };
             let arguments = self.indirect.arguments(recorder, &counters, &[run], &no_overflow);
-            recorder.compute("octree::locks::main", |pass| {
+            recorder.compute("volume::octree::locks::main", |pass| {
                 self.pass.dispatch_indirect(pass, &[globals, &group], &arguments, 0);
             });
         }
@@ -146,7 +146,7 @@ impl LockBuilder {
             .buffer(&locks)
             .buffer(sites)
             .buffer(octree)
-            .build(&device, "octree::adopt");
+            .build(&device, "volume::octree::adopt");
         self.adopt.run_linear(recorder, &[globals, &group], slots);
         recorder.flush();
         let bytes = u64::from(DEFERRED + passes) * 4;

@@ -9,9 +9,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::holders::has_holder;
-import package::octree::sites::Site;
-import package::octree::tree::{corner_of, octant_of, tree, NONE};
+import package::volume::octree::holders::has_holder;
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{corner_of, octant_of, tree, NONE};
 import package::voxels::list::Node;
 import package::voxels::morton::{morton_decode, morton_encode};
 

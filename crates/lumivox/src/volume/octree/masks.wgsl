@@ -3,9 +3,9 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::octree::cell_ranks::{cell_rank, NO_CELL};
-import package::octree::sites::Site;
-import package::octree::tree::{corner_of, node_word, tree, with_all_parts, NODE_MASKS};
+import package::volume::octree::cell_ranks::{cell_rank, NO_CELL};
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{corner_of, node_word, tree, with_all_parts, NODE_MASKS};
 import package::volume::parts::stored_parts;
 import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;

@@ -42,31 +42,31 @@ use topology::{Topology, TopologyKernels};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("octree::adopt", include_str!("adopt.wgsl")),
-    ("octree::bricks", include_str!("bricks.wgsl")),
-    ("octree::build_ranked", include_str!("build_ranked.wgsl")),
-    ("octree::carry", include_str!("carry.wgsl")),
-    ("octree::cell_ranks", include_str!("cell_ranks.wgsl")),
-    ("octree::contents", include_str!("contents.wgsl")),
-    ("octree::count_values", include_str!("count_values.wgsl")),
-    ("octree::fill", include_str!("fill.wgsl")),
-    ("octree::fill_pointers", include_str!("fill_pointers.wgsl")),
-    ("octree::fill_ranked", include_str!("fill_ranked.wgsl")),
-    ("octree::fill_search", include_str!("fill_search.wgsl")),
-    ("octree::filter", include_str!("filter.wgsl")),
-    ("octree::groups", include_str!("groups.wgsl")),
-    ("octree::holders", include_str!("holders.wgsl")),
-    ("octree::locks", include_str!("locks.wgsl")),
-    ("octree::masks", include_str!("masks.wgsl")),
-    ("octree::neighbors", include_str!("neighbors.wgsl")),
-    ("octree::occupy", include_str!("occupy.wgsl")),
-    ("octree::ranked", include_str!("ranked.wgsl")),
-    ("octree::search", include_str!("search.wgsl")),
-    ("octree::sites", include_str!("sites.wgsl")),
-    ("octree::store", include_str!("store.wgsl")),
-    ("octree::table", include_str!("table.wgsl")),
-    ("octree::tree", include_str!("tree.wgsl")),
-    ("octree::values", include_str!("values.wgsl")),
+    ("volume::octree::adopt", include_str!("adopt.wgsl")),
+    ("volume::octree::bricks", include_str!("bricks.wgsl")),
+    ("volume::octree::build_ranked", include_str!("build_ranked.wgsl")),
+    ("volume::octree::carry", include_str!("carry.wgsl")),
+    ("volume::octree::cell_ranks", include_str!("cell_ranks.wgsl")),
+    ("volume::octree::contents", include_str!("contents.wgsl")),
+    ("volume::octree::count_values", include_str!("count_values.wgsl")),
+    ("volume::octree::fill", include_str!("fill.wgsl")),
+    ("volume::octree::fill_pointers", include_str!("fill_pointers.wgsl")),
+    ("volume::octree::fill_ranked", include_str!("fill_ranked.wgsl")),
+    ("volume::octree::fill_search", include_str!("fill_search.wgsl")),
+    ("volume::octree::filter", include_str!("filter.wgsl")),
+    ("volume::octree::groups", include_str!("groups.wgsl")),
+    ("volume::octree::holders", include_str!("holders.wgsl")),
+    ("volume::octree::locks", include_str!("locks.wgsl")),
+    ("volume::octree::masks", include_str!("masks.wgsl")),
+    ("volume::octree::neighbors", include_str!("neighbors.wgsl")),
+    ("volume::octree::occupy", include_str!("occupy.wgsl")),
+    ("volume::octree::ranked", include_str!("ranked.wgsl")),
+    ("volume::octree::search", include_str!("search.wgsl")),
+    ("volume::octree::sites", include_str!("sites.wgsl")),
+    ("volume::octree::store", include_str!("store.wgsl")),
+    ("volume::octree::table", include_str!("table.wgsl")),
+    ("volume::octree::tree", include_str!("tree.wgsl")),
+    ("volume::octree::values", include_str!("values.wgsl")),
 ];
 
 /// By which power of the resolution the memory grows: as surfaces do.
@@ -219,8 +219,8 @@ impl OctreeVolume {
             voxels,
             memory_budget: self.memory_budget,
         };
-        let mut topology = self.topology_kernels.build(recorder, &input).await?;
-        let content = self.content_kernels.build(recorder, &input, &mut topology).await?;
+        let (mut topology, order) = self.topology_kernels.build(recorder, &input).await?;
+        let content = self.content_kernels.build(recorder, &input, (&mut topology, order)).await?;
         self.prepared = Some(Built { topology, content });
         Ok(())
     }

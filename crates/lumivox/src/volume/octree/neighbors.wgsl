@@ -3,10 +3,10 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
-import package::octree::cell_ranks::{occupancy, ranks};
-import package::octree::search::find_node;
-import package::octree::sites::Site;
-import package::octree::tree::{tree, NONE};
+import package::volume::octree::cell_ranks::{occupancy, ranks};
+import package::volume::octree::search::find_node;
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{tree, NONE};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_decode;
 

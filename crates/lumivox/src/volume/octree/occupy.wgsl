@@ -2,8 +2,8 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::holders::has_holder;
-import package::octree::tree::{corner_of, tree};
+import package::volume::octree::holders::has_holder;
+import package::volume::octree::tree::{corner_of, tree};
 import package::volume::level_range::{node_range, nodes};
 import package::voxels::morton::{morton_decode, morton_encode};
 

@@ -1,7 +1,7 @@
 // The number of a group, from the ranks of groups.wgsl.
 
-import package::octree::groups::occupied_bytes;
-import package::octree::tree::{tree, NONE};
+import package::volume::octree::groups::occupied_bytes;
+import package::volume::octree::tree::{tree, NONE};
 
 @group(1) @binding(0) var<storage, read> node_bits: array<u32>;
 @group(1) @binding(1) var<storage, read> group_ranks: array<u32>;

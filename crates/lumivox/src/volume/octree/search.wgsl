@@ -1,7 +1,7 @@
 // Finding nodes.
 
 import package::constants::OCTREE_STEPS;
-import package::octree::tree::{
+import package::volume::octree::tree::{
     all_parts, node_word, octant_of, table_entry, tree, NODE_CHILDREN, NODE_FIRST_BRICK, NODE_MASKS, NONE,
 };
 

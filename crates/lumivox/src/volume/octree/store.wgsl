@@ -2,7 +2,7 @@
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
-import package::octree::values::{nodes, store_value};
+import package::volume::octree::values::{nodes, store_value};
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
 import package::volume::parts::{part_of, stored_parts, POSITIVE, TILT};

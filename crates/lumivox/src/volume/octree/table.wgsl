@@ -2,8 +2,8 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::octree::sites::Site;
-import package::octree::tree::{table_entry, tree};
+import package::volume::octree::sites::Site;
+import package::volume::octree::tree::{table_entry, tree};
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<storage, read> sites: array<Site>;

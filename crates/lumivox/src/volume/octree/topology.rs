@@ -26,11 +26,16 @@ pub(super) struct Topology {
     pub sites: wgpu::Buffer,
     /// Places for nodes.
     pub slots: u32,
+    pub stats: OctreeStats,
+}
+
+/// The order of the nodes by ranks: what bricks are numbered by.
+#[derive(Debug)]
+pub(super) struct NodeRanks {
     /// A bit for each node below the root, level 1 first.
     pub node_bits: wgpu::Buffer,
     /// Groups before each word of `node_bits`.
     pub group_ranks: wgpu::Buffer,
-    pub stats: OctreeStats,
 }
 
 /// The kernels that make them.
@@ -58,17 +63,18 @@ impl TopologyKernels {
         builder: OctreeBuilder,
     ) -> Result<Self, GiError> {
         let compute = LayoutBuilder::compute;
-        let tree_layout = compute().uniform().uniform().build(device, "octree::tree");
+        let tree_layout = compute().uniform().uniform().build(device, "volume::octree::tree");
         let occupy_layout =
-            compute().uniform().storage().storage_mut().build(device, "octree::occupy");
-        let groups_layout = compute().storage().storage_mut().build(device, "octree::groups");
+            compute().uniform().storage().storage_mut().build(device, "volume::octree::occupy");
+        let groups_layout =
+            compute().storage().storage_mut().build(device, "volume::octree::groups");
         let build_layout = compute()
             .storage()
             .storage()
             .storage_mut()
             .storage_mut()
-            .build(device, "octree::build_ranked");
-        let table_layout = compute().storage().storage_mut().build(device, "octree::table");
+            .build(device, "volume::octree::build_ranked");
+        let table_layout = compute().storage().storage_mut().build(device, "volume::octree::table");
         let kernel = |module: &str, entry: &str, layout: &wgpu::BindGroupLayout| {
             Kernel::new(device, shaders, module, entry, &[&tree_layout, layout])
         };
@@ -79,10 +85,10 @@ impl TopologyKernels {
         Ok(Self {
             scan: Scan::new(device, shaders)?,
             pyramid: Pyramid::new(device, shaders, &tree_layout)?,
-            occupy: kernel("octree::occupy", "main", &occupy_layout)?,
-            count_groups: kernel("octree::groups", "count", &groups_layout)?,
-            build: kernel("octree::build_ranked", "main", &build_layout)?,
-            table: kernel("octree::table", "main", &table_layout)?,
+            occupy: kernel("volume::octree::occupy", "main", &occupy_layout)?,
+            count_groups: kernel("volume::octree::groups", "count", &groups_layout)?,
+            build: kernel("volume::octree::build_ranked", "main", &build_layout)?,
+            table: kernel("volume::octree::table", "main", &table_layout)?,
             locks,
             tree_layout,
             occupy_layout,
@@ -97,7 +103,7 @@ impl TopologyKernels {
         &self,
         recorder: &mut Recorder,
         input: &Input<'_>,
-    ) -> Result<Topology, GiError> {
+    ) -> Result<(Topology, NodeRanks), GiError> {
         let Input { grid, grid_uniform, voxels, memory_budget } = *input;
         let device = recorder.device().clone();
         let queue = recorder.queue().clone();
@@ -106,7 +112,7 @@ impl TopologyKernels {
         let globals = BindGroupBuilder::new(&self.tree_layout)
             .buffer(grid_uniform)
             .buffer(&tree)
-            .build(&device, "octree::tree");
+            .build(&device, "volume::octree::tree");
         let resolution = grid.dimensions.max_element();
         let mut memory = Memory::new(&device);
         let words = u64::from(layout.bit_words());
@@ -120,7 +126,7 @@ impl TopologyKernels {
         let groups_group = BindGroupBuilder::new(&self.groups_layout)
             .buffer(&node_bits)
             .buffer(&group_ranks)
-            .build(&device, "octree::groups");
+            .build(&device, "volume::octree::groups");
         self.count_groups.run_linear(recorder, &[&globals, &groups_group], words);
         self.scan.run(recorder, &group_ranks, layout.bit_words() + 1);
         recorder.flush();
@@ -150,15 +156,16 @@ impl TopologyKernels {
                 .buffer(&group_ranks)
                 .buffer(&octree)
                 .buffer(&sites)
-                .build(&device, "octree::build_ranked");
+                .build(&device, "volume::octree::build_ranked");
             self.build.run_linear(recorder, &[&globals, &group], words.max(1));
         }
         let group = BindGroupBuilder::new(&self.table_layout)
             .buffer(&sites)
             .buffer(&octree)
-            .build(&device, "octree::table");
+            .build(&device, "volume::octree::table");
         self.table.run_linear(recorder, &[&globals, &group], u64::from(slots));
-        Ok(Topology { layout, tree, octree, sites, slots, node_bits, group_ranks, stats })
+        let topology = Topology { layout, tree, octree, sites, slots, stats };
+        Ok((topology, NodeRanks { node_bits, group_ranks }))
     }
 
     /// Sets the bit of every node: those that cells need, and the way to them from the root.
@@ -180,11 +187,11 @@ impl TopologyKernels {
                     .buffer(&uniform)
                     .buffer(&voxels.nodes)
                     .buffer(node_bits)
-                    .build(&device, "octree::occupy");
+                    .build(&device, "volume::octree::occupy");
                 (group, u64::from(range.count))
             })
             .collect();
-        recorder.compute("octree::occupy", |pass| {
+        recorder.compute("volume::octree::occupy", |pass| {
             for (group, count) in &groups {
                 self.occupy.dispatch_linear(pass, &[globals, group], *count);
             }

@@ -8,7 +8,7 @@
 // Nodes come in groups of eight behind one child pointer: the children of node n are 8 * children(n) + octant,
 // with x in the lowest bit of the octant. Group 0 is the root alone.
 
-// Levels of nodes: from 1024 voxels up to the root.
+// More than the levels of nodes or cells: those of 1024 voxels are 0 to 10.
 const MAX_NODE_LEVELS: u32 = 12u;
 
 struct Tree {
@@ -24,7 +24,8 @@ struct Tree {
     inverse_size: vec3f,
     // The atlas has 2^row_bits bricks along x, and as many along y.
     row_bits: u32,
-    // For each level, x: the first word of its node bits; y: its first entry in the table.
+    // For each level, x: the first word of its node bits; y: its nodes' first entry in the table; z: the first word of
+    // its cells' occupancy bits.
     levels: array<vec4u, MAX_NODE_LEVELS>,
 }
 

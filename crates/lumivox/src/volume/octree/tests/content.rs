@@ -149,7 +149,7 @@ fn another_list_leaves_nothing_of_the_last_one() {
 }
 
 #[test]
-fn a_budget_is_kept_before_anything_is_allocated() {
+fn what_exceeds_a_budget_is_refused_with_numbers() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
     for volume in [VolumeKind::Dense, octree(OctreeOptions::default())] {
