@@ -2,7 +2,7 @@
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
 import package::voxelize::faces::AREAS_PER_UNIT;
-import package::voxelize::items::{Item, find_item};
+import package::voxelize::items::find_item;
 import package::voxelize::piece::piece_in_voxel;
 import package::voxelize::surface::{surface_at, surface_map, PIERCED};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};

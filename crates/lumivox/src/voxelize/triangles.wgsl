@@ -1,6 +1,5 @@
 // The triangles of a batch: all draws one after another, brought into grid space.
 
-import package::voxelize::reproducible::dot_fused;
 
 // Of a piece with holes, when less than this share is left, it is not there: about what 8 bits can hold.
 const SMALLEST_COVERAGE = 1.0 / 512.0;

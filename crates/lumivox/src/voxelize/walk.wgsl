@@ -6,7 +6,6 @@
 // pass that the triangle misses by a hair, but never the other way round.
 
 import package::constants::TILE_EDGE;
-import package::grid::grid;
 import package::voxelize::footprint::{footprint, tile_counts, turn, turn_back_cell};
 import package::voxelize::items::{Item, run};
 import package::voxelize::triangles::load_triangle;

@@ -4,6 +4,8 @@
 // by the ranks of the voxel list (fill_ranked.wgsl), by pointers to the next nodes (fill_pointers.wgsl), and by a
 // search from the root (fill_search.wgsl).
 
+import package::gpu::dispatch::linear_index;
+import package::grid::grid;
 import package::volume::octree::search::{node_parts, octree};
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{brick_origin, node_word, tree, NODE_FIRST_BRICK};
@@ -21,6 +23,24 @@ import package::voxels::list::Node;
 @group(1) @binding(7) var atlas_out: texture_storage_3d<rgba16float, write>;
 
 const TEXELS: u32 = 27u;
+
+// What a thread fills.
+struct Task {
+    // False: there is no node in this place, or it leads the way and has no bricks.
+    exists: bool,
+    slot: u32,
+    texel: u32,
+}
+
+fn task_of(invocation: vec3u, workgroups: vec3u) -> Task {
+    let index = linear_index(invocation, workgroups);
+    let slot = index / TEXELS;
+    if slot >= tree.slots {
+        return Task(false, 0u, 0u);
+    }
+    let level = sites[slot].level;
+    return Task(level > 0u && level <= grid.levels, slot, index % TEXELS);
+}
 
 fn texel_offset(texel: u32) -> vec3u {
     return vec3u(texel % 3u, (texel / 3u) % 3u, texel / 9u);

@@ -2,7 +2,7 @@
 // column: all that the exact walk does with a voxel can then be done with them.
 
 import package::constants::{RASTER_CONSERVATIVE, RASTER_METHOD, RASTER_THREE_PLANE, TILE_EDGE};
-import package::voxelize::footprint::{Footprint, footprint, tile_counts, turn, turn_back};
+import package::voxelize::footprint::{footprint, tile_counts, turn, turn_back};
 import package::voxelize::items::{Item, run};
 import package::voxelize::overlap::{SideTests, touches};
 import package::voxelize::piece::Piece;

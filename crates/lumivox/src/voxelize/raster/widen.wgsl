@@ -3,7 +3,6 @@
 // "Conservative rasterization", GPU Gems 2, chapter 42; Crassin and Green 2012, OpenGL Insights, chapter 22).
 // Beyond its acute corners it covers more, which the fragments cut off at the triangle's box.
 
-import package::grid::grid;
 import package::voxelize::footprint::Footprint;
 
 // A square of half the edge 0.5 reaches that far along any direction. Rasterizers move corners to a raster of

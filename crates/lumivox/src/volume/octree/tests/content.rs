@@ -125,7 +125,6 @@ fn bounces_agree_with_the_dense_volume() {
         let pairs = || dense.iter().zip(&sparse).map(difference);
         let bias = pairs().sum::<f64>() / dense.len() as f64 / mean;
         let rms = (pairs().map(|d| d * d).sum::<f64>() / dense.len() as f64).sqrt() / mean;
-        eprintln!("{directionality:?}: {bias:.2e} {rms:.2e}");
         assert!(bias.abs() < 1e-3, "{directionality:?}: the mean differs by {bias}");
         assert!(rms < 4e-3, "{directionality:?}: faces differ by {rms}");
     }
