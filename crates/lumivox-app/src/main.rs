@@ -15,7 +15,9 @@
 mod args;
 mod cli;
 mod commands;
+mod console;
 mod exit;
+mod explorer;
 mod log;
 mod motion;
 mod progress;

@@ -34,6 +34,7 @@ pub mod gbuffer_pass;
 mod gpu;
 mod image;
 mod memory;
+pub mod parameters;
 mod raster;
 mod readback;
 pub mod reference;

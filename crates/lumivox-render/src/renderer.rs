@@ -1,25 +1,21 @@
 //! A scene rendered to a picture, pass by pass.
 
+mod change;
+mod passes;
 mod prepare;
+mod screen;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
 use lumivox::{EnvironmentMap, Gi, Grid, Lights, VoxelizeStats};
-use lumivox_scene::{Camera, Scene};
+use lumivox_scene::{Bounds, Camera, Scene};
 
-use crate::composite::CompositePass;
-use crate::direct::DirectPass;
-use crate::gbuffer_pass::{self, GBufferPass};
+use crate::gbuffer_pass;
 use crate::memory::MemoryUse;
-use crate::readback::read_texture;
-use crate::shadow_maps::ShadowMapPass;
 use crate::targets::Targets;
 use crate::times::Times;
-use crate::tone_map::Encoding;
-use crate::upload::{GpuScene, Lighting, corners, radiance_unit_within};
-use crate::{
-    COST_SCALE_SAMPLES, Exposure, Gpu, Picture, RenderError, RenderSettings, ShadowMethod, ToneMap,
-    View,
-};
+use crate::upload::{GpuScene, Lighting, radiance_unit_within};
+use crate::{Gpu, Picture, RenderError, RenderSettings};
+use passes::Passes;
 pub use prepare::global_illumination;
 use prepare::{bind_lights, environment_map, upload};
 
@@ -41,13 +37,13 @@ pub struct Renderer {
     settings: RenderSettings,
     camera: Camera,
     scene: GpuScene,
+    /// Of the scene as it stands; the grid may be fitted to more.
+    scene_bounds: Bounds,
+    lighting: Lighting,
     gi: Gi,
     lights: Lights,
     voxels: VoxelizeStats,
-    gbuffer: GBufferPass,
-    shadow_pass: Option<ShadowMapPass>,
-    direct: DirectPass,
-    composite: CompositePass,
+    passes: Passes,
     targets: Targets,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
@@ -71,7 +67,8 @@ impl Renderer {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
-        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.bounds());
+        let scene_bounds = scene.bounds();
+        let bounds = settings.grid_bounds.unwrap_or(scene_bounds);
         let camera = camera.or(scene.cameras.first()).cloned();
         let camera = camera.unwrap_or_else(|| {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
@@ -96,17 +93,13 @@ impl Renderer {
         progress(Progress { stage: "voxelize", done: 1, total: 1 });
 
         progress(Progress { stage: "light", done: 0, total: 1 });
-        let shaders = crate::shaders::library(gi.shaders());
-        let shadow_pass = match settings.shadows {
-            ShadowMethod::Map => Some(ShadowMapPass::new(&gpu.device, &shaders, &scene)?),
-            ShadowMethod::Cone => None,
-        };
+        let passes = Passes::new(gpu, &gi, &scene, &settings)?;
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
         let map = environment_map(gpu, &lighting)?;
         let (lights, shadow_bytes) = bind_lights(
             gpu,
             &mut recorder,
-            shadow_pass.as_ref(),
+            passes.shadows.as_ref(),
             &scene,
             (&lighting, map.as_ref()),
             &gi,
@@ -125,86 +118,24 @@ impl Renderer {
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
 
-        let gbuffer = GBufferPass::new(&gpu.device, &shaders, &scene)?;
-        let direct = DirectPass::new(&gpu.device, &shaders, &gi)?;
-        let composite = CompositePass::new(&gpu.device, &shaders, &gi)?;
-        let passes = (&direct, &composite);
-        let resolution = settings.trace.resolution;
-        let is_tinted = scene.is_tinted();
-        let targets =
-            Targets::new(gpu, &shaders, &gi, passes, settings.size, resolution, is_tinted).await?;
+        let targets = passes.targets(gpu, &gi, &scene, &settings).await?;
         gpu.check("making the picture's textures")?;
         Ok(Self {
             gpu: gpu.clone(),
             settings,
             camera,
             scene,
+            scene_bounds,
+            lighting,
             gi,
             lights,
             voxels: voxelized.stats,
-            gbuffer,
-            shadow_pass,
-            direct,
-            composite,
+            passes,
             targets,
             environment: map,
             shadow_bytes,
             times,
         })
-    }
-
-    /// Shows the same scene in another pose; the mean starts anew. The camera stays.
-    ///
-    /// Vertices and transforms are uploaded, voxelized and lit again; where instances are marked as static
-    /// and are what they were, what was found of their triangles stays. All else stays: pipelines,
-    /// textures, targets, the grid, the unit of radiance and the environment's map. So a scene that moves out of the grid
-    /// loses what is outside; give [`RenderSettings::grid_bounds`] when the renderer is made.
-    /// `progress` hears of the stages `upload`, `voxelize` and `light`.
-    ///
-    /// # Errors
-    /// When it is another scene, of other materials; when nothing of it lies in the grid, something
-    /// does not fit the device, or the device fails.
-    pub async fn set_scene(
-        &mut self,
-        scene: &Scene,
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<(), RenderError> {
-        let Self { gpu, settings, gi, .. } = self;
-        progress(Progress { stage: "upload", done: 0, total: 1 });
-        let lighting = Lighting::of(scene);
-        self.scene.repose(gpu, scene)?;
-        self.gbuffer.set_scene(&gpu.device, &self.scene);
-        if let Some(pass) = &mut self.shadow_pass {
-            pass.set_scene(&gpu.device, &self.scene);
-        }
-        gpu.check("uploading the scene")?;
-        progress(Progress { stage: "upload", done: 1, total: 1 });
-
-        progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let voxelized = gi.voxelize_dynamic(&self.scene.geometry, settings.timing).await?;
-        self.voxels = voxelized.stats;
-        self.times.add(voxelized.times);
-        gpu.check("voxelizing")?;
-        progress(Progress { stage: "voxelize", done: 1, total: 1 });
-
-        progress(Progress { stage: "light", done: 0, total: 1 });
-        let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
-        (self.lights, self.shadow_bytes) = bind_lights(
-            gpu,
-            &mut recorder,
-            self.shadow_pass.as_ref(),
-            &self.scene,
-            (&lighting, self.environment.as_ref()),
-            gi,
-            settings,
-        );
-        recorder.stage("light");
-        gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
-        self.times.add(recorder.finish().await?);
-        gpu.wait("lighting the voxels")?;
-        progress(Progress { stage: "light", done: 1, total: 1 });
-        self.targets.accumulate.reset();
-        Ok(())
     }
 
     /// Renders all frames that the settings ask for and are not there yet, and finishes the picture.
@@ -233,7 +164,7 @@ impl Renderer {
     /// When the device fails.
     pub async fn render_frame(&mut self) -> Result<(), RenderError> {
         let frame = self.frame_count();
-        let Self { settings, camera, scene, gi, lights, targets, .. } = self;
+        let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
         let jitter = gbuffer_pass::jitter(frame, settings.frames);
         let clip_from_world = gbuffer_pass::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
@@ -255,10 +186,10 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            self.gbuffer.record(&mut recorder, scene, textures, &view);
+            passes.gbuffer.record(&mut recorder, scene, textures, &view);
             if settings.view.needs_direct() {
                 recorder.stage("direct light");
-                self.direct.record(&mut recorder, gi, lights, &targets.gbuffer, &targets.direct);
+                passes.direct.record(&mut recorder, gi, lights, &targets.gbuffer, &targets.direct);
             }
             if settings.view.needs_cones(settings.bounces) {
                 recorder.stage("trace");
@@ -267,7 +198,7 @@ impl Renderer {
             }
             recorder.stage("picture");
             let (gbuffer, composite) = (&targets.gbuffer, &targets.composite);
-            self.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
+            passes.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
         }
         recorder.stage("picture");
         targets.accumulate.record(&mut recorder);
@@ -280,103 +211,10 @@ impl Renderer {
         self.targets.accumulate.frames()
     }
 
-    /// The picture of the frames so far; at least one is needed for it to show something.
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub async fn finish(&mut self) -> Result<Picture, RenderError> {
-        let mean = self.targets.accumulate.mean();
-        let mut hdr: Vec<[f32; 4]> = read_texture(&self.gpu, mean).await?;
-        if self.settings.view.is_light() {
-            let unit = self.scene.radiance_unit;
-            for pixel in &mut hdr {
-                *pixel = [pixel[0] * unit, pixel[1] * unit, pixel[2] * unit, pixel[3]];
-            }
-        }
-        let encoding = self.encoding(&hdr);
-        let mut recorder =
-            Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
-        recorder.stage("picture");
-        self.targets.tone_map.record(&mut recorder, mean, encoding);
-        self.times.add(recorder.finish().await?);
-        let ldr = read_texture(&self.gpu, self.targets.tone_map.screen()).await?;
-        self.gpu.check("reading the picture back")?;
-        Ok(Picture { size: self.settings.size, hdr, ldr })
-    }
-
-    /// How the current view is brought to the screen; `hdr` is in real units, the GPU's texture in
-    /// multiples of the unit of radiance.
-    fn encoding(&self, hdr: &[[f32; 4]]) -> Encoding {
-        match self.settings.view {
-            View::Occlusion | View::Shadow => Encoding::Data { scale: 1.0, offset: 0.0 },
-            View::Normal => Encoding::Data { scale: 0.5, offset: 0.5 },
-            View::Albedo | View::Lit | View::Nodes => {
-                Encoding::Color { scale: 1.0, curve: ToneMap::Linear }
-            }
-            View::Cost => Encoding::Heat { scale: 1.0 / COST_SCALE_SAMPLES },
-            View::Depth => {
-                let farthest_m = corners(self.scene.bounds)
-                    .map(|corner| corner.distance(self.camera.position))
-                    .into_iter()
-                    .fold(f32::MIN_POSITIVE, f32::max);
-                Encoding::Data { scale: -1.0 / farthest_m, offset: 1.0 }
-            }
-            _ => {
-                let stops = self.settings.exposure.stops(hdr);
-                let scale = stops.exp2() * self.scene.radiance_unit;
-                Encoding::Color { scale, curve: self.settings.tone_map }
-            }
-        }
-    }
-
-    /// Lights the voxels again with another number of bounces; the mean starts anew.
-    ///
-    /// # Errors
-    /// [`RenderError::Setting`] when there are too many, and when the device fails.
-    pub async fn set_bounces(&mut self, bounces: u32) -> Result<(), RenderError> {
-        let settings = RenderSettings { bounces, ..self.settings.clone() };
-        settings.validate(&self.gpu.device.limits())?;
-        self.settings = settings;
-        let mut recorder =
-            Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
-        recorder.stage("light");
-        let bounces = self.settings.voxel_bounces();
-        self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
-        self.times.add(recorder.finish().await?);
-        self.gpu.wait("lighting the voxels")?;
-        self.targets.accumulate.reset();
-        Ok(())
-    }
-
     /// Moves the camera; the mean starts anew.
     pub fn set_camera(&mut self, camera: Camera) {
         self.camera = camera;
         self.targets.accumulate.reset();
-    }
-
-    /// Changes how pictures are exposed from now on; the frames so far stay.
-    pub fn set_exposure(&mut self, exposure: Exposure) {
-        self.settings.exposure = exposure;
-    }
-
-    /// Changes what is shown; the mean starts anew. The level is that of the views of voxels.
-    ///
-    /// # Errors
-    /// [`RenderError::Setting`] when there is no such level, or when the volume does not have what is to be
-    /// shown.
-    pub fn set_view(&mut self, view: View, voxel_level: u32) -> Result<(), RenderError> {
-        validate_level(voxel_level, self.gi.grid())?;
-        let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
-        settings.validate(&self.gpu.device.limits())?;
-        let was = std::mem::replace(&mut self.settings, settings);
-        let bounces = self.settings.voxel_bounces();
-        if bounces != was.voxel_bounces() {
-            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
-            self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
-            recorder.submit();
-        }
-        self.targets.accumulate.reset();
-        Ok(())
     }
 
     /// The camera in use.

@@ -76,7 +76,7 @@ impl View {
     ];
 
     /// The view's name in lower case, as on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Final => "final",
             Self::Direct => "direct",
@@ -175,7 +175,7 @@ impl ToneMap {
     pub const ALL: [Self; 3] = [Self::Neutral, Self::Aces, Self::Linear];
 
     /// The curve's name in lower case, as on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Neutral => "neutral",
             Self::Aces => "aces",

@@ -128,6 +128,14 @@ impl From<Encoding> for ToneMapSettings {
 }
 
 impl Exposure {
+    /// The stops, where they do not depend on a picture.
+    pub fn fixed_stops(self) -> Option<f32> {
+        match self {
+            Self::Auto => None,
+            Self::Stops(stops) => Some(stops),
+        }
+    }
+
     /// The stops for a picture of radiances (rgb, and in a whether there is a surface) in cd/m².
     ///
     /// Automatic exposure maps the geometric mean of luminance to 0.18 (Reinhard et al. 2002,

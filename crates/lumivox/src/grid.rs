@@ -96,6 +96,11 @@ impl Grid {
         self.dimensions.as_u64vec3().element_product()
     }
 
+    /// The corner of the grid opposite to its origin, in the world, m.
+    pub fn max_in_world(&self) -> Vec3 {
+        self.origin_in_world + self.dimensions.as_vec3() * self.voxel_size_m
+    }
+
     /// World to grid space.
     pub fn grid_from_world(&self, position: Vec3) -> Vec3 {
         (position - self.origin_in_world) / self.voxel_size_m

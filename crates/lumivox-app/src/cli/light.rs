@@ -10,7 +10,7 @@ use crate::args::light::Surroundings;
 use crate::args::{choices, light, number, size};
 
 /// What shines.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Light")]
 pub struct SourceArgs {
     /// Add a sun that stands in the direction X,Y,Z, with LUX lux [default: none; LUX: 100000]

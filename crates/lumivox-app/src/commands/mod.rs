@@ -3,7 +3,7 @@
 pub mod compare;
 pub mod convert;
 pub mod info;
-mod light;
+pub mod light;
 pub mod quality;
 pub mod reference;
 pub mod render;

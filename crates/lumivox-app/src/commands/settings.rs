@@ -1,7 +1,7 @@
 //! The settings of a rendering: from the command line, and back under its names.
 
 use glam::UVec2;
-use lumivox::{Directionality, Injection, Preset, TraceResolution};
+use lumivox::{Directionality, Injection, Preset, TraceResolution, TraceSettings};
 use lumivox_render::RenderSettings;
 use serde::Serialize;
 
@@ -35,6 +35,19 @@ impl Companions {
                 bounces: 1,
             },
         }
+    }
+}
+
+/// The settings of a preset and its companions; picture, view and resolution stay.
+pub fn with_preset(settings: &RenderSettings, preset: Preset) -> RenderSettings {
+    let companions = Companions::of(preset);
+    RenderSettings {
+        trace: TraceSettings::preset(preset),
+        directionality: companions.directionality,
+        volume: companions.volume.usual(),
+        injection: companions.injection,
+        bounces: companions.bounces,
+        ..settings.clone()
     }
 }
 

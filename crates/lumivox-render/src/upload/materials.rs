@@ -17,6 +17,10 @@ use crate::Gpu;
 pub(crate) struct GpuMaterial {
     /// Group 1 of those passes.
     pub(crate) group: wgpu::BindGroup,
+    /// The numbers in it, a [`MaterialRecord`].
+    uniform: wgpu::Buffer,
+    /// What its textures were uploaded for.
+    textures: TextureUse,
     /// Where the surface is there.
     pub(crate) presence: Presence,
     /// Whether it is seen from behind.
@@ -25,6 +29,17 @@ pub(crate) struct GpuMaterial {
     pub(crate) is_layered: bool,
     /// Whether light that passes it may change its colour.
     pub(crate) is_tinted: bool,
+}
+
+/// What decides on the textures of a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TextureUse {
+    references: [Option<TextureRef>; TEXTURE_COUNT],
+    /// What the alpha of the first is used for.
+    alpha: Alpha,
+    has_sheen: bool,
+    /// Whether the voxels read the texture of transmission.
+    has_transmission: bool,
 }
 
 /// Where a surface is there.
@@ -91,11 +106,11 @@ impl<'a> MaterialUpload<'a> {
     pub(crate) fn upload(
         &mut self,
         material: &Material,
-        VertexColors { has_colors, has_alpha }: VertexColors,
+        colors: VertexColors,
     ) -> (GpuMaterial, SurfaceMaterial) {
-        let record = record(material, self.radiance_unit, self.white, has_alpha);
-        let references = textures(material);
-        let alpha = alpha_of_base(material, &record);
+        let record = record(material, self.radiance_unit, self.white, colors.has_alpha);
+        let used = TextureUse::of(material, &record);
+        let TextureUse { references, alpha, has_sheen, has_transmission } = used;
         let encodings = [
             (Encoding::Color, alpha),
             (Encoding::Data, Alpha::Data),
@@ -111,7 +126,7 @@ impl<'a> MaterialUpload<'a> {
             self.textures.texture(references[i], encoding, alpha)
         });
         let samplers = references.map(|reference| self.textures.sampler(reference));
-        let (sheen_albedo, sheen_sampler) = self.textures.sheen_albedo(has_sheen(&record));
+        let (sheen_albedo, sheen_sampler) = self.textures.sheen_albedo(has_sheen);
         let uniform = uniform_buffer(&self.gpu.device, &material.name, &record);
         let group = views
             .iter()
@@ -122,13 +137,16 @@ impl<'a> MaterialUpload<'a> {
                 |builder, (texture, sampler)| builder.view(texture).sampler(sampler),
             )
             .build(&self.gpu.device, &material.name);
-        let for_raster = GpuMaterial {
+        let mut for_raster = GpuMaterial {
             group,
-            presence: presence(material, &record),
-            is_double_sided: material.double_sided,
-            is_layered: is_layered(material, &record),
-            is_tinted: record.transmission > 0.0 && (has_colors || has_color(&record, &references)),
+            uniform,
+            textures: used,
+            presence: Presence::Whole,
+            is_double_sided: false,
+            is_layered: false,
+            is_tinted: false,
         };
+        for_raster.set_flags(material, &record, colors);
 
         let surface_texture = |index: usize| {
             references[index].map(|reference| SurfaceTexture {
@@ -138,43 +156,98 @@ impl<'a> MaterialUpload<'a> {
                 transform: reference.transform,
             })
         };
-        // The voxels reflect diffusely alone: what a metal reflects as gloss counts as well, which makes
-        // it the base colour whatever the metalness. Varnish and velvet change little in that sum; they
-        // are left out.
-        let for_voxels = SurfaceMaterial {
-            reflectance: record.base_color.into(),
-            emission: Vec3::from_array(record.emission),
-            transmission: self.mean_transmission(&record, references[1]),
+        let mut for_voxels = SurfaceMaterial {
             reflectance_texture: surface_texture(0),
             emission_texture: surface_texture(3),
-            transmission_texture: surface_texture(7).filter(|_| record.transmission > 0.0),
-            alpha_is_coverage: record.is_blended != 0 || record.mask_threshold > 0.0,
-            double_sided: material.double_sided,
+            transmission_texture: surface_texture(7).filter(|_| has_transmission),
+            ..SurfaceMaterial::default()
         };
+        set_factors(&mut for_voxels, material, &record, self.scene);
         (for_raster, for_voxels)
     }
+}
 
-    /// The share of light from all around that a material's transmission lets enter and pass: less what
-    /// is reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21), and
-    /// only where there is no metal. Of a texture of metalness its mean counts.
-    fn mean_transmission(
-        &self,
-        record: &MaterialRecord,
-        metallic_texture: Option<TextureRef>,
-    ) -> f32 {
-        if record.transmission <= 0.0 {
-            return 0.0;
+impl TextureUse {
+    fn of(material: &Material, record: &MaterialRecord) -> Self {
+        Self {
+            references: textures(material),
+            alpha: alpha_of_base(material, record),
+            has_sheen: has_sheen(record),
+            has_transmission: record.transmission > 0.0,
         }
-        let metalness = metallic_texture.map_or(1.0, |reference| {
-            let texels = self.scene.textures[reference.texture].rgba8.chunks_exact(4);
-            let count = texels.len() as f64;
-            (texels.map(|texel| f64::from(texel[2])).sum::<f64>() / (255.0 * count)) as f32
-        });
-        let f0 = Vec3::from(record.dielectric_f0).min(Vec3::ONE) * record.specular_factor;
-        let f0 = f0.element_sum() / 3.0;
-        let reflected = f0 + (1.0 - f0) / 21.0;
-        record.transmission * (1.0 - record.metallic * metalness) * (1.0 - reflected)
     }
+}
+
+impl GpuMaterial {
+    /// Takes other numbers, if they leave the textures as they are; else says so and changes nothing.
+    ///
+    /// `radiance_unit` and `white` are those of [`MaterialUpload::new`], `colors` as in [`MaterialUpload::upload`].
+    pub(crate) fn set(
+        &mut self,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        material: &Material,
+        (radiance_unit, white): (f32, f32),
+        colors: VertexColors,
+        for_voxels: &mut SurfaceMaterial,
+    ) -> bool {
+        let record = record(material, radiance_unit, white, colors.has_alpha);
+        if TextureUse::of(material, &record) != self.textures {
+            return false;
+        }
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&record));
+        self.set_flags(material, &record, colors);
+        set_factors(for_voxels, material, &record, scene);
+        true
+    }
+
+    fn set_flags(&mut self, material: &Material, record: &MaterialRecord, colors: VertexColors) {
+        self.presence = presence(material, record);
+        self.is_double_sided = material.double_sided;
+        self.is_layered = is_layered(material, record);
+        let is_colored = colors.has_colors || has_color(record, &self.textures.references);
+        self.is_tinted = record.transmission > 0.0 && is_colored;
+    }
+}
+
+/// What the voxels take of a material besides its textures.
+///
+/// They reflect diffusely alone: what a metal reflects as gloss counts as well, which makes
+/// it the base colour whatever the metalness. Varnish and velvet change little in that sum; they
+/// are left out.
+fn set_factors(
+    surface: &mut SurfaceMaterial,
+    material: &Material,
+    record: &MaterialRecord,
+    scene: &Scene,
+) {
+    surface.reflectance = record.base_color.into();
+    surface.emission = Vec3::from_array(record.emission);
+    surface.transmission = mean_transmission(record, textures(material)[1], scene);
+    surface.alpha_is_coverage = record.is_blended != 0 || record.mask_threshold > 0.0;
+    surface.double_sided = material.double_sided;
+}
+
+/// The share of light from all around that a material's transmission lets enter and pass: less what
+/// is reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21), and
+/// only where there is no metal. Of a texture of metalness its mean counts.
+fn mean_transmission(
+    record: &MaterialRecord,
+    metallic_texture: Option<TextureRef>,
+    scene: &Scene,
+) -> f32 {
+    if record.transmission <= 0.0 {
+        return 0.0;
+    }
+    let metalness = metallic_texture.map_or(1.0, |reference| {
+        let texels = scene.textures[reference.texture].rgba8.chunks_exact(4);
+        let count = texels.len() as f64;
+        (texels.map(|texel| f64::from(texel[2])).sum::<f64>() / (255.0 * count)) as f32
+    });
+    let f0 = Vec3::from(record.dielectric_f0).min(Vec3::ONE) * record.specular_factor;
+    let f0 = f0.element_sum() / 3.0;
+    let reflected = f0 + (1.0 - f0) / 21.0;
+    record.transmission * (1.0 - record.metallic * metalness) * (1.0 - reflected)
 }
 
 /// Whether a material's base colour may be anything but grey.

@@ -163,6 +163,23 @@ impl GpuScene {
         Ok(())
     }
 
+    /// Takes other materials for the same instances, if they name the textures that they named; else says so, and has to
+    /// be uploaded again. Those of a kind that draws nothing come into effect with the next pose.
+    pub(crate) fn set_materials(&mut self, gpu: &Gpu, scene: &Scene, lighting: &Lighting) -> bool {
+        let white = reference_white(scene, lighting);
+        let colors = colors_of_materials(scene);
+        scene.materials.len() == self.materials.len()
+            && self
+                .materials
+                .iter_mut()
+                .zip(&mut self.geometry.materials)
+                .zip(scene.materials.iter().zip(colors))
+                .all(|((gpu_material, surface), (material, colors))| {
+                    let units = (self.radiance_unit, white);
+                    gpu_material.set(&gpu.queue, scene, material, units, colors, surface)
+                })
+    }
+
     /// Whether light that passes something may change its colour.
     pub(crate) fn is_tinted(&self) -> bool {
         self.materials.iter().any(|material| material.is_tinted)

@@ -34,7 +34,7 @@ impl VoxelizeMethod {
         [Self::Exact, Self::DominantAxis, Self::Conservative, Self::ThreePlane];
 
     /// The method's name in lower case, as on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
             Self::DominantAxis => "dominant-axis",

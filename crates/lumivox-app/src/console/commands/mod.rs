@@ -1,0 +1,4 @@
+//! What the commands do, a file for each group.
+
+pub mod parameters;
+pub mod program;

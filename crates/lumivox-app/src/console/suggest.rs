@@ -1,0 +1,17 @@
+//! What was meant, where a name is wrong.
+
+/// Names must be this alike, of 1, to be suggested.
+const ALIKE: f64 = 0.7;
+
+/// The known name that is most like a wrong one, by Jaro and Winkler's measure (Winkler 1990), whatever the case; `None`
+/// where nothing is like it.
+pub fn like<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let wrong = wrong.to_lowercase();
+    let alike = |name: &str| strsim::jaro_winkler(&wrong, &name.to_lowercase());
+    known
+        .into_iter()
+        .map(|name| (alike(name), name))
+        .filter(|(alike, _)| *alike >= ALIKE)
+        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .map(|(_, name)| name.to_owned())
+}

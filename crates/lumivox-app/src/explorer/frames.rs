@@ -1,0 +1,119 @@
+//! Rendering frame by frame, and how long it took.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use lumivox_render::{Picture, Progress};
+
+use super::Explorer;
+
+/// Frames whose times are kept.
+const KEPT: usize = 4096;
+
+/// How long frames took.
+#[derive(Clone, Debug, Default)]
+pub struct FrameTimes {
+    times: VecDeque<Duration>,
+}
+
+impl FrameTimes {
+    /// Forgets them all.
+    pub fn clear(&mut self) {
+        self.times.clear();
+    }
+
+    /// Those of the last frames, the newest last; 4096 at most.
+    pub fn last(&self, count: usize) -> impl Iterator<Item = Duration> + '_ {
+        self.times.iter().skip(self.times.len().saturating_sub(count)).copied()
+    }
+
+    /// How many are kept.
+    pub fn count(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Their mean; `None` before the first frame.
+    pub fn mean(&self) -> Option<Duration> {
+        let count = u32::try_from(self.times.len()).ok().filter(|count| *count > 0)?;
+        Some(self.times.iter().sum::<Duration>() / count)
+    }
+
+    fn add(&mut self, time: Duration) {
+        if self.times.len() == KEPT {
+            self.times.pop_front();
+        }
+        self.times.push_back(time);
+    }
+}
+
+impl Explorer {
+    /// Renders one frame more, until the picture has all that the settings ask for; `false` once it is complete, or where
+    /// there is nothing to render. Brings the renderer up to date first.
+    ///
+    /// # Errors
+    /// As [`Explorer::update`], and when the device fails.
+    pub fn frame(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<bool> {
+        self.update(tell)?;
+        let frames = self.settings.frames;
+        let Some(renderer) = &mut self.renderer else { return Ok(false) };
+        if renderer.frame_count() >= frames {
+            return Ok(false);
+        }
+        let start = Instant::now();
+        pollster::block_on(renderer.render_frame())?;
+        self.gpu.wait("rendering a frame")?;
+        self.times.add(start.elapsed());
+        Ok(true)
+    }
+
+    /// The finished picture: all frames that are not there yet are rendered. `None` where there is nothing to show.
+    ///
+    /// # Errors
+    /// As [`Self::frame`].
+    pub fn picture(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<Option<Picture>> {
+        while self.frame(tell)? {
+            if let Some(renderer) = &self.renderer {
+                let done = renderer.frame_count();
+                tell(Progress { stage: "render", done, total: self.settings.frames });
+            }
+        }
+        self.finish()
+    }
+
+    /// The picture of the frames so far, one at least.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn finish(&mut self) -> anyhow::Result<Option<Picture>> {
+        let Some(renderer) = &mut self.renderer else { return Ok(None) };
+        Ok(Some(pollster::block_on(renderer.finish())?))
+    }
+
+    /// What a screen shows of the frames so far, exposed by `stops`; see [`Self::measure_stops`].
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn screen(&mut self, stops: f32) -> anyhow::Result<Option<Vec<[u8; 4]>>> {
+        let Some(renderer) = &mut self.renderer else { return Ok(None) };
+        Ok(Some(pollster::block_on(renderer.screen(stops))?))
+    }
+
+    /// The stops that the exposure asks for, given the frames so far.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn measure_stops(&self) -> anyhow::Result<f32> {
+        let Some(renderer) = &self.renderer else { return Ok(0.0) };
+        Ok(pollster::block_on(renderer.measure_stops())?)
+    }
+
+    /// How long frames took.
+    pub fn times(&self) -> &FrameTimes {
+        &self.times
+    }
+
+    /// Forgets how long frames took.
+    pub fn clear_times(&mut self) {
+        self.times.clear();
+    }
+}

@@ -1,0 +1,221 @@
+//! A scene that is looked at and changed while it is rendered: what the console, scripts and the window work on.
+//!
+//! [`Explorer`] holds the state: the scene with all changes made to it, the camera, the settings. Changes are made to
+//! the state alone, and are cheap; [`Explorer::update`] then brings the renderer up to date with all of them at once.
+//! What the renderer refuses is taken back, so that there is always a state that can be shown.
+//!
+//! Nothing here knows of text or of windows, and everything happens on the caller's thread. [`load`] is apart, so that
+//! a scene can be read beside the frames of another.
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `opened.rs` | reading a scene, and what is remembered of it |
+//! | `objects.rs` | its instances: found by name, moved, hidden |
+//! | `animation.rs` | what it plays |
+//! | `update.rs` | bringing the renderer up to date |
+//! | `frames.rs` | rendering frame by frame, and their times |
+
+mod animation;
+mod frames;
+mod objects;
+mod opened;
+mod update;
+
+use glam::{UVec2, Vec3};
+use lumivox_render::{Gpu, RenderSettings, Renderer};
+use lumivox_scene::{Bounds, Camera, Scene};
+
+pub use animation::Playback;
+pub use frames::FrameTimes;
+pub use objects::{NotFound, Placement};
+pub use opened::{Opened, Opening, load};
+use update::Pending;
+
+/// When triangles that have moved become voxels again.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Revoxelize {
+    /// Whenever something has moved.
+    #[default]
+    WhenMoved,
+    /// Only when asked to.
+    WhenAsked,
+    /// Every so many seconds, moved or not.
+    Every(f32),
+    /// At every frame, moved or not.
+    EveryFrame,
+}
+
+/// A scene at work.
+#[derive(Debug)]
+pub struct Explorer {
+    gpu: Gpu,
+    opened: Option<Opened>,
+    /// What is asked for; [`Explorer::update`] makes it so.
+    settings: RenderSettings,
+    preset: lumivox::Preset,
+    camera: Camera,
+    /// Two cameras to come back to.
+    positions: [Option<Camera>; 2],
+    /// When voxels are made anew.
+    pub revoxelize: Revoxelize,
+    /// Frames are rendered one by one, on demand.
+    pub is_single_frame: bool,
+    playback: Playback,
+    renderer: Option<Renderer>,
+    pending: Pending,
+    times: FrameTimes,
+}
+
+impl Explorer {
+    /// Without a scene yet. `preset` is the one that the settings were made from.
+    pub fn new(gpu: Gpu, settings: RenderSettings, preset: lumivox::Preset) -> Self {
+        Self {
+            gpu,
+            opened: None,
+            settings,
+            preset,
+            camera: Camera::default(),
+            positions: [None, None],
+            revoxelize: Revoxelize::default(),
+            is_single_frame: false,
+            playback: Playback::default(),
+            renderer: None,
+            pending: Pending::default(),
+            times: FrameTimes::default(),
+        }
+    }
+
+    /// Shows another scene from its camera. Settings stay; what was stored of the last scene goes.
+    pub fn open(&mut self, mut opened: Opened) {
+        self.camera = opened.camera.clone();
+        self.positions = opened.positions();
+        self.playback = Playback::of(&opened);
+        self.settings.grid_bounds = opened.grid_bounds.take();
+        self.opened = Some(opened);
+        self.renderer = None;
+        self.pending = Pending::default();
+        self.times.clear();
+    }
+
+    /// Shows nothing.
+    pub fn close(&mut self) {
+        self.opened = None;
+        self.renderer = None;
+        self.pending = Pending::default();
+    }
+
+    /// What is shown, with all changes; `None` before anything was opened.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.opened.as_ref().map(|opened| &opened.scene)
+    }
+
+    /// How the scene was opened.
+    pub fn opening(&self) -> Option<&Opening> {
+        self.opened.as_ref().map(|opened| &opened.opening)
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Goes on with another device, after this one was lost: everything is uploaded again.
+    pub fn set_gpu(&mut self, gpu: Gpu) {
+        self.gpu = gpu;
+        self.renderer = None;
+    }
+
+    /// The settings that are asked for; those of the renderer once [`Self::update`] succeeded.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// Asks for other settings.
+    ///
+    /// # Errors
+    /// When one is out of range; then nothing changes.
+    pub fn set_settings(&mut self, settings: RenderSettings) -> anyhow::Result<()> {
+        settings.validate(&self.gpu.device.limits())?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// The preset that the settings started from.
+    pub fn preset(&self) -> lumivox::Preset {
+        self.preset
+    }
+
+    /// Takes the settings of a preset; picture, view and resolution stay.
+    ///
+    /// # Errors
+    /// When they do not go with what stays, such as a view of an octree.
+    pub fn set_preset(&mut self, preset: lumivox::Preset) -> anyhow::Result<()> {
+        let settings = crate::commands::settings::with_preset(&self.settings, preset);
+        self.set_settings(settings)?;
+        self.preset = preset;
+        Ok(())
+    }
+
+    /// Width and height of the picture, px.
+    pub fn size(&self) -> UVec2 {
+        self.settings.size
+    }
+
+    /// Where the picture is taken from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Moves the camera.
+    pub fn set_camera(&mut self, camera: Camera) {
+        self.camera = camera;
+    }
+
+    /// Camera 0 or 1 of those to come back to.
+    pub fn position(&self, number: usize) -> Option<&Camera> {
+        self.positions.get(number)?.as_ref()
+    }
+
+    /// Keeps the present camera as number 0 or 1.
+    pub fn store_position(&mut self, number: usize) {
+        if let Some(position) = self.positions.get_mut(number) {
+            *position = Some(self.camera.clone());
+        }
+    }
+
+    /// The renderer, once there is one.
+    pub fn renderer(&self) -> Option<&Renderer> {
+        self.renderer.as_ref()
+    }
+
+    /// Changes lights and surroundings.
+    pub fn edit_lights(&mut self, edit: impl FnOnce(&mut Scene)) {
+        if let Some(opened) = &mut self.opened {
+            edit(&mut opened.scene);
+            self.pending.lights = true;
+        }
+    }
+
+    /// Changes a material; `false` when there is none of that number.
+    pub fn edit_material(
+        &mut self,
+        number: usize,
+        edit: impl FnOnce(&mut lumivox_scene::Material),
+    ) -> bool {
+        let scene = self.opened.as_mut().map(|opened| &mut opened.scene);
+        let Some(material) = scene.and_then(|scene| scene.materials.get_mut(number)) else {
+            return false;
+        };
+        edit(material);
+        self.pending.materials = true;
+        true
+    }
+
+    /// The box around the scene as it stands.
+    pub fn bounds(&self) -> Bounds {
+        self.scene().map_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, Scene::bounds)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,314 @@
+//! Changes to a renderer that is at work: of its settings, its scene, its materials.
+//!
+//! Each redoes what depends on the change and nothing else, so that the picture afterwards is the one that a new
+//! renderer would make. The mean over frames starts anew wherever the picture changes.
+
+use lumivox::gpu::{Recorder, StageTime};
+use lumivox::{Grid, VoxelizeStats};
+use lumivox_scene::Scene;
+
+use super::passes::Passes;
+use super::prepare::{bind_lights, environment_map, global_illumination, upload};
+use super::{Progress, Renderer, validate, validate_level};
+use crate::upload::{Lighting, radiance_unit_within};
+use crate::{Exposure, RenderError, RenderSettings, View};
+
+/// What a change of settings asks for, the more costly things first.
+#[allow(clippy::struct_excessive_bools)] // One for each thing that is redone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Redo {
+    /// The volume, the voxels and all passes that are linked against them.
+    volume: bool,
+    /// All textures of the picture's size.
+    targets: bool,
+    /// The light of the voxels, and the shadow maps.
+    light: bool,
+    /// The mean over frames.
+    mean: bool,
+}
+
+impl Redo {
+    /// `old` has a grid that equals that of `new` if `is_same_grid`.
+    fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
+        let volume = !is_same_grid
+            || old.directionality != new.directionality
+            || old.volume != new.volume
+            || old.volume_memory != new.volume_memory
+            || old.voxelizer != new.voxelizer
+            || old.injection != new.injection;
+        let targets =
+            volume || old.size != new.size || old.trace.resolution != new.trace.resolution;
+        let light = volume
+            || old.trace != new.trace
+            || old.voxel_bounces() != new.voxel_bounces()
+            || old.shadows != new.shadows
+            || old.shadow_resolution != new.shadow_resolution;
+        let shown = (old.view, old.voxel_level, old.bounces, old.frames)
+            != (new.view, new.voxel_level, new.bounces, new.frames);
+        Self { volume, targets, light, mean: targets || light || shown }
+    }
+}
+
+impl Renderer {
+    /// Takes other settings, and redoes what depends on the difference: a new size makes new textures, another
+    /// resolution voxelizes anew, another exposure changes nothing but how frames are shown. `progress` hears of the stages
+    /// `voxelize` and `light`.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`]. What was there before still is then, but for a volume that did not fit beside its
+    /// successor.
+    pub async fn set_settings(
+        &mut self,
+        settings: RenderSettings,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        if settings == self.settings {
+            return Ok(());
+        }
+        validate(&settings, &self.gpu)?;
+        let bounds = settings.grid_bounds.unwrap_or(self.scene_bounds);
+        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        validate_level(settings.voxel_level, &grid)?;
+        let redo = Redo::between(&self.settings, &settings, grid == *self.gi.grid());
+        if redo.volume {
+            progress(Progress { stage: "voxelize", done: 0, total: 1 });
+            let mut gi = global_illumination(&self.gpu, settings.gi_config(grid)).await?;
+            let voxelized = gi.voxelize(&self.scene.geometry, settings.timing).await?;
+            self.gpu.check("voxelizing")?;
+            let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
+            let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
+            self.times.add(voxelized.times);
+            (self.gi, self.voxels, self.passes) = (gi, voxelized.stats, passes);
+            self.targets = targets;
+            self.scene.bounds = bounds;
+            progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        } else {
+            if settings.shadows != self.settings.shadows {
+                self.passes.set_shadows(&self.gpu, &self.scene, settings.shadows)?;
+            }
+            if redo.targets {
+                let Self { gpu, gi, scene, passes, .. } = self;
+                self.targets = passes.targets(gpu, gi, scene, &settings).await?;
+            }
+        }
+        self.settings = settings;
+        if redo.light {
+            self.relight(progress).await?;
+        }
+        if redo.mean {
+            self.targets.accumulate.reset();
+        }
+        self.gpu.check("taking other settings")
+    }
+
+    /// Shows the same scene in another pose, under other lights, with other instances; the mean starts anew. The camera
+    /// stays.
+    ///
+    /// Vertices and transforms are uploaded, voxelized and lit again; where instances are marked as static
+    /// and are what they were, what was found of their triangles stays. All else stays: pipelines,
+    /// textures, targets, the grid and the unit of radiance. So a scene that moves out of the grid
+    /// loses what is outside; give [`RenderSettings::grid_bounds`].
+    /// `progress` hears of the stages `upload`, `voxelize` and `light`.
+    ///
+    /// # Errors
+    /// When it is another scene, of other materials; when nothing of it lies in the grid, something
+    /// does not fit the device, or the device fails.
+    pub async fn set_scene(
+        &mut self,
+        scene: &Scene,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        progress(Progress { stage: "upload", done: 0, total: 1 });
+        self.take_pose(scene)?;
+        progress(Progress { stage: "upload", done: 1, total: 1 });
+        self.voxelize(progress).await?;
+        self.relight(progress).await?;
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
+    /// As [`Self::set_scene`], but the voxels and their light stay behind until [`Self::revoxelize`]: surfaces and the
+    /// shadows on them alone are where they belong.
+    ///
+    /// # Errors
+    /// As [`Self::set_scene`].
+    pub async fn place(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.take_pose(scene)?;
+        let mut recorder = self.recorder();
+        self.bind_lights(&mut recorder);
+        self.times.add(recorder.finish().await?);
+        self.gpu.check("uploading the scene")?;
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
+    /// Shows the same triangles with other materials, and what else [`Self::set_scene`] takes.
+    ///
+    /// Materials that name the textures which they named keep them; where one names others, all textures are uploaded
+    /// again. `progress` hears of the stages `upload`, `voxelize` and `light`.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub async fn set_materials(
+        &mut self,
+        scene: &Scene,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        progress(Progress { stage: "upload", done: 0, total: 1 });
+        let lighting = Lighting::of(scene);
+        let bounds = self.scene.bounds;
+        let unit = radiance_unit_within(bounds, scene, &lighting);
+        let is_same_unit = unit.to_bits() == self.scene.radiance_unit.to_bits();
+        let was_tinted = self.scene.is_tinted();
+        let keeps_textures = is_same_unit && self.scene.set_materials(&self.gpu, scene, &lighting);
+        if !keeps_textures {
+            self.scene = upload(&self.gpu, scene, &lighting, unit, &self.settings).await?;
+            self.scene.bounds = bounds;
+            self.passes = Passes::new(&self.gpu, &self.gi, &self.scene, &self.settings)?;
+        }
+        if !keeps_textures || was_tinted != self.scene.is_tinted() {
+            let Self { gpu, gi, scene, passes, settings, .. } = self;
+            self.targets = passes.targets(gpu, gi, scene, settings).await?;
+        }
+        self.set_scene(scene, progress).await
+    }
+
+    /// Shows the same scene under other lights or other surroundings; the mean starts anew. `progress` hears of the stage
+    /// `light`.
+    ///
+    /// # Errors
+    /// When something does not fit the device, or the device fails.
+    pub async fn set_lights(
+        &mut self,
+        scene: &Scene,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        let lighting = Lighting::of(scene);
+        let unit = radiance_unit_within(self.scene.bounds, scene, &lighting);
+        if unit.to_bits() != self.scene.radiance_unit.to_bits() {
+            return self.set_materials(scene, progress).await;
+        }
+        self.take_lighting(scene)?;
+        self.relight(progress).await?;
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
+    /// Voxelizes what there is once more, as after a change of the scene, static parts included; the mean starts anew.
+    /// `progress` hears of the stages `voxelize` and `light`.
+    ///
+    /// # Errors
+    /// When something does not fit the device, or the device fails.
+    pub async fn revoxelize(
+        &mut self,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        let voxelized = self.gi.voxelize(&self.scene.geometry, self.settings.timing).await?;
+        self.took(voxelized.stats, voxelized.times);
+        self.relight(progress).await?;
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
+    /// Lights the voxels again with another number of bounces; the mean starts anew.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] when there are too many, and when the device fails.
+    pub async fn set_bounces(&mut self, bounces: u32) -> Result<(), RenderError> {
+        let settings = RenderSettings { bounces, ..self.settings.clone() };
+        self.set_settings(settings, &mut |_| {}).await
+    }
+
+    /// Changes what is shown; the mean starts anew. The level is that of the views of voxels.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] when there is no such level, or when the volume does not have what is to be
+    /// shown.
+    pub fn set_view(&mut self, view: View, voxel_level: u32) -> Result<(), RenderError> {
+        validate_level(voxel_level, self.gi.grid())?;
+        let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
+        settings.validate(&self.gpu.device.limits())?;
+        let was = std::mem::replace(&mut self.settings, settings);
+        let bounces = self.settings.voxel_bounces();
+        if bounces != was.voxel_bounces() {
+            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
+            self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
+            recorder.submit();
+        }
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
+    /// Changes how pictures are exposed from now on; the frames so far stay.
+    pub fn set_exposure(&mut self, exposure: Exposure) {
+        self.settings.exposure = exposure;
+    }
+
+    /// Uploads what moves, and what shines.
+    fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.scene.repose(&self.gpu, scene)?;
+        self.passes.set_scene(&self.gpu, &self.scene);
+        self.scene_bounds = scene.bounds();
+        self.take_lighting(scene)?;
+        self.gpu.check("uploading the scene")
+    }
+
+    /// Takes the lights and surroundings of a scene, whose map is uploaded if it is another one.
+    fn take_lighting(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        let lighting = Lighting::of(scene);
+        if lighting.environment.map != self.lighting.environment.map {
+            self.environment = environment_map(&self.gpu, &lighting)?;
+        }
+        self.lighting = lighting;
+        Ok(())
+    }
+
+    async fn voxelize(&mut self, progress: &mut dyn FnMut(Progress)) -> Result<(), RenderError> {
+        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+        let timing = self.settings.timing;
+        let voxelized = self.gi.voxelize_dynamic(&self.scene.geometry, timing).await?;
+        self.took(voxelized.stats, voxelized.times);
+        self.gpu.check("voxelizing")?;
+        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        Ok(())
+    }
+
+    fn took(&mut self, stats: VoxelizeStats, times: Vec<StageTime>) {
+        self.voxels = stats;
+        self.times.add(times);
+    }
+
+    /// Shadow maps, and the light of the voxels.
+    pub(super) async fn relight(
+        &mut self,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        progress(Progress { stage: "light", done: 0, total: 1 });
+        let mut recorder = self.recorder();
+        self.bind_lights(&mut recorder);
+        let Self { gpu, settings, gi, .. } = self;
+        recorder.stage("light");
+        gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
+        self.times.add(recorder.finish().await?);
+        gpu.wait("lighting the voxels")?;
+        progress(Progress { stage: "light", done: 1, total: 1 });
+        Ok(())
+    }
+
+    /// Renders the shadow maps and binds the lights.
+    fn bind_lights(&mut self, recorder: &mut Recorder) {
+        (self.lights, self.shadow_bytes) = bind_lights(
+            &self.gpu,
+            recorder,
+            self.passes.shadows.as_ref(),
+            &self.scene,
+            (&self.lighting, self.environment.as_ref()),
+            &self.gi,
+            &self.settings,
+        );
+    }
+
+    fn recorder(&self) -> Recorder {
+        Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing)
+    }
+}

@@ -1,0 +1,81 @@
+//! The passes of a frame, linked against one volume and made for one scene's materials.
+
+use lumivox::Gi;
+use lumivox::gpu::ShaderLibrary;
+
+use crate::composite::CompositePass;
+use crate::direct::DirectPass;
+use crate::gbuffer_pass::GBufferPass;
+use crate::shadow_maps::ShadowMapPass;
+use crate::targets::Targets;
+use crate::upload::GpuScene;
+use crate::{Gpu, RenderError, RenderSettings, ShadowMethod};
+
+/// All passes that have no size.
+#[derive(Debug)]
+pub(super) struct Passes {
+    pub(super) shaders: ShaderLibrary,
+    pub(super) gbuffer: GBufferPass,
+    /// Where shadows come from maps.
+    pub(super) shadows: Option<ShadowMapPass>,
+    pub(super) direct: DirectPass,
+    pub(super) composite: CompositePass,
+}
+
+impl Passes {
+    /// Links and makes all pipelines.
+    pub(super) fn new(
+        gpu: &Gpu,
+        gi: &Gi,
+        scene: &GpuScene,
+        settings: &RenderSettings,
+    ) -> Result<Self, RenderError> {
+        let device = &gpu.device;
+        let shaders = crate::shaders::library(gi.shaders());
+        let mut passes = Self {
+            gbuffer: GBufferPass::new(device, &shaders, scene)?,
+            shadows: None,
+            direct: DirectPass::new(device, &shaders, gi)?,
+            composite: CompositePass::new(device, &shaders, gi)?,
+            shaders,
+        };
+        passes.set_shadows(gpu, scene, settings.shadows)?;
+        Ok(passes)
+    }
+
+    /// Takes the other way to find shadows.
+    pub(super) fn set_shadows(
+        &mut self,
+        gpu: &Gpu,
+        scene: &GpuScene,
+        method: ShadowMethod,
+    ) -> Result<(), RenderError> {
+        self.shadows = match method {
+            ShadowMethod::Map => Some(ShadowMapPass::new(&gpu.device, &self.shaders, scene)?),
+            ShadowMethod::Cone => None,
+        };
+        Ok(())
+    }
+
+    /// Takes up the same scene, moved or in other materials of the same layout.
+    pub(super) fn set_scene(&mut self, gpu: &Gpu, scene: &GpuScene) {
+        self.gbuffer.set_scene(&gpu.device, scene);
+        if let Some(pass) = &mut self.shadows {
+            pass.set_scene(&gpu.device, scene);
+        }
+    }
+
+    /// All that has the picture's size.
+    pub(super) async fn targets(
+        &self,
+        gpu: &Gpu,
+        gi: &Gi,
+        scene: &GpuScene,
+        settings: &RenderSettings,
+    ) -> Result<Targets, RenderError> {
+        let passes = (&self.direct, &self.composite);
+        let (size, resolution) = (settings.size, settings.trace.resolution);
+        let is_tinted = scene.is_tinted();
+        Targets::new(gpu, &self.shaders, gi, passes, size, resolution, is_tinted).await
+    }
+}

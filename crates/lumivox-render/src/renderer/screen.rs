@@ -1,0 +1,95 @@
+//! From the mean over frames to what a screen or a file shows.
+
+use lumivox::gpu::Recorder;
+
+use super::Renderer;
+use crate::readback::read_texture;
+use crate::tone_map::Encoding;
+use crate::upload::corners;
+use crate::{COST_SCALE_SAMPLES, Picture, RenderError, ToneMap, View};
+
+impl Renderer {
+    /// The picture of the frames so far; at least one is needed for it to show something.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn finish(&mut self) -> Result<Picture, RenderError> {
+        let hdr = self.read_mean().await?;
+        let stops = self.stops_of(&hdr);
+        let ldr = self.screen(stops).await?;
+        Ok(Picture { size: self.settings.size, hdr, ldr })
+    }
+
+    /// The stops that the exposure asks for, given the frames so far: what [`Self::finish`] takes. Reads the picture
+    /// back where it is exposed automatically.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn measure_stops(&self) -> Result<f32, RenderError> {
+        if !self.settings.view.is_light() {
+            return Ok(0.0);
+        }
+        if let Some(stops) = self.settings.exposure.fixed_stops() {
+            return Ok(stops);
+        }
+        Ok(self.stops_of(&self.read_mean().await?))
+    }
+
+    /// What a screen shows of the frames so far, row by row from the top, exposed by a number of stops: for live views,
+    /// which measure now and then and read 8 bits a channel otherwise.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn screen(&mut self, stops: f32) -> Result<Vec<[u8; 4]>, RenderError> {
+        let encoding = self.encoding(stops);
+        let mut recorder =
+            Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
+        recorder.stage("picture");
+        self.targets.tone_map.record(&mut recorder, self.targets.accumulate.mean(), encoding);
+        self.times.add(recorder.finish().await?);
+        let ldr = read_texture(&self.gpu, self.targets.tone_map.screen()).await?;
+        self.gpu.check("reading the picture back")?;
+        Ok(ldr)
+    }
+
+    /// The mean over frames in real units.
+    async fn read_mean(&self) -> Result<Vec<[f32; 4]>, RenderError> {
+        let mean = self.targets.accumulate.mean();
+        let mut hdr: Vec<[f32; 4]> = read_texture(&self.gpu, mean).await?;
+        if self.settings.view.is_light() {
+            let unit = self.scene.radiance_unit;
+            for pixel in &mut hdr {
+                *pixel = [pixel[0] * unit, pixel[1] * unit, pixel[2] * unit, pixel[3]];
+            }
+        }
+        Ok(hdr)
+    }
+
+    /// `hdr` is in real units.
+    fn stops_of(&self, hdr: &[[f32; 4]]) -> f32 {
+        if self.settings.view.is_light() { self.settings.exposure.stops(hdr) } else { 0.0 }
+    }
+
+    /// How the current view is brought to the screen. The GPU's texture is in multiples of the unit of radiance.
+    fn encoding(&self, stops: f32) -> Encoding {
+        match self.settings.view {
+            View::Occlusion | View::Shadow => Encoding::Data { scale: 1.0, offset: 0.0 },
+            View::Normal => Encoding::Data { scale: 0.5, offset: 0.5 },
+            View::Albedo | View::Lit | View::Nodes => {
+                Encoding::Color { scale: 1.0, curve: ToneMap::Linear }
+            }
+            View::Cost => Encoding::Heat { scale: 1.0 / COST_SCALE_SAMPLES },
+            View::Depth => {
+                let farthest_m = corners(self.scene.bounds)
+                    .map(|corner| corner.distance(self.camera.position))
+                    .into_iter()
+                    .fold(f32::MIN_POSITIVE, f32::max);
+                Encoding::Data { scale: -1.0 / farthest_m, offset: 1.0 }
+            }
+            _ => {
+                let scale = stops.exp2() * self.scene.radiance_unit;
+                Encoding::Color { scale, curve: self.settings.tone_map }
+            }
+        }
+    }
+}
