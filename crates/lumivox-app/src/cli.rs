@@ -3,6 +3,7 @@
 //! Each option states its unit, range and default; the tests below hold it to that.
 
 mod compare;
+mod explore;
 mod light;
 mod load;
 mod motion;
@@ -20,6 +21,7 @@ use lumivox::MAX_RESOLUTION;
 use lumivox_render::{ToneMap, View};
 
 pub use compare::CompareArgs;
+pub use explore::ExploreArgs;
 pub use light::{LightArgs, SourceArgs};
 pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;

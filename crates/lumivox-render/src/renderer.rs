@@ -37,7 +37,7 @@ pub struct Renderer {
     settings: RenderSettings,
     camera: Camera,
     scene: GpuScene,
-    /// Of the scene as it stands; the grid may be fitted to more.
+    /// What the scene itself asks the grid to be fitted to.
     scene_bounds: Bounds,
     lighting: Lighting,
     gi: Gi,
@@ -67,7 +67,7 @@ impl Renderer {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
-        let scene_bounds = scene.bounds();
+        let scene_bounds = scene.voxel_bounds();
         let bounds = settings.grid_bounds.unwrap_or(scene_bounds);
         let camera = camera.or(scene.cameras.first()).cloned();
         let camera = camera.unwrap_or_else(|| {
@@ -81,7 +81,8 @@ impl Renderer {
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
-        scene.bounds = bounds;
+        // Shadow maps hold what lies outside of the grid, too.
+        scene.bounds = bounds.union(scene.bounds);
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });

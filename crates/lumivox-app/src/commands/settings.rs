@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::args::choices::{self, VolumeChoice};
 use crate::args::cones::ConeArgs;
-use crate::cli::{LightArgs, RenderArgs, VoxelArgs};
+use crate::cli::{ExploreArgs, LightArgs, RenderArgs, VoxelArgs};
 
 /// What a preset brings along besides its cones, where the command line does not say otherwise.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +53,17 @@ pub fn with_preset(settings: &RenderSettings, preset: Preset) -> RenderSettings 
 
 /// What the arguments of `render` ask for; times are not taken.
 pub fn of_render(args: &RenderArgs) -> RenderSettings {
+    RenderSettings {
+        view: args.view,
+        voxel_level: args.level,
+        exposure: args.exposure.first(),
+        tone_map: args.tone_map,
+        ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
+    }
+}
+
+/// What the window and scripts begin with; times are not taken.
+pub fn of_explore(args: &ExploreArgs) -> RenderSettings {
     RenderSettings {
         view: args.view,
         voxel_level: args.level,

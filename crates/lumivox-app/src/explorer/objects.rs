@@ -1,7 +1,9 @@
 //! The objects of a scene: its instances, each with a name of its own.
 
+use std::collections::HashMap;
+
 use glam::{EulerRot, Mat4, Quat, Vec3};
-use lumivox_scene::{Bounds, Scene};
+use lumivox_scene::{Bounds, Instance, Scene};
 
 use super::Explorer;
 use super::opened::Opened;
@@ -61,26 +63,17 @@ pub struct NotFound {
 
 /// The objects' names in the order of the instances, each once: what is there already is numbered.
 pub(super) fn names(scene: &Scene) -> Vec<String> {
-    let mut seen = std::collections::HashMap::<&str, usize>::new();
-    let mut name = |given: &str, index: usize| {
-        let given =
-            if given.is_empty() { format!("object {}", index + 1) } else { given.to_owned() };
-        given
+    let mut counts = HashMap::<String, usize>::new();
+    let name = |(index, instance): (usize, &Instance)| {
+        let name = match instance.name.as_str() {
+            "" => format!("object {}", index + 1),
+            name => name.to_owned(),
+        };
+        let count = counts.entry(name.clone()).or_default();
+        *count += 1;
+        if *count == 1 { name } else { format!("{name} ({count})") }
     };
-    let plain: Vec<String> = scene
-        .instances
-        .iter()
-        .enumerate()
-        .map(|(index, instance)| name(&instance.name, index))
-        .collect();
-    plain
-        .iter()
-        .map(|name| {
-            let count = seen.entry(name).or_default();
-            *count += 1;
-            if *count == 1 { name.clone() } else { format!("{name} ({count})") }
-        })
-        .collect()
+    scene.instances.iter().enumerate().map(name).collect()
 }
 
 impl Opened {

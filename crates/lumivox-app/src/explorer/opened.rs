@@ -8,7 +8,7 @@ use lumivox_scene::{Bounds, Camera, Scene};
 use super::objects::Edit;
 use crate::args::camera::{CameraChoice, resolve};
 use crate::args::scene::SceneSource;
-use crate::cli::{LoadArgs, SourceArgs};
+use crate::cli::{ExploreArgs, LoadArgs, SourceArgs};
 use crate::commands::light;
 use crate::progress::Progress;
 
@@ -64,6 +64,25 @@ pub fn load(opening: Opening, progress: &Progress) -> anyhow::Result<Opened> {
     let grid_bounds = bounds_of_all_poses(&mut scene, progress)?;
     let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
     Ok(Opened { opening, scene, camera, grid_bounds, posed, edits: BTreeMap::new() })
+}
+
+impl Opening {
+    /// Of the scene that the command line names, if it names one.
+    pub fn of_args(args: &ExploreArgs) -> Option<Self> {
+        let source = args.scene.clone()?;
+        Some(Self { camera: args.camera.clone(), ..Self::of(args, source) })
+    }
+
+    /// Of another scene, read and lit as the command line asks for.
+    pub fn of(args: &ExploreArgs, source: SceneSource) -> Self {
+        Self {
+            source,
+            load: args.load.clone(),
+            light: args.light.sources.clone(),
+            camera: None,
+            aspect: args.size.x as f32 / args.size.y as f32,
+        }
+    }
 }
 
 impl Opened {

@@ -37,7 +37,7 @@ impl Explorer {
     /// When the renderer refuses. Settings that it refuses are those of before again.
     pub fn update(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<()> {
         let Some(opened) = &self.opened else { return Ok(()) };
-        if !opened.scene.instances.iter().any(|instance| !instance.is_hidden) {
+        if opened.scene.shown().next().is_none() {
             self.renderer = None;
             return Ok(());
         }
@@ -90,9 +90,12 @@ impl Explorer {
         Ok(())
     }
 
-    /// Widens the grid if something has left it; it does not follow what moves within, since light would flicker.
+    /// Widens the grid if something has left it, unless the scene has one of its own; it does not follow what moves within, since light would flicker.
     fn fit_grid(&mut self) {
-        let Some(renderer) = &self.renderer else { return };
+        let (Some(renderer), Some(scene)) = (&self.renderer, self.scene()) else { return };
+        if scene.grid_bounds.is_some() {
+            return;
+        }
         let bounds = self.bounds();
         let grid = renderer.gi().grid();
         let (low, high) = (grid.origin_in_world, grid.max_in_world());

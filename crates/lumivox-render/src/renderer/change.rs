@@ -248,7 +248,7 @@ impl Renderer {
     fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene);
-        self.scene_bounds = scene.bounds();
+        self.scene_bounds = scene.voxel_bounds();
         self.take_lighting(scene)?;
         self.gpu.check("uploading the scene")
     }
