@@ -172,7 +172,12 @@ fn voxels_may_stay_behind() {
     let direct = picture(&mut ahead);
     assert!(direct == picture(&mut renderer(&gpu, &moved, see(View::Direct))), "surfaces move");
 
+    assert!(ahead.has_stale_voxels());
     pollster::block_on(ahead.revoxelize(&mut |_| {})).expect("voxels");
+    assert!(!ahead.has_stale_voxels());
+    assert_eq!(ahead.frame_count(), 0, "what has changed is seen");
     set(&mut ahead, &see(View::Voxels));
     assert!(picture(&mut ahead) == picture(&mut renderer(&gpu, &moved, see(View::Voxels))));
+    pollster::block_on(ahead.revoxelize(&mut |_| {})).expect("voxels");
+    assert_eq!(ahead.frame_count(), 2, "what stays keeps its frames");
 }

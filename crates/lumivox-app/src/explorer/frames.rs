@@ -53,6 +53,7 @@ impl Explorer {
     /// # Errors
     /// As [`Explorer::update`], and when the device fails.
     pub fn frame(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<bool> {
+        self.keep_voxels_fresh();
         self.update(tell)?;
         let frames = self.settings.frames;
         let Some(renderer) = &mut self.renderer else { return Ok(false) };

@@ -21,6 +21,8 @@ mod objects;
 mod opened;
 mod update;
 
+use std::time::Instant;
+
 use glam::{UVec2, Vec3};
 use lumivox_render::{Gpu, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, Scene};
@@ -53,6 +55,8 @@ pub struct Explorer {
     /// What is asked for; [`Explorer::update`] makes it so.
     settings: RenderSettings,
     preset: lumivox::Preset,
+    /// That of the settings which the renderer took last.
+    accepted_preset: lumivox::Preset,
     camera: Camera,
     /// Two cameras to come back to.
     positions: [Option<Camera>; 2],
@@ -63,6 +67,7 @@ pub struct Explorer {
     playback: Playback,
     renderer: Option<Renderer>,
     pending: Pending,
+    voxelized_at: Option<Instant>,
     times: FrameTimes,
 }
 
@@ -74,6 +79,7 @@ impl Explorer {
             opened: None,
             settings,
             preset,
+            accepted_preset: preset,
             camera: Camera::default(),
             positions: [None, None],
             revoxelize: Revoxelize::default(),
@@ -81,6 +87,7 @@ impl Explorer {
             playback: Playback::default(),
             renderer: None,
             pending: Pending::default(),
+            voxelized_at: None,
             times: FrameTimes::default(),
         }
     }

@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 
 use super::*;
 
@@ -13,4 +13,169 @@ fn placements_go_there_and_back() {
     assert!(back.position.abs_diff_eq(placement.position, 1e-5), "{back:?}");
     assert!(back.rotation_deg.abs_diff_eq(placement.rotation_deg, 1e-3), "{back:?}");
     assert!(back.scale.abs_diff_eq(placement.scale, 1e-5), "{back:?}");
+}
+
+fn gpu() -> Gpu {
+    let options = lumivox_render::GpuOptions { portable: true, ..Default::default() };
+    pollster::block_on(Gpu::new(&options)).expect("a GPU adapter, as ./test installs one")
+}
+
+fn small() -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(32, 24),
+        resolution: 32,
+        frames: 2,
+        bounces: 1,
+        shadow_resolution: 64,
+        ..RenderSettings::default()
+    }
+}
+
+/// The command line's own defaults.
+fn opening(scene: &str) -> Opening {
+    use clap::Parser as _;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: crate::cli::ExploreArgs,
+    }
+    let line = Line::parse_from(["test", "--size", "32x24"]);
+    Opening::of(&line.args, std::ffi::OsString::from(scene).into())
+}
+
+fn opened(scene: &str) -> Opened {
+    let progress = crate::progress::Progress::start(&indicatif::MultiProgress::new(), "loading");
+    load(opening(scene), &progress).unwrap()
+}
+
+fn explorer(scene: &str) -> Explorer {
+    let mut explorer = Explorer::new(gpu(), small(), lumivox::Preset::default());
+    explorer.open(opened(scene));
+    explorer
+}
+
+fn picture(explorer: &mut Explorer) -> lumivox_render::Picture {
+    explorer.picture(&mut |_| {}).unwrap().expect("something to show")
+}
+
+/// What a renderer makes of the same scene, camera and settings at once.
+fn fresh(explorer: &Explorer) -> lumivox_render::Picture {
+    let (scene, camera) = (explorer.scene().unwrap(), explorer.camera());
+    let settings = explorer.settings().clone();
+    let ignore = &mut |_| {};
+    let renderer = Renderer::new(explorer.gpu(), scene, Some(camera), settings, ignore);
+    pollster::block_on(pollster::block_on(renderer).unwrap().render(ignore)).unwrap()
+}
+
+#[test]
+fn without_a_scene_there_is_no_picture() {
+    let mut explorer = Explorer::new(gpu(), small(), lumivox::Preset::default());
+    assert!(!explorer.frame(&mut |_| {}).unwrap());
+    assert!(explorer.picture(&mut |_| {}).unwrap().is_none());
+    explorer.open(opened("builtin:cornell"));
+    for object in 0..explorer.object_names().len() {
+        explorer.set_hidden(object, true);
+    }
+    assert!(explorer.picture(&mut |_| {}).unwrap().is_none(), "all is hidden");
+    explorer.set_hidden(0, false);
+    assert!(explorer.picture(&mut |_| {}).unwrap().is_some());
+}
+
+#[test]
+fn edits_show_as_in_a_scene_made_so() {
+    let mut explorer = explorer("builtin:cornell");
+    let first = picture(&mut explorer);
+    let last = explorer.object_names().len() - 1;
+    let was = explorer.placement(last).unwrap();
+    explorer.transform(last, Mat4::from_translation(Vec3::new(0.1, 0.0, 0.2)));
+    explorer.edit_lights(|scene| scene.lights.truncate(1));
+    assert!(explorer.edit_material(0, |material| material.emissive = Vec3::splat(3.0)));
+    let seen = picture(&mut explorer);
+    assert!(seen == fresh(&explorer) && seen != first);
+    explorer.place(last, was);
+    assert!(explorer.edit_material(0, |material| material.emissive = Vec3::ZERO));
+    assert!(picture(&mut explorer) == fresh(&explorer));
+    assert!(!explorer.edit_material(99, |_| {}));
+}
+
+#[test]
+fn what_the_renderer_refuses_is_taken_back() {
+    let mut explorer = explorer("builtin:cornell");
+    let first = picture(&mut explorer);
+    let asked = RenderSettings { bounces: 99, ..small() };
+    assert!(explorer.set_settings(asked).is_err(), "out of range: refused at once");
+    explorer.set_preset(lumivox::Preset::High).unwrap();
+    let asked = RenderSettings { volume_memory: Some(1), ..explorer.settings().clone() };
+    explorer.set_settings(asked).unwrap();
+    assert!(explorer.update(&mut |_| {}).is_err(), "only the volume itself knows what it takes");
+    assert_eq!(*explorer.settings(), small());
+    assert_eq!(explorer.preset(), lumivox::Preset::Balanced);
+    assert!(picture(&mut explorer) == first);
+}
+
+#[test]
+fn voxels_follow_when_they_shall() {
+    let mut explorer = explorer("builtin:cornell");
+    picture(&mut explorer);
+    explorer.revoxelize = Revoxelize::WhenAsked;
+    let last = explorer.object_names().len() - 1;
+    explorer.transform(last, Mat4::from_translation(Vec3::X * 0.1));
+    let stale = picture(&mut explorer);
+    assert!(explorer.has_stale_voxels());
+    explorer.ask_for_voxels();
+    let followed = picture(&mut explorer);
+    assert!(followed == fresh(&explorer) && followed != stale);
+    for policy in [Revoxelize::EveryFrame, Revoxelize::Every(0.0), Revoxelize::WhenMoved] {
+        explorer.revoxelize = policy;
+        explorer.transform(last, Mat4::from_translation(Vec3::Z * 0.05));
+        let seen = picture(&mut explorer);
+        assert!(!explorer.has_stale_voxels());
+        assert!(seen == fresh(&explorer), "{policy:?}");
+    }
+}
+
+/// The grid is wide enough for what leaves it, and does not shrink again.
+#[test]
+fn the_grid_widens() {
+    let mut explorer = explorer("builtin:cornell");
+    picture(&mut explorer);
+    let last = explorer.object_names().len() - 1;
+    explorer.transform(last, Mat4::from_translation(Vec3::X * 3.0));
+    picture(&mut explorer);
+    let wide = *explorer.renderer().unwrap().gi().grid();
+    assert!(wide.max_in_world().cmpge(explorer.bounds().max).all(), "{wide:?}");
+    explorer.transform(last, Mat4::from_translation(Vec3::X * -3.0));
+    picture(&mut explorer);
+    assert_eq!(*explorer.renderer().unwrap().gi().grid(), wide);
+}
+
+#[test]
+fn objects_have_names_of_their_own() {
+    let mut explorer = explorer("builtin:cornell");
+    let names = explorer.object_names();
+    let first = names[0].clone();
+    let opened = explorer.opened.as_mut().unwrap();
+    opened.scene.instances[1].name.clone_from(&first);
+    opened.scene.instances[2].name.clear();
+    let names = explorer.object_names();
+    assert_eq!(names[1], format!("{first} (2)"));
+    assert_eq!(names[2], "object 3");
+    assert_eq!(explorer.object(&names[1]), Ok(1));
+    let wrong = explorer.object(&first[..first.len() - 1]).unwrap_err().to_string();
+    assert!(wrong.contains("did you mean"), "{wrong}");
+    let wrong = explorer.object("zzz").unwrap_err().to_string();
+    assert!(wrong.contains("`objects` lists them"), "{wrong}");
+}
+
+#[test]
+fn positions_are_kept() {
+    let mut explorer = explorer("builtin:cornell");
+    let first = explorer.camera().clone();
+    explorer.store_position(1);
+    explorer.set_camera(Camera::look_at(Vec3::ONE, Vec3::ZERO, 1.0));
+    assert_eq!(explorer.position(1), Some(&first));
+    assert_eq!(explorer.position(2), None);
+    let seen = picture(&mut explorer);
+    assert!(seen == fresh(&explorer));
 }

@@ -1,6 +1,9 @@
 //! Bringing the renderer up to date with what is asked for.
 
-use lumivox_render::{Progress, RenderSettings, Renderer};
+use std::time::Instant;
+
+use lumivox_render::{Progress, RenderError, RenderSettings, Renderer};
+use lumivox_scene::Scene;
 
 use super::{Explorer, Revoxelize};
 
@@ -15,8 +18,6 @@ pub(super) struct Pending {
     pub(super) materials: bool,
     /// Voxels are to be made anew, whatever has changed.
     pub(super) voxels: bool,
-    /// Objects have moved that the voxels have not followed.
-    pub(super) stale_voxels: bool,
 }
 
 impl Explorer {
@@ -27,7 +28,19 @@ impl Explorer {
 
     /// Whether voxels stand where objects no longer are.
     pub fn has_stale_voxels(&self) -> bool {
-        self.pending.stale_voxels
+        self.renderer.as_ref().is_some_and(Renderer::has_stale_voxels)
+    }
+
+    /// Asks for voxels if it is time for them.
+    pub(super) fn keep_voxels_fresh(&mut self) {
+        self.pending.voxels |= match self.revoxelize {
+            Revoxelize::WhenMoved => self.has_stale_voxels(),
+            Revoxelize::WhenAsked => false,
+            Revoxelize::Every(seconds) => {
+                self.voxelized_at.is_none_or(|at| at.elapsed().as_secs_f32() >= seconds)
+            }
+            Revoxelize::EveryFrame => true,
+        };
     }
 
     /// Brings the renderer up to date with all changes since the last call; without a scene, or with an empty one, there
@@ -41,48 +54,36 @@ impl Explorer {
             self.renderer = None;
             return Ok(());
         }
-        let pending = std::mem::take(&mut self.pending);
         self.fit_grid();
-        pollster::block_on(self.bring(pending, tell))
+        pollster::block_on(self.bring(tell))
     }
 
-    async fn bring(
-        &mut self,
-        pending: Pending,
-        tell: &mut dyn FnMut(Progress),
-    ) -> anyhow::Result<()> {
+    async fn bring(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<()> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
         let Some(renderer) = &mut self.renderer else {
             let (camera, settings) = (Some(&self.camera), self.settings.clone());
             self.renderer = Some(Renderer::new(&self.gpu, scene, camera, settings, tell).await?);
+            self.pending = Pending::default();
+            (self.voxelized_at, self.accepted_preset) = (Some(Instant::now()), self.preset);
             return Ok(());
         };
-        if *renderer.settings() != self.settings {
-            let changed = renderer.set_settings(self.settings.clone(), tell).await;
-            if let Err(error) = changed {
-                self.settings = renderer.settings().clone();
-                // What else was to be done comes with the next update.
-                self.pending = pending;
-                return Err(error.into());
-            }
+        if *renderer.settings() != self.settings
+            && let Err(error) = renderer.set_settings(self.settings.clone(), tell).await
+        {
+            self.settings = renderer.settings().clone();
+            self.preset = self.accepted_preset;
+            return Err(error.into());
         }
-        let follows = self.revoxelize == Revoxelize::WhenMoved || pending.voxels;
-        if pending.materials {
-            renderer.set_materials(scene, tell).await?;
-        } else if pending.objects && follows {
-            renderer.set_scene(scene, tell).await?;
-        } else if pending.objects {
-            renderer.place(scene).await?;
-            self.pending.stale_voxels = true;
-        } else if pending.lights {
-            renderer.set_lights(scene, tell).await?;
+        self.accepted_preset = self.preset;
+        let pending = std::mem::take(&mut self.pending);
+        if let Err(error) = show(renderer, scene, pending, self.revoxelize, tell).await {
+            // Whatever it holds now: the next one is made from the scene as it stands.
+            self.renderer = None;
+            return Err(error.into());
         }
-        if pending.voxels && !pending.objects && !pending.materials {
-            renderer.revoxelize(tell).await?;
-        }
-        if !follows && !pending.materials {
-            self.pending.stale_voxels |= pending.stale_voxels;
+        if pending.voxels {
+            self.voxelized_at = Some(Instant::now());
         }
         if *renderer.camera() != self.camera {
             renderer.set_camera(self.camera.clone());
@@ -104,4 +105,27 @@ impl Explorer {
             self.settings = RenderSettings { grid_bounds: Some(fitted), ..self.settings.clone() };
         }
     }
+}
+
+/// Shows what is pending of a scene.
+async fn show(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    pending: Pending,
+    revoxelize: Revoxelize,
+    tell: &mut dyn FnMut(Progress),
+) -> Result<(), RenderError> {
+    let follows = revoxelize == Revoxelize::WhenMoved || pending.voxels;
+    if pending.materials {
+        return renderer.set_materials(scene, tell).await;
+    }
+    if pending.objects && follows {
+        return renderer.set_scene(scene, tell).await;
+    }
+    if pending.objects {
+        renderer.place(scene).await?;
+    } else if pending.lights {
+        renderer.set_lights(scene, tell).await?;
+    }
+    if pending.voxels { renderer.revoxelize(tell).await } else { Ok(()) }
 }

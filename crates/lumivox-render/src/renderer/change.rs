@@ -3,8 +3,8 @@
 //! Each redoes what depends on the change and nothing else, so that the picture afterwards is the one that a new
 //! renderer would make. The mean over frames starts anew wherever the picture changes.
 
-use lumivox::gpu::{Recorder, StageTime};
-use lumivox::{Grid, VoxelizeStats};
+use lumivox::gpu::Recorder;
+use lumivox::{Grid, Voxelized};
 use lumivox_scene::Scene;
 
 use super::passes::Passes;
@@ -77,9 +77,8 @@ impl Renderer {
             self.gpu.check("voxelizing")?;
             let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
             let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
-            self.times.add(voxelized.times);
-            (self.gi, self.voxels, self.passes) = (gi, voxelized.stats, passes);
-            self.targets = targets;
+            self.took(voxelized);
+            (self.gi, self.passes, self.targets) = (gi, passes, targets);
             self.scene.bounds = bounds;
             progress(Progress { stage: "voxelize", done: 1, total: 1 });
         } else {
@@ -134,6 +133,7 @@ impl Renderer {
     /// As [`Self::set_scene`].
     pub async fn place(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.take_pose(scene)?;
+        self.voxels_are_stale = true;
         let mut recorder = self.recorder();
         self.bind_lights(&mut recorder);
         self.times.add(recorder.finish().await?);
@@ -194,8 +194,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Voxelizes what there is once more, as after a change of the scene, static parts included; the mean starts anew.
-    /// `progress` hears of the stages `voxelize` and `light`.
+    /// Voxelizes what there is once more, static parts included, whether it has moved since or not. The mean starts anew
+    /// if it has. `progress` hears of the stages `voxelize` and `light`.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
@@ -203,11 +203,21 @@ impl Renderer {
         &mut self,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<(), RenderError> {
+        progress(Progress { stage: "voxelize", done: 0, total: 1 });
         let voxelized = self.gi.voxelize(&self.scene.geometry, self.settings.timing).await?;
-        self.took(voxelized.stats, voxelized.times);
+        let were_stale = self.voxels_are_stale;
+        self.took(voxelized);
+        progress(Progress { stage: "voxelize", done: 1, total: 1 });
         self.relight(progress).await?;
-        self.targets.accumulate.reset();
+        if were_stale {
+            self.targets.accumulate.reset();
+        }
         Ok(())
+    }
+
+    /// Whether objects have moved that the voxels have not followed ([`Self::place`]).
+    pub fn has_stale_voxels(&self) -> bool {
+        self.voxels_are_stale
     }
 
     /// Lights the voxels again with another number of bounces; the mean starts anew.
@@ -267,15 +277,16 @@ impl Renderer {
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
         let timing = self.settings.timing;
         let voxelized = self.gi.voxelize_dynamic(&self.scene.geometry, timing).await?;
-        self.took(voxelized.stats, voxelized.times);
+        self.took(voxelized);
         self.gpu.check("voxelizing")?;
         progress(Progress { stage: "voxelize", done: 1, total: 1 });
         Ok(())
     }
 
-    fn took(&mut self, stats: VoxelizeStats, times: Vec<StageTime>) {
-        self.voxels = stats;
-        self.times.add(times);
+    fn took(&mut self, voxelized: Voxelized) {
+        self.voxels = voxelized.stats;
+        self.voxels_are_stale = false;
+        self.times.add(voxelized.times);
     }
 
     /// Shadow maps, and the light of the voxels.
