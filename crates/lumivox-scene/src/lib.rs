@@ -30,6 +30,7 @@ mod error;
 mod framing;
 mod load;
 mod model;
+mod pick;
 mod pose;
 mod save;
 mod validate;
@@ -45,6 +46,7 @@ pub use model::{
     LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,
     Texture, TextureRef, Transmission, Unlit, Wrap,
 };
+pub use pick::{Pick, Picker};
 pub use pose::{AnimationChoice, AnimationInfo, Rig};
 
 /// The name under which a file's `extras` hold what glTF has no words for.
