@@ -1,5 +1,6 @@
 //! A scene rendered to a picture, pass by pass.
 
+mod overlay;
 mod prepare;
 
 use lumivox::gpu::{Recorder, StageTime, Timing};
@@ -224,6 +225,7 @@ impl Renderer {
             self.gpu.wait("rendering a frame")?;
             progress(Progress { stage: "render", done: self.frame_count(), total });
         }
+        self.complete_overlay().await?;
         self.finish().await
     }
 
@@ -251,7 +253,7 @@ impl Renderer {
                 &targets.gbuffer,
                 (settings.view, settings.voxel_level),
                 camera.vertical_fov_rad,
-            );
+            )?;
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
@@ -267,10 +269,16 @@ impl Renderer {
             }
             recorder.stage("picture");
             let (gbuffer, composite) = (&targets.gbuffer, &targets.composite);
-            self.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
+            if settings.view == View::Lod {
+                let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
+                targets.voxel_view.record(&mut recorder, gi, lights, gbuffer, what, fov)?;
+            } else {
+                self.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
+            }
         }
         recorder.stage("picture");
         targets.accumulate.record(&mut recorder);
+        self.record_overlay(&mut recorder, &view)?;
         self.times.add(recorder.finish().await?);
         self.gpu.check("rendering a frame")
     }
@@ -297,7 +305,7 @@ impl Renderer {
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
         recorder.stage("picture");
-        self.targets.tone_map.record(&mut recorder, mean, encoding);
+        self.record_screen(&mut recorder, encoding);
         self.times.add(recorder.finish().await?);
         let ldr = read_texture(&self.gpu, self.targets.tone_map.screen()).await?;
         self.gpu.check("reading the picture back")?;
