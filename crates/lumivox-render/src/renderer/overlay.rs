@@ -22,18 +22,21 @@ impl Renderer {
         Ok(())
     }
 
-    /// Frames of the overlay as it is set; 0 while it is off.
+    /// Frames of the overlay as it is set. Without frames of the picture that it is drawn over there are none.
     pub fn overlay_frame_count(&self) -> u32 {
+        if self.frame_count() == 0 {
+            return 0;
+        }
         self.targets.overlay.as_ref().map_or(0, |pass| pass.frames(&self.shown()))
     }
 
     /// Renders one frame more of the overlay alone, for a picture that has all of its frames. Nothing happens
-    /// while it is off.
+    /// while it is off, and before the picture's first frame.
     ///
     /// # Errors
     /// When the device fails.
     pub async fn render_overlay_frame(&mut self) -> Result<(), RenderError> {
-        if !self.settings.overlay.is_on() {
+        if !self.settings.overlay.is_on() || self.frame_count() == 0 {
             return Ok(());
         }
         let frame = self.overlay_frame_count();
