@@ -34,6 +34,7 @@ pub use voxels::{VoxelArgs, VoxelsArgs};
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
 use crate::args::number::ExposureChoice;
+use crate::args::overlay::OverlayArgs;
 use crate::args::scene::SceneSource;
 use crate::args::{choices, number, size};
 use crate::exit;
@@ -72,6 +73,7 @@ Examples:
 
   What the cones see, and what they cost:
     lumivox render builtin:atrium -o voxels.png --view voxels --level 1
+    lumivox render builtin:atrium -o wires.png --wire-voxels over --level 3
     lumivox render builtin:atrium -o atrium.png -v
 ";
 
@@ -198,7 +200,8 @@ pub struct RenderArgs {
     #[arg(default_value = "final")]
     pub view: View,
 
-    /// Level of the voxels for the views voxels, lit, nodes and bricks, 0 (finest) to the grid's coarsest
+    /// Level of the voxels for the views lod, voxels, wire-voxels, lit, nodes and bricks and for
+    /// --wire-voxels, 0 (finest) to the grid's coarsest
     ///
     /// Each level more has voxels of twice the edge.
     #[arg(long, value_name = "LEVEL", value_parser = number::whole(0..=MAX_RESOLUTION.ilog2()))]
@@ -219,6 +222,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = choices::tone_map())]
     #[arg(help_heading = "Picture", default_value = "neutral")]
     pub tone_map: ToneMap,
+
+    /// What is drawn over it.
+    #[command(flatten)]
+    pub overlay: OverlayArgs,
 
     /// What moves.
     #[command(flatten)]

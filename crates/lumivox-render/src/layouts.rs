@@ -103,6 +103,46 @@ fn structs_lie_in_memory_alike() {
 }
 
 #[test]
+fn the_overlays_structs_lie_in_memory_alike() {
+    use crate::overlay::{EdgeRange, LineRecord, SegmentView, WireSettings};
+
+    let library = &libraries()[0];
+    assert_layout!(
+        library,
+        "render::overlay::edges",
+        "EdgeRange",
+        EdgeRange { first_index, base_vertex, is_single_sided }
+    );
+    assert_layout!(
+        library,
+        "render::overlay::lines",
+        "Line",
+        LineRecord { from_in_world, is_tested, to_in_world, width, color }
+    );
+    assert_layout!(
+        library,
+        "render::overlay::segment",
+        "SegmentView",
+        SegmentView {
+            clip_from_world,
+            ray_middle,
+            wire_is_tested,
+            ray_across,
+            wire_width,
+            ray_up,
+            size,
+            wire_color,
+        }
+    );
+    assert_layout!(
+        library,
+        "render::overlay::voxels",
+        "WireSettings",
+        WireSettings { color, background, level, is_hidden_by_surfaces }
+    );
+}
+
+#[test]
 fn the_path_tracers_structs_lie_in_memory_alike() {
     use crate::reference::{
         EmitterRecord, FilmRecord, NodeRecord, PeakRecord, TileRecord, TracedMaterialRecord,
@@ -201,8 +241,8 @@ fn every_shader_is_valid() {
             let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             entry_points += module.entry_points.len();
         }
-        // Nine compute kernels; three vertex and two fragment shaders for shadows; two and four for
-        // the G-buffer.
-        assert_eq!(entry_points, 20);
+        // Thirteen compute kernels; three vertex and two fragment shaders for shadows; two and four for
+        // the G-buffer; two and two for lines.
+        assert_eq!(entry_points, 28);
     }
 }

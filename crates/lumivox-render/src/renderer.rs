@@ -1,6 +1,7 @@
 //! A scene rendered to a picture, pass by pass.
 
 mod change;
+mod overlay;
 mod passes;
 mod prepare;
 mod screen;
@@ -14,7 +15,7 @@ use crate::memory::MemoryUse;
 use crate::targets::Targets;
 use crate::times::Times;
 use crate::upload::{GpuScene, Lighting, radiance_unit_within};
-use crate::{Gpu, Picture, RenderError, RenderSettings};
+use crate::{Gpu, Picture, RenderError, RenderSettings, View};
 use passes::Passes;
 pub use prepare::global_illumination;
 use prepare::{bind_lights, environment_map, upload};
@@ -156,6 +157,7 @@ impl Renderer {
             self.gpu.wait("rendering a frame")?;
             progress(Progress { stage: "render", done: self.frame_count(), total });
         }
+        self.complete_overlay().await?;
         self.finish().await
     }
 
@@ -183,7 +185,7 @@ impl Renderer {
                 &targets.gbuffer,
                 (settings.view, settings.voxel_level),
                 camera.vertical_fov_rad,
-            );
+            )?;
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
@@ -199,10 +201,16 @@ impl Renderer {
             }
             recorder.stage("picture");
             let (gbuffer, composite) = (&targets.gbuffer, &targets.composite);
-            passes.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
+            if settings.view == View::Lod {
+                let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
+                targets.voxel_view.record(&mut recorder, gi, lights, gbuffer, what, fov)?;
+            } else {
+                passes.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
+            }
         }
         recorder.stage("picture");
         targets.accumulate.record(&mut recorder);
+        self.record_overlay(&mut recorder, &view)?;
         self.times.add(recorder.finish().await?);
         self.gpu.check("rendering a frame")
     }

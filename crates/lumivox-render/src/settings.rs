@@ -7,7 +7,8 @@ use lumivox::{
 };
 use lumivox_scene::Bounds;
 
-use crate::RenderError;
+use crate::overlay::LineRecord;
+use crate::{Overlay, RenderError};
 
 /// What the picture shows.
 ///
@@ -50,6 +51,12 @@ pub enum View {
     Nodes,
     /// The bricks of these nodes, their 3x3x3 texels pulled apart; those of the neighbours' layer are orange.
     Bricks,
+    /// What the volume holds of one level at the visible surfaces, filtered as cones see it, against the surface's
+    /// normal: radiance, whatever the opacity; black where there is nothing.
+    Lod,
+    /// The voxels of one level as wire cubes in the colours of their light, seen through each other; faces between
+    /// two of them are left out.
+    WireVoxels,
 }
 
 /// The number of cone samples at the upper end of [`View::Cost`]'s colours.
@@ -57,7 +64,7 @@ pub const COST_SCALE_SAMPLES: f32 = 512.0;
 
 impl View {
     /// All views.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Final,
         Self::Direct,
         Self::Indirect,
@@ -73,6 +80,8 @@ impl View {
         Self::Lit,
         Self::Nodes,
         Self::Bricks,
+        Self::Lod,
+        Self::WireVoxels,
     ];
 
     /// The view's name in lower case, as on the command line.
@@ -93,6 +102,8 @@ impl View {
             Self::Lit => "lit",
             Self::Nodes => "nodes",
             Self::Bricks => "bricks",
+            Self::Lod => "lod",
+            Self::WireVoxels => "wire-voxels",
         }
     }
 
@@ -114,18 +125,21 @@ impl View {
             Self::Lit => "VIEW_LIT",
             Self::Nodes => "VIEW_NODES",
             Self::Bricks => "VIEW_BRICKS",
+            Self::Lod => "VIEW_LOD",
+            Self::WireVoxels => "VIEW_WIRE_VOXELS",
         }
     }
 
     /// Whether the values are radiances, to be exposed and tone mapped.
     pub fn is_light(self) -> bool {
-        use View::{Bricks, Diffuse, Direct, Final, Indirect, Specular, Voxels};
-        matches!(self, Final | Direct | Indirect | Diffuse | Specular | Voxels | Bricks)
+        use View::{Bricks, Diffuse, Direct, Final, Indirect, Lod, Specular, Voxels, WireVoxels};
+        let is_of_surfaces = matches!(self, Final | Direct | Indirect | Diffuse | Specular);
+        is_of_surfaces || matches!(self, Voxels | Bricks | Lod | WireVoxels)
     }
 
     /// Whether voxels are shown instead of surfaces.
     pub fn is_of_voxels(self) -> bool {
-        matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks)
+        matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks | Self::WireVoxels)
     }
 
     /// Whether there must be an octree to look at.
@@ -241,9 +255,11 @@ pub struct RenderSettings {
     pub frames: u32,
     /// What the picture shows.
     pub view: View,
-    /// The level of the cells that the views of voxels show: 0 (the default) is the finest, each one
-    /// more has cubes of twice the size.
+    /// The level of the cells that the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`] show: 0 (the
+    /// default) is the finest, each one more has cubes of twice the size.
     pub voxel_level: u32,
+    /// What is drawn over the picture on the screen. Default: nothing.
+    pub overlay: Overlay,
     /// How radiance becomes brightness. Default: automatic.
     pub exposure: Exposure,
     /// The curve to the screen's range. Default: neutral.
@@ -275,6 +291,7 @@ impl Default for RenderSettings {
             frames: 16,
             view: View::default(),
             voxel_level: 0,
+            overlay: Overlay::default(),
             exposure: Exposure::default(),
             tone_map: ToneMap::default(),
             shadows: ShadowMethod::default(),
@@ -348,8 +365,26 @@ impl RenderSettings {
                         .to_owned(),
             });
         }
+        validate_lines(self.overlay.lines.len(), limits)?;
         Ok(self.trace.validate()?)
     }
+}
+
+fn validate_lines(count: usize, limits: &wgpu::Limits) -> Result<(), RenderError> {
+    let needed = count as u64 * size_of::<LineRecord>() as u64;
+    // The grid's box takes a few besides.
+    let available = limits.max_storage_buffer_binding_size - (1 << 12);
+    if needed <= available {
+        return Ok(());
+    }
+    Err(RenderError::Limit {
+        what: format!("an overlay of {count} lines"),
+        needed,
+        unit: "bytes",
+        limit: "max_storage_buffer_binding_size",
+        available,
+        remedy: format!("draw at most {}", available / size_of::<LineRecord>() as u64),
+    })
 }
 
 fn validate_size(size: UVec2, limits: &wgpu::Limits) -> Result<(), RenderError> {
@@ -412,6 +447,15 @@ mod tests {
         for settings in cases {
             assert!(matches!(error_of(&settings), RenderError::Setting { .. }), "{settings:?}");
         }
+    }
+
+    #[test]
+    fn more_lines_than_a_buffer_holds_are_refused() {
+        let limits = wgpu::Limits::default();
+        let most = (limits.max_storage_buffer_binding_size - (1 << 12)) / 48;
+        assert!(validate_lines(most as usize, &limits).is_ok());
+        let error = validate_lines(most as usize + 1, &limits).expect_err("too many");
+        assert!(error.to_string().contains("draw at most 2796"), "{error}");
     }
 
     #[test]

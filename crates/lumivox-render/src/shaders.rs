@@ -3,7 +3,7 @@
 use lumivox::gpu::ShaderLibrary;
 
 use crate::settings::{ToneMap, View};
-use crate::{reference, voxel_view};
+use crate::{overlay, reference, voxel_view};
 
 /// Every module by its path below `render`.
 const MODULES: &[(&str, &str)] = &[
@@ -39,7 +39,7 @@ const MODULES: &[(&str, &str)] = &[
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
-    for (path, source) in MODULES.iter().chain(voxel_view::MODULES) {
+    for (path, source) in MODULES.iter().chain(voxel_view::MODULES).chain(overlay::MODULES) {
         library.add(&format!("render::{path}"), *source);
     }
     for view in View::ALL {

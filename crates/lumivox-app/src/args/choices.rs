@@ -5,7 +5,7 @@ use lumivox::{
     Duplication, Injection, Mipmapping, OctreeBuilder, OctreeOptions, Preset, VolumeKind,
     VoxelizeMethod,
 };
-use lumivox_render::{ShadowMethod, ToneMap, View};
+use lumivox_render::{ShadowMethod, ToneMap, View, Wireframe, Wires};
 use lumivox_scene::UpAxis;
 
 /// A parser that takes the names of `values` and returns the value, with a line of help for each.
@@ -44,8 +44,36 @@ pub fn view() -> impl TypedValueParser<Value = View> {
             }
             View::Nodes => "the octree's nodes round the voxels of one level, as wire boxes",
             View::Bricks => "these nodes' bricks, texels pulled apart; neighbours' are orange",
+            View::Lod => "light that the volume holds of one level (--level), on the surfaces",
+            View::WireVoxels => {
+                "the voxels of one level as wire cubes in the colours of their light"
+            }
         };
         (view.name(), help)
+    })
+}
+
+/// Which edges of triangles are drawn over a picture.
+pub fn wireframe() -> impl TypedValueParser<Value = Wireframe> {
+    among(&[Wireframe::Off, Wireframe::Over, Wireframe::Through], |wireframe| {
+        let help = match wireframe {
+            Wireframe::Off => "none",
+            Wireframe::Over => "those of visible surfaces",
+            Wireframe::Through => "all, seen through surfaces",
+        };
+        (wireframe.name(), help)
+    })
+}
+
+/// Which wire cubes of voxels are drawn over a picture.
+pub fn wire_voxels() -> impl TypedValueParser<Value = Wires> {
+    among(&[Wires::Off, Wires::Over, Wires::Through], |wires| {
+        let help = match wires {
+            Wires::Off => "none",
+            Wires::Over => "those in front of surfaces",
+            Wires::Through => "all, seen through surfaces",
+        };
+        (wires.name(), help)
     })
 }
 

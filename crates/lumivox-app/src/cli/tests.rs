@@ -1,7 +1,7 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use glam::Vec3;
 use lumivox::{Directionality, Injection, OctreeOptions, VolumeKind};
-use lumivox_render::{Exposure, RenderSettings, ShadowMethod};
+use lumivox_render::{Exposure, Overlay, RenderSettings, ShadowMethod, Wireframe, Wires};
 
 use super::*;
 use crate::commands::settings::of_render as settings;
@@ -117,7 +117,8 @@ fn arguments_reach_the_settings() {
     let line = "lumivox render a.glb -o a.png --size 8x9 --resolution 64 --grid-offset 0,0.5,0 \
                 --isotropic --voxelizer three-plane --volume octree --volume-memory 1GiB --bounces 2 \
                 --frames 3 --view voxels --level 2 --exposure -1.5 --tone-map aces --shadows cone \
-                --shadow-resolution 64 --injection photons --preset fast";
+                --shadow-resolution 64 --injection photons --preset fast --wireframe over \
+                --wire-voxels through --show-grid --hide-surfaces";
     let Some(Command::Render(args)) = Cli::try_parse_from(line.split_whitespace()).unwrap().command
     else {
         panic!("a render command")
@@ -135,6 +136,13 @@ fn arguments_reach_the_settings() {
         frames: 3,
         view: View::Voxels,
         voxel_level: 2,
+        overlay: Overlay {
+            wireframe: Wireframe::Over,
+            wire_voxels: Wires::Through,
+            hides_surfaces: true,
+            grid_box: true,
+            lines: Vec::new(),
+        },
         exposure: Exposure::Stops(-1.5),
         tone_map: ToneMap::Aces,
         shadows: ShadowMethod::Cone,
