@@ -16,9 +16,10 @@ use crate::targets::Targets;
 use crate::times::Times;
 use crate::tone_map::Encoding;
 use crate::upload::{GpuScene, Lighting, corners, radiance_unit_within};
+use crate::vxct::{VxctFrame, VxctLook};
 use crate::{
-    COST_SCALE_SAMPLES, Exposure, Gpu, Picture, RenderError, RenderSettings, ShadowMethod, ToneMap,
-    View,
+    COST_SCALE_SAMPLES, Exposure, Gpu, Look, Picture, RenderError, RenderSettings, ShadowMethod,
+    ToneMap, View,
 };
 pub use prepare::global_illumination;
 use prepare::{bind_lights, environment_map, upload};
@@ -49,6 +50,7 @@ pub struct Renderer {
     direct: DirectPass,
     composite: CompositePass,
     targets: Targets,
+    vxct: VxctLook,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
     times: Times,
@@ -83,6 +85,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
+        let mut vxct = VxctLook::new(gpu, scene, bounds, unit);
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         scene.bounds = bounds;
         progress(Progress { stage: "upload", done: 1, total: 1 });
@@ -109,7 +112,7 @@ impl Renderer {
             shadow_pass.as_ref(),
             &scene,
             (&lighting, map.as_ref()),
-            &gi,
+            (&gi, &mut vxct),
             &settings,
         );
         if settings.timing != Timing::Off {
@@ -120,7 +123,7 @@ impl Renderer {
             gi.forget_light();
         }
         recorder.stage("light");
-        gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
+        vxct.light(gpu, &mut recorder, &mut gi, &lights, &settings)?;
         times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -147,6 +150,7 @@ impl Renderer {
             direct,
             composite,
             targets,
+            vxct,
             environment: map,
             shadow_bytes,
             times,
@@ -169,7 +173,7 @@ impl Renderer {
         scene: &Scene,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<(), RenderError> {
-        let Self { gpu, settings, gi, .. } = self;
+        let Self { gpu, settings, gi, vxct, .. } = self;
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         self.scene.repose(gpu, scene)?;
@@ -195,11 +199,11 @@ impl Renderer {
             self.shadow_pass.as_ref(),
             &self.scene,
             (&lighting, self.environment.as_ref()),
-            gi,
+            (gi, vxct),
             settings,
         );
         recorder.stage("light");
-        gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
+        vxct.light(gpu, &mut recorder, gi, &self.lights, settings)?;
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -233,7 +237,7 @@ impl Renderer {
     /// When the device fails.
     pub async fn render_frame(&mut self) -> Result<(), RenderError> {
         let frame = self.frame_count();
-        let Self { settings, camera, scene, gi, lights, targets, .. } = self;
+        let Self { settings, camera, scene, gi, lights, targets, vxct, .. } = self;
         let jitter = gbuffer_pass::jitter(frame, settings.frames);
         let clip_from_world = gbuffer_pass::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
@@ -256,18 +260,31 @@ impl Renderer {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
             self.gbuffer.record(&mut recorder, scene, textures, &view);
-            if settings.view.needs_direct() {
-                recorder.stage("direct light");
-                self.direct.record(&mut recorder, gi, lights, &targets.gbuffer, &targets.direct);
+            if let Look::Vxct(look) = &settings.look {
+                recorder.stage("look of VXCT");
+                let (gbuffer, view) = (&targets.gbuffer, settings.view);
+                let frame = VxctFrame { gi, lights, gbuffer, targets, view };
+                vxct.record(&self.gpu, &mut recorder, &frame, look)?;
+            } else {
+                if settings.view.needs_direct() {
+                    recorder.stage("direct light");
+                    self.direct.record(
+                        &mut recorder,
+                        gi,
+                        lights,
+                        &targets.gbuffer,
+                        &targets.direct,
+                    );
+                }
+                if settings.view.needs_cones(settings.bounces) {
+                    recorder.stage("trace");
+                    let (gbuffer, traced) = (&targets.gbuffer, &targets.traced);
+                    gi.trace(&mut recorder, gbuffer, lights, &settings.trace, traced)?;
+                }
+                recorder.stage("picture");
+                let (gbuffer, composite) = (&targets.gbuffer, &targets.composite);
+                self.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
             }
-            if settings.view.needs_cones(settings.bounces) {
-                recorder.stage("trace");
-                let (gbuffer, traced) = (&targets.gbuffer, &targets.traced);
-                gi.trace(&mut recorder, gbuffer, lights, &settings.trace, traced)?;
-            }
-            recorder.stage("picture");
-            let (gbuffer, composite) = (&targets.gbuffer, &targets.composite);
-            self.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
         }
         recorder.stage("picture");
         targets.accumulate.record(&mut recorder);
@@ -340,8 +357,8 @@ impl Renderer {
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
         recorder.stage("light");
-        let bounces = self.settings.voxel_bounces();
-        self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
+        let Self { gpu, settings, gi, lights, vxct, .. } = self;
+        vxct.light(gpu, &mut recorder, gi, lights, settings)?;
         self.times.add(recorder.finish().await?);
         self.gpu.wait("lighting the voxels")?;
         self.targets.accumulate.reset();
@@ -369,10 +386,28 @@ impl Renderer {
         let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
         settings.validate(&self.gpu.device.limits())?;
         let was = std::mem::replace(&mut self.settings, settings);
-        let bounces = self.settings.voxel_bounces();
-        if bounces != was.voxel_bounces() {
+        if self.settings.voxel_bounces() != was.voxel_bounces() {
             let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
-            self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
+            let Self { gpu, settings, gi, lights, vxct, .. } = self;
+            vxct.light(gpu, &mut recorder, gi, lights, settings)?;
+            recorder.submit();
+        }
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
+    /// Changes how the picture comes about; the mean starts anew. The voxels are lit again where the look wants
+    /// another light in them.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] when a value is out of range, and when the device fails.
+    pub fn set_look(&mut self, look: Look) -> Result<(), RenderError> {
+        look.validate()?;
+        let was = std::mem::replace(&mut self.settings.look, look);
+        if look.injected_light() != was.injected_light() {
+            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
+            let Self { gpu, settings, gi, lights, vxct, .. } = self;
+            vxct.light(gpu, &mut recorder, gi, lights, settings)?;
             recorder.submit();
         }
         self.targets.accumulate.reset();

@@ -7,7 +7,7 @@ use lumivox::{
 };
 use lumivox_scene::Bounds;
 
-use crate::RenderError;
+use crate::{Look, RenderError};
 
 /// What the picture shows.
 ///
@@ -168,11 +168,14 @@ pub enum ToneMap {
     Aces,
     /// None: what is above 1 is clipped.
     Linear,
+    /// Not even the screen's encoding: values are the code, from 0 to 1, and clipped. For the look of VXCT, which
+    /// computes with display values; anything else comes out too dark.
+    Raw,
 }
 
 impl ToneMap {
     /// All curves.
-    pub const ALL: [Self; 3] = [Self::Neutral, Self::Aces, Self::Linear];
+    pub const ALL: [Self; 4] = [Self::Neutral, Self::Aces, Self::Linear, Self::Raw];
 
     /// The curve's name in lower case, as on the command line.
     pub fn name(self) -> &'static str {
@@ -180,6 +183,7 @@ impl ToneMap {
             Self::Neutral => "neutral",
             Self::Aces => "aces",
             Self::Linear => "linear",
+            Self::Raw => "raw",
         }
     }
 
@@ -189,6 +193,7 @@ impl ToneMap {
             Self::Neutral => "TONE_MAP_NEUTRAL",
             Self::Aces => "TONE_MAP_ACES",
             Self::Linear => "TONE_MAP_LINEAR",
+            Self::Raw => "TONE_MAP_RAW",
         }
     }
 }
@@ -229,6 +234,8 @@ pub struct RenderSettings {
     pub voxelizer: VoxelizeMethod,
     /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
     pub injection: Injection,
+    /// How the picture comes about. Default: by the physics.
+    pub look: Look,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -269,6 +276,7 @@ impl Default for RenderSettings {
             volume_memory: None,
             voxelizer: VoxelizeMethod::default(),
             injection: Injection::default(),
+            look: Look::default(),
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,
@@ -347,6 +355,7 @@ impl RenderSettings {
                         .to_owned(),
             });
         }
+        self.look.validate()?;
         Ok(self.trace.validate()?)
     }
 }

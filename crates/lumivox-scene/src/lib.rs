@@ -41,9 +41,9 @@ pub use load::{
     EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words,
 };
 pub use model::{
-    AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
-    LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,
-    Texture, TextureRef, Transmission, Unlit, Wrap,
+    AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,
+    Instance, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler,
+    Scene, Shading, Sheen, Texture, TextureRef, Transmission, Unlit, Wrap,
 };
 pub use pose::{AnimationChoice, AnimationInfo, Rig};
 

@@ -325,6 +325,7 @@ impl Check<'_> {
                 self.unit(&part("diffuse colour"), &p.diffuse.to_array())?;
                 self.unit(&part("opacity"), &[p.opacity])?;
                 self.unit(&part("specular colour"), &p.specular.to_array())?;
+                self.not_negative(&part("ambient strength"), &[p.ambient])?;
                 self.range(&part("shininess"), p.shininess, p.shininess >= 0.0, "at least 0")
             }
             Shading::Unlit(u) => self.unit(&part("colour"), &u.color.to_array()),
@@ -354,6 +355,9 @@ impl Check<'_> {
         self.not_negative(&part("colour"), &light.color.to_array())?;
         self.finite(|| part("position"), &light.position.to_array())?;
         self.not_negative(&part("radius"), &[light.radius_m])?;
+        if let Some(crate::Attenuation { constant, linear, quadratic }) = light.attenuation {
+            self.not_negative(&part("attenuation"), &[constant, linear, quadratic])?;
+        }
         let range = |range_m: Option<f32>| match range_m {
             Some(r) => self.range(&part("range"), r, r > 0.0, "above 0"),
             None => Ok(()),

@@ -100,6 +100,7 @@ mod tests {
             position: Vec3::new(1.0, 2.0, 3.0),
             direction: Vec3::NEG_Z,
             radius_m: 0.5,
+            attenuation: None,
         });
         let before = scene.bounds();
         let options = LoadOptions { up: UpAxis::Z, unit_m: 0.5, ..LoadOptions::default() };

@@ -22,6 +22,29 @@ pub struct Light {
     /// same. Default: 0, a point with hard shadows. A directional light has an angular radius in
     /// its kind instead.
     pub radius_m: f32,
+    /// How a point light fades in the look of VXCT, which is not the physics' way. Default: none.
+    /// The physical renderer passes over it.
+    pub attenuation: Option<Attenuation>,
+}
+
+/// Light that fades with 1 / (constant + linear d + quadratic d²) at a distance of d metres, as in
+/// old OpenGL. VXCT's scene files have it; [`LightKind::Point`]'s intensity is then what the light
+/// has at one metre, times that distance squared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attenuation {
+    /// At least 0. Default: 1.
+    pub constant: f32,
+    /// Per metre, at least 0. Default: 0.15.
+    pub linear: f32,
+    /// Per square metre, at least 0. Default: 0.45.
+    pub quadratic: f32,
+}
+
+impl Default for Attenuation {
+    /// That of VXCT's lights.
+    fn default() -> Self {
+        Self { constant: 1.0, linear: 0.15, quadratic: 0.45 }
+    }
 }
 
 impl Default for Light {
@@ -34,6 +57,7 @@ impl Default for Light {
             position: Vec3::ZERO,
             direction: Vec3::NEG_Y,
             radius_m: 0.0,
+            attenuation: None,
         }
     }
 }

@@ -164,6 +164,9 @@ pub struct Phong {
     pub specular_texture: Option<TextureRef>,
     /// Exponent of the lobe, at least 1; higher is sharper. Default: 16.
     pub shininess: f32,
+    /// The share of `diffuse` that shows of a light's light whatever its angle, at least 0, in the look
+    /// of VXCT; the physics has no such thing. Default: 0.
+    pub ambient: f32,
 }
 
 impl Default for Phong {
@@ -175,6 +178,7 @@ impl Default for Phong {
             specular: Vec3::ZERO,
             specular_texture: None,
             shininess: 16.0,
+            ambient: 0.0,
         }
     }
 }

@@ -78,6 +78,7 @@ pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
         specular: m.specular_color.min(Vec3::ONE),
         specular_texture: m.specular_texture,
         shininess,
+        ambient: 0.0,
     })
 }
 
