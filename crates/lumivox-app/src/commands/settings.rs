@@ -2,11 +2,13 @@
 
 use glam::UVec2;
 use lumivox::{Directionality, Injection, Preset, TraceResolution};
-use lumivox_render::RenderSettings;
+use lumivox_render::{Exposure, Look, RenderSettings, ToneMap, vxct_white};
+use lumivox_scene::Scene;
 use serde::Serialize;
 
-use crate::args::choices::{self, VolumeChoice};
+use crate::args::choices::{self, PresetChoice, VolumeChoice};
 use crate::args::cones::ConeArgs;
+use crate::args::number::ExposureChoice;
 use crate::cli::{LightArgs, RenderArgs, VoxelArgs};
 
 /// What a preset brings along besides its cones, where the command line does not say otherwise.
@@ -16,25 +18,49 @@ pub struct Companions {
     pub volume: VolumeChoice,
     pub injection: Injection,
     pub bounces: u32,
+    pub exposure: ExposureChoice,
+    pub tone_map: ToneMap,
 }
 
 impl Companions {
     /// Those of a preset.
-    pub fn of(preset: Preset) -> Self {
+    pub fn of(preset: PresetChoice) -> Self {
+        let RenderSettings { directionality, injection, bounces, tone_map, .. } =
+            RenderSettings::default();
+        let (volume, exposure) = (VolumeChoice::Dense, ExposureChoice::Auto);
+        let usual = Self { directionality, volume, injection, bounces, exposure, tone_map };
         match preset {
-            Preset::Fast | Preset::Balanced | Preset::High => {
-                let RenderSettings { directionality, injection, bounces, .. } =
-                    RenderSettings::default();
-                Self { directionality, volume: VolumeChoice::Dense, injection, bounces }
-            }
+            PresetChoice::Cones(Preset::Fast | Preset::Balanced | Preset::High) => usual,
             // What is seen are photons that were reflected once.
-            Preset::Report => Self {
+            PresetChoice::Cones(Preset::Report) => Self {
                 directionality: Directionality::Isotropic,
                 volume: VolumeChoice::Octree,
                 injection: Injection::Photons,
                 bounces: 1,
+                ..usual
+            },
+            // VXCT computes with display values.
+            PresetChoice::Vxct => Self {
+                directionality: Directionality::Isotropic,
+                bounces: 1,
+                exposure: ExposureChoice::Stops(0.0),
+                tone_map: ToneMap::Raw,
+                ..usual
             },
         }
+    }
+}
+
+/// How the pictures of `render` are exposed: as the command line says, or as the preset does.
+pub fn exposure(args: &RenderArgs) -> ExposureChoice {
+    args.exposure.unwrap_or_else(|| Companions::of(args.cones.preset()).exposure)
+}
+
+/// Where the look of VXCT shows a scene in physical units, and the command line says nothing of its exposure, white is
+/// what a white surface shows in the scene's light.
+pub fn expose_for_look(settings: &mut RenderSettings, args: &RenderArgs, scene: &Scene) {
+    if args.exposure.is_none() && settings.look != Look::Physical {
+        settings.exposure = Exposure::Stops(0.0 - vxct_white(scene).log2());
     }
 }
 
@@ -43,8 +69,8 @@ pub fn of_render(args: &RenderArgs) -> RenderSettings {
     RenderSettings {
         view: args.view,
         voxel_level: args.level,
-        exposure: args.exposure.first(),
-        tone_map: args.tone_map,
+        exposure: exposure(args).first(),
+        tone_map: args.tone_map.unwrap_or(Companions::of(args.cones.preset()).tone_map),
         ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
     }
 }
@@ -68,6 +94,7 @@ pub fn still(
         volume_memory: voxels.volume_memory,
         voxelizer: voxels.voxelizer,
         injection: light.injection.unwrap_or(companions.injection),
+        look: cones.look(voxels.resolution),
         trace: cones.settings(),
         bounces: light.bounces.unwrap_or(companions.bounces),
         shadows: light.shadows,
@@ -83,6 +110,7 @@ pub struct SettingsReport {
     pub resolution: u32,
     grid_offset: [f32; 3],
     isotropic: bool,
+    look: &'static str,
     volume: &'static str,
     voxelizer: &'static str,
     bounces: u32,
@@ -119,6 +147,10 @@ impl SettingsReport {
             resolution: settings.resolution,
             grid_offset: settings.grid_offset.to_array(),
             isotropic: settings.directionality == Directionality::Isotropic,
+            look: match settings.look {
+                Look::Physical => "physical",
+                Look::Vxct(_) => "vxct",
+            },
             volume: choices::volume_name(settings.volume),
             voxelizer: settings.voxelizer.name(),
             bounces: settings.bounces,
