@@ -208,20 +208,20 @@ pub struct RenderArgs {
     #[arg(help_heading = "Picture", default_value = "0", allow_negative_numbers = true)]
     pub level: u32,
 
-    /// Exposure in stops, -64 to 64, or auto, or auto-each
+    /// Exposure in stops, -64 to 64, or auto, or auto-each [default: auto; preset vxct: 0 for scenes in
+    /// display values, else such that white in the scene's light is white]
     ///
     /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
     /// average a middle grey; the pictures of a sequence all take the median of what five of them ask
     /// for, so that they do not flicker. With auto-each every picture finds its own. No effect on
     /// OpenEXR.
     #[arg(long, value_name = "STOPS|auto|auto-each", value_parser = number::exposure)]
-    #[arg(help_heading = "Picture", default_value = "auto", allow_hyphen_values = true)]
-    pub exposure: ExposureChoice,
+    #[arg(help_heading = "Picture", allow_hyphen_values = true)]
+    pub exposure: Option<ExposureChoice>,
 
-    /// Curve from radiance to the screen's range, for PNG
-    #[arg(long, value_name = "NAME", value_parser = choices::tone_map())]
-    #[arg(help_heading = "Picture", default_value = "neutral")]
-    pub tone_map: ToneMap,
+    /// Curve from radiance to the screen's range, for PNG [default: neutral; preset vxct: raw]
+    #[arg(long, value_name = "NAME", value_parser = choices::tone_map(), help_heading = "Picture")]
+    pub tone_map: Option<ToneMap>,
 
     /// What is drawn over it.
     #[command(flatten)]

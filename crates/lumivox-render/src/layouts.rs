@@ -36,6 +36,7 @@ fn structs_lie_in_memory_alike() {
     use crate::tone_map::ToneMapSettings;
     use crate::upload::{DrawRecord, MaterialRecord, TexturePlace};
     use crate::voxel_view::VoxelViewSettings;
+    use crate::vxct::{InjectSettings, VxctShape, VxctUniform};
 
     let library = &libraries()[0];
     assert_layout!(
@@ -85,6 +86,7 @@ fn structs_lie_in_memory_alike() {
             coat_roughness,
             transmission,
             is_blended,
+            coatless,
             places,
         }
     );
@@ -99,6 +101,36 @@ fn structs_lie_in_memory_alike() {
         "render::voxel_view::view",
         "VoxelViewSettings",
         VoxelViewSettings { level, pixel_slope }
+    );
+    assert_layout!(
+        library,
+        "render::vxct::shade",
+        "VxctShape",
+        VxctShape { width, offset, step_per_diameter }
+    );
+    assert_layout!(
+        library,
+        "render::vxct::shade",
+        "VxctUniform",
+        VxctUniform {
+            diffuse,
+            occlusion,
+            specular,
+            shown,
+            components,
+            terms,
+            unit_voxels,
+            origin_offset,
+            shadow_strength,
+            shininess_falloff,
+            white,
+        }
+    );
+    assert_layout!(
+        library,
+        "render::vxct::inject",
+        "InjectSettings",
+        InjectSettings { ambient, white }
     );
 }
 
@@ -241,8 +273,8 @@ fn every_shader_is_valid() {
             let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             entry_points += module.entry_points.len();
         }
-        // Thirteen compute kernels; three vertex and two fragment shaders for shadows; two and four for
+        // Fifteen compute kernels; three vertex and two fragment shaders for shadows; two and four for
         // the G-buffer; two and two for lines.
-        assert_eq!(entry_points, 28);
+        assert_eq!(entry_points, 30);
     }
 }

@@ -51,6 +51,7 @@ pub mod tone_map;
 mod upload;
 mod voxel_sets;
 pub mod voxel_view;
+mod vxct;
 
 #[cfg(test)]
 mod layouts;
@@ -68,3 +69,4 @@ pub use upload::{GpuScene, Lighting, radiance_unit};
 pub use voxel_sets::{
     EXTRA_COLOR, MISSING_COLOR, SetDifference, Voxel, VoxelSet, voxel_set_picture,
 };
+pub use vxct::{Components, ConeShape, Injected, Look, VxctSettings, vxct_white};

@@ -8,7 +8,7 @@ use lumivox::{
 use lumivox_scene::Bounds;
 
 use crate::overlay::LineRecord;
-use crate::{Overlay, RenderError};
+use crate::{Look, Overlay, RenderError};
 
 /// What the picture shows.
 ///
@@ -182,11 +182,14 @@ pub enum ToneMap {
     Aces,
     /// None: what is above 1 is clipped.
     Linear,
+    /// Not even the screen's encoding: values are the code, from 0 to 1, and clipped. For the look of VXCT, which
+    /// computes with display values; anything else comes out too dark.
+    Raw,
 }
 
 impl ToneMap {
     /// All curves.
-    pub const ALL: [Self; 3] = [Self::Neutral, Self::Aces, Self::Linear];
+    pub const ALL: [Self; 4] = [Self::Neutral, Self::Aces, Self::Linear, Self::Raw];
 
     /// The curve's name in lower case, as on the command line.
     pub const fn name(self) -> &'static str {
@@ -194,6 +197,7 @@ impl ToneMap {
             Self::Neutral => "neutral",
             Self::Aces => "aces",
             Self::Linear => "linear",
+            Self::Raw => "raw",
         }
     }
 
@@ -203,6 +207,7 @@ impl ToneMap {
             Self::Neutral => "TONE_MAP_NEUTRAL",
             Self::Aces => "TONE_MAP_ACES",
             Self::Linear => "TONE_MAP_LINEAR",
+            Self::Raw => "TONE_MAP_RAW",
         }
     }
 }
@@ -244,6 +249,8 @@ pub struct RenderSettings {
     pub voxelizer: VoxelizeMethod,
     /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
     pub injection: Injection,
+    /// How the picture comes about. Default: by the physics.
+    pub look: Look,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -286,6 +293,7 @@ impl Default for RenderSettings {
             volume_memory: None,
             voxelizer: VoxelizeMethod::default(),
             injection: Injection::default(),
+            look: Look::default(),
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,
@@ -366,6 +374,7 @@ impl RenderSettings {
             });
         }
         validate_lines(self.overlay.lines.len(), limits)?;
+        self.look.validate()?;
         Ok(self.trace.validate()?)
     }
 }

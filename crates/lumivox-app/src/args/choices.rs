@@ -93,15 +93,51 @@ pub fn voxelizer() -> impl TypedValueParser<Value = VoxelizeMethod> {
 /// How much is spent on the cones.
 pub fn preset() -> impl TypedValueParser<Value = Preset> {
     among(&[Preset::Fast, Preset::Balanced, Preset::High, Preset::Report], |preset| {
-        let help = match preset {
-            Preset::Fast => "6 cones, one pixel in four",
-            Preset::Balanced => "6 cones, every pixel",
-            Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
-            Preset::Report => {
-                "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
-            }
-        };
-        (preset_name(preset), help)
+        (preset_name(preset), preset_help(preset))
+    })
+}
+
+fn preset_help(preset: Preset) -> &'static str {
+    match preset {
+        Preset::Fast => "6 cones, one pixel in four",
+        Preset::Balanced => "6 cones, every pixel",
+        Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
+        Preset::Report => {
+            "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
+        }
+    }
+}
+
+/// What a picture starts from: presets of the cones, or a look with cones of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PresetChoice {
+    /// The physical look, or what is left of it.
+    Cones(Preset),
+    /// The look of VXCT.
+    Vxct,
+}
+
+impl Default for PresetChoice {
+    fn default() -> Self {
+        Self::Cones(Preset::default())
+    }
+}
+
+/// A preset of the cones, or a look.
+pub fn preset_or_look() -> impl TypedValueParser<Value = PresetChoice> {
+    const ALL: [PresetChoice; 5] = [
+        PresetChoice::Cones(Preset::Fast),
+        PresetChoice::Cones(Preset::Balanced),
+        PresetChoice::Cones(Preset::High),
+        PresetChoice::Cones(Preset::Report),
+        PresetChoice::Vxct,
+    ];
+    among(&ALL, |choice| match choice {
+        PresetChoice::Cones(preset) => (preset_name(preset), preset_help(preset)),
+        PresetChoice::Vxct => (
+            "vxct",
+            "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values",
+        ),
     })
 }
 
@@ -148,6 +184,7 @@ pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
             ToneMap::Neutral => "Khronos PBR Neutral: colours stay, highlights are compressed",
             ToneMap::Aces => "the ACES film curve: more contrast, hues shift in highlights",
             ToneMap::Linear => "none: what is brighter than 1 is clipped",
+            ToneMap::Raw => "not even the screen's encoding: for display values, as in preset vxct",
         };
         (tone_map.name(), help)
     })

@@ -203,6 +203,7 @@ fn shading(textures: usize) -> impl Strategy<Value = Shading> {
                 specular,
                 specular_texture,
                 shininess,
+                ambient: 0.0,
             })
         },
     );
@@ -311,6 +312,7 @@ fn light() -> impl Strategy<Value = Light> {
             position,
             direction,
             radius_m,
+            attenuation: None,
         },
     )
 }
