@@ -47,16 +47,17 @@ impl MemoryEstimate {
     /// # Errors
     /// [`RenderError::Gi`] when the settings' grid is impossible.
     pub fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.bounds());
+        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
         let vertices: usize = scene.meshes.iter().map(|mesh| mesh.positions.len()).sum();
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
         let voxels = voxel_count(scene, &grid, |_| true);
         // Of static instances among others their own sums are kept.
-        let fixed = scene.instances.iter().filter(|instance| instance.is_static).count();
+        let voxelized = || scene.shown().filter(|instance| instance.is_voxelized);
+        let fixed = voxelized().filter(|instance| instance.is_static).count();
         let fixed_voxels = || voxel_count(scene, &grid, |instance| instance.is_static);
-        let is_mixed = (1..scene.instances.len()).contains(&fixed);
+        let is_mixed = (1..voxelized().count()).contains(&fixed);
         let kept = if is_mixed { kept_bytes(&grid, fixed_voxels()) } else { 0 };
         // Without bounces in the voxels, what the volume holds is remembered.
         let held = if settings.bounces < 2 { held_bytes(voxels) } else { 0 };
@@ -66,7 +67,7 @@ impl MemoryEstimate {
         let parts = [
             ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
             ("textures", texture_bytes(scene)),
-            ("instances", (scene.instances.len() * size_of::<DrawRecord>()) as u64),
+            ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
             ("voxel list (about)", list_bytes(&grid, voxels, settings.injection) + kept + held),
@@ -156,7 +157,8 @@ fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static
 fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool) -> u64 {
     let cell_area = f64::from(grid.voxel_size_m).powi(2);
     let mut voxels = 0.0;
-    for instance in scene.instances.iter().filter(|instance| is_meant(instance)) {
+    let is_meant = |instance: &&Instance| instance.is_voxelized && is_meant(instance);
+    for instance in scene.shown().filter(is_meant) {
         let Some(mesh) = scene.meshes.get(instance.mesh) else { continue };
         let corner = |index: usize| {
             mesh.positions.get(index).map(|p| instance.world_from_local.transform_point3(*p))

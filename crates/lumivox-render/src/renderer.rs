@@ -71,7 +71,7 @@ impl Renderer {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
-        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.bounds());
+        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
         let camera = camera.or(scene.cameras.first()).cloned();
         let camera = camera.unwrap_or_else(|| {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
@@ -84,7 +84,8 @@ impl Renderer {
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
-        scene.bounds = bounds;
+        // Shadow maps hold what lies outside of the grid, too.
+        scene.bounds = bounds.union(scene.bounds);
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });

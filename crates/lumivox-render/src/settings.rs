@@ -215,7 +215,8 @@ pub struct RenderSettings {
     /// Shift of the voxel grid in voxels, each at least 0 and below 1. Default: 0. Errors depend on
     /// where walls fall in the grid, so measurements try several.
     pub grid_offset: Vec3,
-    /// The box that the grid and the shadow maps are fitted to. Default: `None`, the scene's own bounds.
+    /// The box that the grid is fitted to, and the shadow maps at least. Default: `None`, that of
+    /// [`Scene::voxel_bounds`](lumivox_scene::Scene::voxel_bounds).
     /// A scene that moves needs the union over all its poses: a grid that follows a pose would make the
     /// light flicker. What lies outside has no voxels.
     pub grid_bounds: Option<Bounds>,

@@ -62,8 +62,7 @@ fn scene(material: Material, environment: Environment, has_plate: bool) -> Scene
             name: mesh.name.clone(),
             mesh: index,
             material: index,
-            world_from_local: Mat4::IDENTITY,
-            is_static: true,
+            ..Instance::default()
         });
         scene.meshes.push(mesh);
     }

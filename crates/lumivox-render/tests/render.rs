@@ -70,7 +70,7 @@ fn floor_in_the_sun() -> Scene {
         mesh: 0,
         material: 0,
         world_from_local: Mat4::IDENTITY,
-        is_static: true,
+        ..Instance::default()
     });
     scene.lights.push(Light {
         kind: LightKind::Directional { illuminance_lux: 50_000.0, angular_radius_rad: 0.0 },
@@ -108,7 +108,7 @@ fn with_half_a_roof(mut scene: Scene) -> Scene {
         mesh: 1,
         material: 1,
         world_from_local: Mat4::IDENTITY,
-        is_static: true,
+        ..Instance::default()
     });
     // From the zenith the roof's shadow lies right below it.
     scene.lights[0].direction = Vec3::NEG_Y;

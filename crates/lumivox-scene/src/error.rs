@@ -83,6 +83,21 @@ pub enum SceneError {
         reason: String,
     },
 
+    /// A text breaks its grammar.
+    #[error("{}:{line}:{column}: found {found}, expected {expected}", file.display())]
+    Syntax {
+        /// The scene's file.
+        file: PathBuf,
+        /// The line, from 1.
+        line: u32,
+        /// The character in the line, from 1.
+        column: u32,
+        /// What is there.
+        found: String,
+        /// What would be right.
+        expected: String,
+    },
+
     /// The file says that it cannot be shown without an extension that is not supported.
     #[error(
         "{}: requires the glTF extension {}, which is not supported; re-export without it \

@@ -4,14 +4,15 @@
 //! 3.4). Light is in photometric units: luminance in cd/m², illuminance in lux, intensity in
 //! candela. This crate knows no GPU; renderers upload what they find here.
 //!
-//! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY or STL file), from [`builtin::scene`] (made
+//! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY, STL or VXCT file), from [`builtin::scene`] (made
 //! in code, see [`builtin::names`]), or from hand-filled fields followed by [`Scene::validate`].
 //! In each case the same promises hold afterwards:
 //!
 //! - every index points at something, every number is finite, no triangle has zero area;
 //! - triangles wind counter-clockwise seen from their front *after* the instance's transform, also
 //!   where that transform mirrors;
-//! - the scene has at least one triangle and a size above zero.
+//! - the scene has at least one triangle that is not hidden and a size above zero, or brings the box of
+//!   its voxels ([`Scene::grid_bounds`]).
 //!
 //! ```
 //! let scene = lumivox_scene::builtin::scene("cornell")?;
@@ -41,9 +42,9 @@ pub use load::{
     EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words,
 };
 pub use model::{
-    AlphaMode, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light,
-    LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen,
-    Texture, TextureRef, Transmission, Unlit, Wrap,
+    AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,
+    Instance, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler,
+    Scene, Shading, Sheen, Texture, TextureRef, Transmission, Unlit, Wrap,
 };
 pub use pose::{AnimationChoice, AnimationInfo, Rig};
 

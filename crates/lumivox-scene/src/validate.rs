@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use glam::{Mat4, Vec3};
 
 use crate::{
-    Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene, SceneError, Shading,
-    Texture, model::to_unit,
+    Attenuation, Bounds, Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene,
+    SceneError, Shading, Texture, model::to_unit,
 };
 
 impl Scene {
@@ -19,8 +19,9 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`] for numbers that are not finite or out of range, indices that point at
-    /// nothing, arrays whose lengths disagree, no triangles at all, and a scene of size zero. The
-    /// message names the scene and the part.
+    /// nothing, arrays whose lengths disagree, no triangles at all that are not hidden, and a scene of
+    /// size zero. A scene with [`Scene::grid_bounds`] may be empty or a point. The message names the
+    /// scene and the part.
     pub fn validate(&mut self) -> Result<(), SceneError> {
         let name = PathBuf::from(&self.name);
         validate(self, &name)
@@ -33,7 +34,7 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
     scene.meshes.iter_mut().for_each(normalize_normals);
     drop_flattened_instances(scene);
     drop_degenerate_triangles(scene);
-    if scene.triangle_count() == 0 {
+    if scene.triangle_count() == 0 && scene.grid_bounds.is_none() {
         let removed = scene.notes.degenerate_triangles;
         return Err(SceneError::NoTriangles {
             file: file.to_owned(),
@@ -325,6 +326,7 @@ impl Check<'_> {
                 self.unit(&part("diffuse colour"), &p.diffuse.to_array())?;
                 self.unit(&part("opacity"), &[p.opacity])?;
                 self.unit(&part("specular colour"), &p.specular.to_array())?;
+                self.not_negative(&part("ambient share"), &[p.ambient])?;
                 self.range(&part("shininess"), p.shininess, p.shininess >= 0.0, "at least 0")
             }
             Shading::Unlit(u) => self.unit(&part("colour"), &u.color.to_array()),
@@ -354,6 +356,11 @@ impl Check<'_> {
         self.not_negative(&part("colour"), &light.color.to_array())?;
         self.finite(|| part("position"), &light.position.to_array())?;
         self.not_negative(&part("radius"), &[light.radius_m])?;
+        if let Some(Attenuation { constant, linear, quadratic }) = light.attenuation {
+            self.not_negative(&part("attenuation"), &[constant, linear, quadratic])?;
+            let sum = constant + linear + quadratic;
+            self.range(&part("attenuation's sum"), sum, sum > 0.0, "above 0")?;
+        }
         let range = |range_m: Option<f32>| match range_m {
             Some(r) => self.range(&part("range"), r, r > 0.0, "above 0"),
             None => Ok(()),
@@ -415,11 +422,23 @@ impl Check<'_> {
         map.rgb.iter().try_for_each(|texel| self.not_negative(&part, texel))
     }
 
-    /// There are triangles, and they span a finite box that is no point.
+    /// There are triangles, and they span a finite box that is no point; or the scene brings such a box.
     fn extent(&self, scene: &Scene) -> Result<(), SceneError> {
         let file = self.file.to_owned();
-        if scene.triangle_count() == 0 {
-            let reason = "it has no instance of a mesh with triangles".to_owned();
+        let is_empty = scene.triangle_count() == 0;
+        if let Some(bounds) = scene.grid_bounds {
+            self.grid(bounds)?;
+            if is_empty {
+                return Ok(());
+            }
+        }
+        if is_empty {
+            let is_hidden = scene.instances.iter().any(|instance| instance.is_hidden);
+            let reason = if is_hidden {
+                "all instances are hidden".to_owned()
+            } else {
+                "it has no instance of a mesh with triangles".to_owned()
+            };
             return Err(SceneError::NoTriangles { file, reason });
         }
         let bounds = scene.bounds();
@@ -427,8 +446,19 @@ impl Check<'_> {
             let part = "the scene's bounds, after the transforms,".to_owned();
             return Err(SceneError::NotFinite { file, part });
         }
-        if bounds.size().max_element() <= 0.0 {
+        if bounds.size().max_element() <= 0.0 && scene.grid_bounds.is_none() {
             return Err(SceneError::ZeroSize { file, point: bounds.min.to_string() });
+        }
+        Ok(())
+    }
+
+    fn grid(&self, bounds: Bounds) -> Result<(), SceneError> {
+        let part = "the box of the voxels";
+        self.finite(|| part.to_owned(), &[bounds.min.to_array(), bounds.max.to_array()].concat())?;
+        self.finite(|| part.to_owned(), &bounds.size().to_array())?;
+        if bounds.is_empty() || bounds.size().max_element() <= 0.0 {
+            let value = format!("{} to {}", bounds.min, bounds.max);
+            return Err(self.out_of_range(part, value, "larger than a point"));
         }
         Ok(())
     }

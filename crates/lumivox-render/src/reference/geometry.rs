@@ -82,13 +82,13 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    /// All triangles of a valid scene but those of materials that are nowhere.
+    /// All triangles of a valid scene but those that are hidden or of materials that are nowhere.
     pub(super) fn new(scene: &Scene, sides: &[Sides]) -> Self {
         let bounds = scene.bounds();
         let origin = bounds.center().as_dvec3();
         let mut triangles = Vec::new();
         let mut vertices = Vec::new();
-        for instance in &scene.instances {
+        for instance in scene.shown() {
             let sides = sides[instance.material];
             if sides.is_absent {
                 continue;

@@ -195,7 +195,7 @@ impl Placed {
             batches.iter().map(VertexBuffers::for_voxels).collect();
         let mut draws = Vec::new();
         let mut records = Vec::new();
-        for instance in &scene.instances {
+        for instance in scene.shown() {
             let material = &materials[instance.material];
             if material.presence == Presence::Absent {
                 continue;
@@ -213,6 +213,9 @@ impl Placed {
                     bounds,
                 });
                 records.push(DrawRecord::new(instance.world_from_local));
+                if !instance.is_voxelized {
+                    continue;
+                }
                 geometry[piece.batch].draws.push(Draw {
                     first_index: piece.first_index,
                     index_count: piece.index_count,

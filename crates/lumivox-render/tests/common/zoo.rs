@@ -216,7 +216,7 @@ fn place(scene: &mut Scene, mesh: Mesh, material: Material, world_from_local: Ma
         mesh: scene.meshes.len() - 1,
         material: scene.materials.len() - 1,
         world_from_local,
-        is_static: true,
+        ..Instance::default()
     });
 }
 

@@ -47,7 +47,7 @@ pub(super) fn place_at(
         mesh,
         material,
         world_from_local,
-        is_static: true,
+        ..Instance::default()
     });
 }
 

@@ -59,7 +59,7 @@ pub(super) fn scene() -> Scene {
                     mesh,
                     material: surface,
                     world_from_local,
-                    is_static: true,
+                    ..Instance::default()
                 }),
                 None => {
                     place_at(&mut scene, "sphere", sphere(RADIUS_M, 48), surface, world_from_local);

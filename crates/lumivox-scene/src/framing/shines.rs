@@ -7,7 +7,7 @@ const BLACK: u8 = 8;
 
 pub(super) fn shines(scene: &Scene) -> bool {
     let used = || {
-        let materials = scene.instances.iter().map(|instance| instance.material);
+        let materials = scene.shown().map(|instance| instance.material);
         materials.filter_map(|index| scene.materials.get(index))
     };
     let mut unlit = used().map(|material| matches!(material.shading, Shading::Unlit(_)));

@@ -17,9 +17,9 @@ use crate::{AlphaMode, Bounds, Instance, Material, Mesh, Scene, Shading};
 pub(super) struct Soup {
     pub(super) positions: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// For each triangle, the instance that it belongs to.
+    /// For each triangle, the shown instance that it belongs to.
     pub(super) part: Vec<u32>,
-    /// For each instance, what its surface is to rays.
+    /// For each shown instance, what its surface is to rays.
     pub(super) sides: Vec<Sides>,
 }
 
@@ -117,7 +117,7 @@ impl Soup {
                 sides: scene.materials.get(instance.material).map_or(Sides::Front, sides),
             })
         };
-        let mut parts: Vec<Part<'_>> = scene.instances.iter().filter_map(part).collect();
+        let mut parts: Vec<Part<'_>> = scene.shown().filter_map(part).collect();
         if parts.iter().all(|part| part.sides == Sides::Transparent) {
             // Glass alone is what is to be seen.
             for part in &mut parts {

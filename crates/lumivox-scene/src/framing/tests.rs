@@ -22,7 +22,7 @@ fn scene(meshes: impl IntoIterator<Item = Mesh>, is_double_sided: bool) -> Scene
             mesh,
             material: 0,
             world_from_local,
-            is_static: true,
+            ..Instance::default()
         });
     }
     scene.validate().unwrap();
@@ -369,7 +369,7 @@ fn panes_let_the_view_and_the_sun_pass() {
         mesh: 1,
         material: 1,
         world_from_local,
-        is_static: true,
+        ..Instance::default()
     });
     scene.validate().unwrap();
     assert!(!scene.is_enclosed());

@@ -1,7 +1,7 @@
 //! Which files are read.
 
 /// The extensions of the files that [`Scene::load`](crate::Scene::load) reads, in lower case.
-pub const EXTENSIONS: &[&str] = &["gltf", "glb", "obj", "ply", "stl"];
+pub const EXTENSIONS: &[&str] = &["gltf", "glb", "obj", "ply", "stl", "scene", "vxct", "txt"];
 
 /// All of them in words: `.gltf or .glb`.
 pub fn extensions_in_words() -> String {

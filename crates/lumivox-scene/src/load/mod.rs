@@ -6,6 +6,7 @@
 mod color;
 mod extensions;
 mod files;
+mod find;
 mod geometry;
 mod gltf;
 mod image;
@@ -21,6 +22,7 @@ mod tangents;
 mod text;
 mod textures;
 mod units;
+mod vxct;
 
 use std::path::Path;
 
@@ -35,9 +37,10 @@ pub use units::UpAxis;
 /// How a scene is loaded. The default loads all that a file shows by itself, and reads no file
 /// outside of the scene's folder.
 pub struct LoadOptions<'a> {
-    /// Whether the scene may name files outside of its own folder. Default: no.
+    /// Whether the scene may name files outside of its own folder (of VXCT's scenes in a folder `scenes`:
+    /// of the folder above). Default: no.
     pub allow_outside: bool,
-    /// Which of a file's scenes to load (glTF), by name or number. Default: the one that the file
+    /// Which of a file's scenes to load (glTF, VXCT), by name or number. Default: the one that the file
     /// marks, else the first.
     pub scene: Option<String>,
     /// Which axis of the file points up. Default: y. Ask for z where a model of CAD or a scan lies on
@@ -129,7 +132,8 @@ impl std::fmt::Debug for LoadOptions<'_> {
 
 impl Scene {
     /// Reads a scene from a file, and validates it: `.gltf` or `.glb` (glTF 2.0), `.obj` with its
-    /// materials (Wavefront), `.ply` (Stanford) or `.stl` (stereolithography).
+    /// materials (Wavefront), `.ply` (Stanford), `.stl` (stereolithography), or the text of the program
+    /// VXCT with its models (`.scene`, `.vxct`, `.txt`).
     ///
     /// What the file uses beyond this crate's reach becomes a warning in [`Scene::notes`] and in
     /// the log.
@@ -188,6 +192,7 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
         "obj" => obj::load(path, options)?,
         "ply" => ply::load(path, options)?,
         "stl" => stl::load(path, options)?,
+        "scene" | "vxct" | "txt" => vxct::load(path, options)?,
         _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
     };
     units::apply(&mut scene, path, options)?;

@@ -64,10 +64,18 @@ pub(super) fn apply(
     for light in &mut scene.lights {
         light.position *= unit_m;
         light.radius_m *= unit_m;
+        if let Some(attenuation) = &mut light.attenuation {
+            attenuation.linear /= unit_m;
+            attenuation.quadratic /= unit_m * unit_m;
+        }
         if let LightKind::Point { range_m, .. } | LightKind::Spot { range_m, .. } = &mut light.kind
         {
             *range_m = range_m.map(|range_m| range_m * unit_m);
         }
+    }
+    if let Some(bounds) = &mut scene.grid_bounds {
+        bounds.min *= unit_m;
+        bounds.max *= unit_m;
     }
     for camera in &mut scene.cameras {
         camera.position *= unit_m;
@@ -80,6 +88,7 @@ pub(super) fn apply(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Attenuation, Bounds};
 
     #[test]
     fn z_becomes_y_and_handedness_stays() {
@@ -100,7 +109,9 @@ mod tests {
             position: Vec3::new(1.0, 2.0, 3.0),
             direction: Vec3::NEG_Z,
             radius_m: 0.5,
+            attenuation: Some(Attenuation { constant: 1.0, linear: 0.5, quadratic: 3.0 }),
         });
+        scene.grid_bounds = Some(Bounds { min: Vec3::NEG_ONE, max: Vec3::new(1.0, 2.0, 3.0) });
         let before = scene.bounds();
         let options = LoadOptions { up: UpAxis::Z, unit_m: 0.5, ..LoadOptions::default() };
         apply(&mut scene, Path::new("cornell"), &options).unwrap();
@@ -110,6 +121,11 @@ mod tests {
         let lamp = scene.lights.last().unwrap();
         assert_eq!(lamp.position, Vec3::new(0.5, 1.5, -1.0));
         assert_eq!(lamp.radius_m, 0.25);
+        // The same share of the light at the same place, which is half as far away.
+        let attenuation = Attenuation { constant: 1.0, linear: 1.0, quadratic: 12.0 };
+        assert_eq!(lamp.attenuation, Some(attenuation));
+        let grid = Bounds { min: Vec3::new(-0.5, -0.5, -1.0), max: Vec3::new(0.5, 1.5, 0.5) };
+        assert_eq!(scene.grid_bounds, Some(grid));
         assert_eq!(lamp.kind, LightKind::Point { intensity_cd: 5.0, range_m: Some(2.0) });
     }
 

@@ -59,6 +59,18 @@ impl Bounds {
         if self.is_empty() { Vec3::ZERO } else { self.max - self.min }
     }
 
+    /// The eight corners; without meaning for an empty box.
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|corner| {
+            let pick = |bit: usize, low: f32, high: f32| if corner & bit == 0 { low } else { high };
+            Vec3::new(
+                pick(1, self.min.x, self.max.x),
+                pick(2, self.min.y, self.max.y),
+                pick(4, self.min.z, self.max.z),
+            )
+        })
+    }
+
     /// Half the diagonal in metres: the radius of the sphere around the box.
     pub fn radius_m(&self) -> f32 {
         (self.size() * 0.5).length()

@@ -22,6 +22,40 @@ pub struct Light {
     /// same. Default: 0, a point with hard shadows. A directional light has an angular radius in
     /// its kind instead.
     pub radius_m: f32,
+    /// How its light falls off in the look of the time before physical units. Default: none, for the
+    /// inverse square. Physical renderers pay no heed to it.
+    pub attenuation: Option<Attenuation>,
+}
+
+/// The fall-off of a light as the fixed pipelines of graphics hardware had it (Segal and Akeley 1992,
+/// "The OpenGL graphics system", section 2.13.1): of the light, a share of
+/// `1 / (constant + linear d + quadratic d²)` arrives at a distance of d metres.
+///
+/// Physical renderers use the inverse square of the intensity instead; the `vxct` look uses this. A
+/// light that has it gives the same to both at a metre: with [`Attenuation::at`] 1 m of a, its intensity
+/// is pi a candela, so that a white diffuse surface that faces it there has a radiance of a cd/m².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attenuation {
+    /// The part that is the same at any distance, at least 0. Default: 1.
+    pub constant: f32,
+    /// The part that grows with the distance, 1/m, at least 0. Default: 0.15.
+    pub linear: f32,
+    /// The part that grows with the square of the distance, 1/m², at least 0. Default: 0.45.
+    pub quadratic: f32,
+}
+
+impl Default for Attenuation {
+    /// That of VXCT.
+    fn default() -> Self {
+        Self { constant: 1.0, linear: 0.15, quadratic: 0.45 }
+    }
+}
+
+impl Attenuation {
+    /// The share of the light that arrives at a distance in metres.
+    pub fn at(&self, distance_m: f32) -> f32 {
+        1.0 / (self.constant + distance_m * (self.linear + distance_m * self.quadratic))
+    }
 }
 
 impl Default for Light {
@@ -34,6 +68,7 @@ impl Default for Light {
             position: Vec3::ZERO,
             direction: Vec3::NEG_Y,
             radius_m: 0.0,
+            attenuation: None,
         }
     }
 }

@@ -164,6 +164,10 @@ pub struct Phong {
     pub specular_texture: Option<TextureRef>,
     /// Exponent of the lobe, at least 1; higher is sharper. Default: 16.
     pub shininess: f32,
+    /// The share of the lights' colour, times `diffuse`, that the surface shows wherever it faces: a
+    /// stand-in for indirect light, at least 0. Default: 0; VXCT has 0.08. Physical renderers pay no heed
+    /// to it, the `vxct` look uses it.
+    pub ambient: f32,
 }
 
 impl Default for Phong {
@@ -175,6 +179,7 @@ impl Default for Phong {
             specular: Vec3::ZERO,
             specular_texture: None,
             shininess: 16.0,
+            ambient: 0.0,
         }
     }
 }

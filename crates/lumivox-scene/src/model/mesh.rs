@@ -63,6 +63,9 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec4 {
 /// front of a triangle is counter-clockwise in *world* space whatever the determinant's sign.
 /// Normals need the inverse transpose of the matrix, sign included: the adjugate alone would turn
 /// them inwards under a mirror.
+///
+/// The default is the first mesh in the first material where it was modelled, static, voxelized and
+/// shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     /// A name for lists and messages.
@@ -76,4 +79,24 @@ pub struct Instance {
     /// It stays as it is while others move, so that renderers may keep what they made of it. By default all is
     /// static but what an animation can reach, by a node, a bone or a morph target.
     pub is_static: bool,
+    /// Its surface is in the voxels, so that it takes part in indirect light; all of it is drawn and
+    /// casts shadows from shadow maps in any case, and rays of the reference meet it. Default: yes.
+    pub is_voxelized: bool,
+    /// It is as if it were not there: neither drawn nor voxelized, without shadow, outside of
+    /// [`Scene::bounds`](super::Scene::bounds); only kept and saved (`KHR_node_visibility`). Default: no.
+    pub is_hidden: bool,
+}
+
+impl Default for Instance {
+    fn default() -> Self {
+        Self {
+            name: "instance".to_owned(),
+            mesh: 0,
+            material: 0,
+            world_from_local: Mat4::IDENTITY,
+            is_static: true,
+            is_voxelized: true,
+            is_hidden: false,
+        }
+    }
 }

@@ -11,7 +11,7 @@ mod unit;
 
 pub use bounds::Bounds;
 pub use camera::Camera;
-pub use light::{Environment, EnvironmentMap, Light, LightKind};
+pub use light::{Attenuation, Environment, EnvironmentMap, Light, LightKind};
 pub use material::{
     AlphaMode, Clearcoat, Material, MetallicRoughness, Phong, Shading, Sheen, Transmission, Unlit,
 };

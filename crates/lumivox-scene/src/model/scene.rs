@@ -27,6 +27,9 @@ pub struct Scene {
     /// What moves, for [`Scene::pose`]; none where a file has no animations. Setting it to none
     /// keeps what is shown, and frees the memory.
     pub rig: Option<Rig>,
+    /// What a voxel grid is fitted to. Default: none, for [`Scene::bounds`]. A scene that has it may be
+    /// empty.
+    pub grid_bounds: Option<Bounds>,
     /// What was noticed while loading.
     pub notes: LoadNotes,
 }
@@ -44,16 +47,22 @@ pub struct LoadNotes {
     pub extensions_used: Vec<String>,
     /// Those of them without which it could not be shown.
     pub extensions_required: Vec<String>,
-    /// The file's scenes in order, by their names or numbers (glTF); see
+    /// The file's scenes in order, by their names or numbers (glTF, VXCT); see
     /// [`LoadOptions::scene`](crate::LoadOptions::scene).
     pub scenes: Vec<String>,
 }
 
 impl Scene {
-    /// The smallest box around all instances in world space; [`Bounds::EMPTY`] without triangles.
+    /// The instances that are not hidden.
+    pub fn shown(&self) -> impl Iterator<Item = &Instance> {
+        self.instances.iter().filter(|instance| !instance.is_hidden)
+    }
+
+    /// The smallest box around all instances that are not hidden, in world space; [`Bounds::EMPTY`]
+    /// without triangles.
     pub fn bounds(&self) -> Bounds {
         let mut bounds = Bounds::EMPTY;
-        for instance in &self.instances {
+        for instance in self.shown() {
             let Some(mesh) = self.meshes.get(instance.mesh) else { continue };
             for &index in &mesh.indices {
                 if let Some(&position) = mesh.positions.get(index as usize) {
@@ -64,20 +73,28 @@ impl Scene {
         bounds
     }
 
-    /// How many triangles a renderer sees: each instance counts its mesh's.
+    /// What a voxel grid is fitted to: [`Scene::grid_bounds`], or else [`Scene::bounds`].
+    pub fn voxel_bounds(&self) -> Bounds {
+        self.grid_bounds.unwrap_or_else(|| self.bounds())
+    }
+
+    /// How many triangles a renderer sees: each instance that is not hidden counts its mesh's.
     pub fn triangle_count(&self) -> usize {
-        self.instances
-            .iter()
+        self.shown()
             .filter_map(|instance| self.meshes.get(instance.mesh))
             .map(Mesh::triangle_count)
             .sum()
     }
 
     /// Moves everything, lights and cameras included, by a rigid motion (rotation and translation;
-    /// scale would change distances to lights and so their meaning). The surroundings stay.
+    /// scale would change distances to lights and so their meaning). The surroundings stay. The box of
+    /// the voxels, whose axes are the world's, grows to hold what it held.
     pub fn transform(&mut self, rigid: Mat4) {
         if let Some(rig) = &mut self.rig {
             rig.transform(rigid);
+        }
+        if let Some(bounds) = &mut self.grid_bounds {
+            *bounds = Bounds::from_points(bounds.corners().map(|c| rigid.transform_point3(c)));
         }
         for instance in &mut self.instances {
             instance.world_from_local = rigid * instance.world_from_local;
@@ -92,14 +109,15 @@ impl Scene {
             camera.up = rigid.transform_vector3(camera.up).normalize_or_zero();
         }
     }
-    /// Turns everything that [`Scene::transform`] moves about the centre of the bounds: Euler angles in
+
+    /// Turns everything that [`Scene::transform`] moves about the centre of the voxels' bounds: Euler angles in
     /// radians about x, y and z (intrinsic, in that order).
     ///
     /// Pictures from the scene's own cameras stay the same but for the surroundings, and for how walls
     /// fall in a voxel grid.
     pub fn rotate(&mut self, angles_rad: Vec3) {
         let turn = Quat::from_euler(EulerRot::XYZ, angles_rad.x, angles_rad.y, angles_rad.z);
-        let center = self.bounds().center();
+        let center = self.voxel_bounds().center();
         let from_center = Mat4::from_translation(center) * Mat4::from_quat(turn);
         self.transform(from_center * Mat4::from_translation(-center));
     }

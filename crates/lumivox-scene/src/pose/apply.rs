@@ -46,10 +46,7 @@ pub(super) fn pose(
         scene.rig = Some(rig);
         shown?;
     }
-    let is_visible = |instance: &Instance| {
-        scene.meshes.get(instance.mesh).is_some_and(|mesh| !mesh.indices.is_empty())
-    };
-    if scene.instances.iter().any(is_visible) {
+    if scene.triangle_count() > 0 || scene.grid_bounds.is_some() {
         return Ok(());
     }
     Err(SceneError::NothingAtTime { file, time_s })
@@ -176,16 +173,16 @@ fn place_instances(
     }
     if !visible.iter().map(|v| v.0).eq(rig.shown.iter().copied()) {
         let others = scene.instances.split_off(rig.shown.len().min(scene.instances.len()));
-        scene.instances = visible
-            .iter()
-            .map(|&(i, mesh, world_from_local)| Instance {
-                name: parts.instances[i].name.to_string(),
-                mesh,
-                material: parts.instances[i].material,
-                world_from_local,
-                is_static: parts.instances[i].is_static,
-            })
-            .collect();
+        // What stays in sight stays as it was marked since loading.
+        let mut marked = rig.shown.iter().zip(&scene.instances).peekable();
+        let again = visible.iter().map(|&(i, mesh, world_from_local)| {
+            while marked.next_if(|(shown, _)| **shown < i).is_some() {}
+            match marked.next_if(|(shown, _)| **shown == i) {
+                Some((_, instance)) => Instance { mesh, world_from_local, ..instance.clone() },
+                None => parts.instances[i].instance(mesh, world_from_local),
+            }
+        });
+        scene.instances = again.collect();
         scene.instances.extend(others);
         rig.shown = visible.iter().map(|v| v.0).collect();
         return Ok(());

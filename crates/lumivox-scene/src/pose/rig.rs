@@ -7,6 +7,7 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::deform::Deformed;
 use super::sampler::Track;
+use crate::Instance;
 
 /// All that posing needs and never changes.
 #[derive(Debug, Default, PartialEq)]
@@ -106,6 +107,10 @@ pub(crate) struct Placed {
     pub(crate) material: usize,
     /// Neither an animation nor the file itself says that it moves.
     pub(crate) is_static: bool,
+    /// The file does not say that it is not to be in the voxels.
+    pub(crate) is_voxelized: bool,
+    /// The file says that it is not to be seen.
+    pub(crate) is_hidden: bool,
 }
 
 impl Placed {
@@ -113,6 +118,19 @@ impl Placed {
     pub(crate) fn file_from_local(&self, file_from_node: &[Mat4]) -> Mat4 {
         let file_from_node = self.node.map_or(Mat4::IDENTITY, |node| file_from_node[node]);
         self.node_from_local.map_or(file_from_node, |local| file_from_node * local)
+    }
+
+    /// The scene's instance, as the file marks it.
+    pub(crate) fn instance(&self, mesh: usize, world_from_local: Mat4) -> Instance {
+        Instance {
+            name: self.name.to_string(),
+            mesh,
+            material: self.material,
+            world_from_local,
+            is_static: self.is_static,
+            is_voxelized: self.is_voxelized,
+            is_hidden: self.is_hidden,
+        }
     }
 }
 

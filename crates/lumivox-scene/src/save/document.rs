@@ -87,7 +87,9 @@ impl<'a> Document<'a> {
             self.lists.entry("buffers").or_default().push(&buffer.to_string());
         }
         let nodes = self.lists.get("nodes").map_or(0, |nodes| nodes.count);
-        self.scene.insert("nodes".to_owned(), (0..nodes).collect());
+        if nodes > 0 {
+            self.scene.insert("nodes".to_owned(), (0..nodes).collect());
+        }
 
         let mut json = format!(
             r#"{{"asset":{{"generator":"Lumivox {}","version":"2.0"}}"#,

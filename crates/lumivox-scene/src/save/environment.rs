@@ -1,19 +1,29 @@
-//! The surroundings, of which glTF knows nothing: all of them go to the scene's extras.
+//! The surroundings and the box of the voxels, of which glTF knows nothing: all of them go to the scene's
+//! extras.
 
 use serde_json::{Map, Value, json};
 
 use super::Writer;
 use super::binary::{Source, Target};
 use super::document::{number, numbers, own_extras};
-use crate::Environment;
+use crate::{Bounds, Environment};
 
-impl Writer<'_> {
-    pub(super) fn environment(&mut self) {
+impl<'a> Writer<'a> {
+    pub(super) fn scene_extras(&mut self) {
         let scene = self.scene;
-        let environment = &scene.environment;
-        if *environment == Environment::default() {
-            return;
+        let mut own = Map::new();
+        if scene.environment != Environment::default() {
+            let environment = self.environment(&scene.environment);
+            own.insert("environment".to_owned(), environment);
         }
+        if let Some(Bounds { min, max }) = scene.grid_bounds {
+            let grid = json!({ "min": numbers(min.as_ref()), "max": numbers(max.as_ref()) });
+            own.insert("grid".to_owned(), grid);
+        }
+        own_extras(&mut self.document.scene, &own);
+    }
+
+    fn environment(&mut self, environment: &'a Environment) -> Value {
         let mut json = Map::new();
         json.insert("radiance".to_owned(), numbers(environment.radiance.as_ref()));
         json.insert("rotationRad".to_owned(), number(environment.rotation_rad));
@@ -25,8 +35,6 @@ impl Writer<'_> {
             });
             json.insert("map".to_owned(), map);
         }
-        let mut own = Map::new();
-        own.insert("environment".to_owned(), Value::Object(json));
-        own_extras(&mut self.document.scene, &own);
+        Value::Object(json)
     }
 }

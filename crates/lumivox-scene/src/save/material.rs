@@ -51,8 +51,10 @@ impl Writer<'_> {
             Shading::MetallicRoughness(m) => self.core(m, &mut json, &mut extensions),
             Shading::Phong(phong) => {
                 self.core(&stand_in(phong), &mut json, &mut extensions);
-                let mut own = Map::new();
-                own.insert("phong".to_owned(), json!({ "shininess": number(phong.shininess) }));
+                let mut exact = Object::default();
+                exact.set("shininess", number(phong.shininess));
+                exact.factor("ambient", phong.ambient, 0.0);
+                let own = Map::from_iter([("phong".to_owned(), Value::Object(exact.0))]);
                 own_extras(&mut json.0, &own);
             }
             Shading::Unlit(unlit) => {

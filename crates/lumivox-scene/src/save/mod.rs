@@ -2,7 +2,7 @@
 //!
 //! **Nothing is lost on the way back.** Loaded again, the scene is the same, bit by bit: floats are
 //! written so that they read back exactly, images as PNG without loss. What glTF has no words for
-//! (Phong's exponent, lights' radii, the environment, texture transforms with shear) is written twice:
+//! (Phong's exponent, lights' radii and fall-off, the environment, the box of the voxels, texture transforms with shear) is written twice:
 //! the nearest that other programs can show, and the exact value under `extras.lumivox`, which the
 //! loader prefers.
 //!
@@ -78,7 +78,7 @@ impl Scene {
         crate::validate::check(self, file)?;
         let mut writer = Writer::new(self, file)?;
         writer.nodes();
-        writer.environment();
+        writer.scene_extras();
         let (json, binary) = writer.document.json();
         Container::new(json, binary)
             .map_err(|bytes| SceneError::TooLargeToSave { file: file.to_owned(), bytes })

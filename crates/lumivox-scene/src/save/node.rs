@@ -8,9 +8,9 @@ use super::document::{number, numbers, own_extras};
 use super::material::{Object, power_of_two_above};
 use crate::load::shorten;
 use crate::model::to_unit;
-use crate::{Camera, Instance, Light, LightKind, Scene};
+use crate::{Attenuation, Camera, Instance, Light, LightKind, Scene};
 
-/// The instances that show anything.
+/// The instances that have anything to show, hidden ones included.
 pub(super) fn shown(scene: &Scene) -> impl Iterator<Item = &Instance> {
     scene.instances.iter().filter(|instance| !scene.meshes[instance.mesh].indices.is_empty())
 }
@@ -24,8 +24,14 @@ impl Writer<'_> {
             let mut node = placed(&instance.name, instance.world_from_local);
             node.set("mesh", json!(mesh));
             // What nothing moves is static unless it says otherwise, and animations are not saved.
-            if !instance.is_static {
-                own_extras(&mut node.0, &Map::from_iter([("static".to_owned(), json!(false))]));
+            let marks = [("static", instance.is_static), ("voxelized", instance.is_voxelized)];
+            let off = marks.into_iter().filter(|(_, mark)| !mark);
+            let own = Map::from_iter(off.map(|(name, mark)| (name.to_owned(), json!(mark))));
+            own_extras(&mut node.0, &own);
+            if instance.is_hidden {
+                const EXTENSION: &str = "KHR_node_visibility";
+                self.document.uses(EXTENSION);
+                node.set("extensions", json!({ EXTENSION: { "visible": false } }));
             }
             self.document.push("nodes", &Value::Object(node.0));
         }
@@ -76,6 +82,9 @@ fn convert_light(light: &Light) -> Value {
     let mut own = Object::default();
     json.set("name", json!(shorten(&light.name)));
     own.factor("radiusM", light.radius_m, 0.0);
+    if let Some(Attenuation { constant, linear, quadratic }) = light.attenuation {
+        own.set("attenuation", numbers(&[constant, linear, quadratic]));
+    }
     let (kind, intensity, range_m) = match light.kind {
         LightKind::Directional { illuminance_lux, angular_radius_rad } => {
             own.factor("angularRadiusRad", angular_radius_rad, 0.0);

@@ -21,8 +21,7 @@ fn triangle() -> Scene {
             name: "instance".to_owned(),
             mesh: 0,
             material: 0,
-            world_from_local: Mat4::IDENTITY,
-            is_static: true,
+            ..Instance::default()
         }],
         materials: vec![Material::default()],
         ..Scene::default()

@@ -270,7 +270,8 @@ impl Document<'_> {
                 let matrix = floats(&node["matrix"]);
                 assert_eq!([matrix[3], matrix[7], matrix[11], matrix[15]], [0.0, 0.0, 0.0, 1.0]);
             }
-            let rotated = !node["camera"].is_null() || !node["extensions"].is_null();
+            let light = &node["extensions"]["KHR_lights_punctual"];
+            let rotated = !node["camera"].is_null() || !light.is_null();
             if rotated && !node["matrix"].is_null() {
                 // A rigid motion: other programs take it apart.
                 let m = floats(&node["matrix"]);

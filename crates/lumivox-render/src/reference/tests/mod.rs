@@ -154,7 +154,7 @@ fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
         mesh: scene.meshes.len() - 1,
         material: scene.materials.len() - 1,
         world_from_local: Mat4::IDENTITY,
-        is_static: true,
+        ..Instance::default()
     });
 }
 

@@ -10,7 +10,7 @@ use gltf::json::Extras;
 use serde_json::Value;
 
 use super::Loader;
-use crate::{Environment, EnvironmentMap, Light, LightKind, Phong, Shading};
+use crate::{Attenuation, Bounds, Environment, EnvironmentMap, Light, LightKind, Phong, Shading};
 
 /// The part of an entry's extras that is ours.
 pub(super) fn own(extras: &Extras) -> Option<Value> {
@@ -43,15 +43,30 @@ pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
     numbers(own.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
 }
 
-/// Whether a node says of its mesh that it is static, or that it is not.
-pub(super) fn static_mark(extras: &Extras) -> Option<bool> {
-    own(extras)?["static"].as_bool()
+/// What a node says of its mesh.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Marks {
+    /// That it is static, or that it is not.
+    pub(super) is_static: Option<bool>,
+    /// That it is not in the voxels.
+    pub(super) is_kept_out_of_voxels: bool,
+}
+
+impl Marks {
+    pub(super) fn of(extras: &Extras) -> Self {
+        let Some(own) = own(extras) else { return Self::default() };
+        Self {
+            is_static: own["static"].as_bool(),
+            is_kept_out_of_voxels: own["voxelized"].as_bool() == Some(false),
+        }
+    }
 }
 
 /// Makes a light what it was, of what other programs can show of it.
 pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
     let Some(own) = own(extras) else { return };
     light.radius_m = not_negative(&own["radiusM"]).unwrap_or(light.radius_m);
+    light.attenuation = attenuation(&own["attenuation"]);
     let scale = number(&own["colorScale"]).filter(|&scale| scale >= 1.0).unwrap_or(1.0);
     light.color *= scale;
     match &mut light.kind {
@@ -66,11 +81,20 @@ pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
     }
 }
 
-/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the exponent.
+fn attenuation(value: &Value) -> Option<Attenuation> {
+    let [constant, linear, quadratic] = numbers(value)?;
+    let all = [constant, linear, quadratic];
+    let sum: f32 = all.iter().sum();
+    let fits = all.iter().all(|&part| part >= 0.0) && sum > 0.0 && sum.is_finite();
+    fits.then_some(Attenuation { constant, linear, quadratic })
+}
+
+/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the exponent and the
+/// ambient share.
 pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
     let Shading::MetallicRoughness(m) = shading else { return shading };
-    let shininess = own(extras).and_then(|own| not_negative(&own["phong"]["shininess"]));
-    let Some(shininess) = shininess else { return shading };
+    let Some(own) = own(extras) else { return shading };
+    let Some(shininess) = not_negative(&own["phong"]["shininess"]) else { return shading };
     Shading::Phong(Phong {
         diffuse: m.base_color.truncate(),
         diffuse_texture: m.base_color_texture,
@@ -78,24 +102,39 @@ pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
         specular: m.specular_color.min(Vec3::ONE),
         specular_texture: m.specular_texture,
         shininess,
+        ambient: not_negative(&own["phong"]["ambient"]).unwrap_or(0.0),
     })
 }
 
+/// A box of some size.
+fn grid_bounds(json: &Value) -> Option<Bounds> {
+    let corner = |key: &str| numbers(&json[key]).map(Vec3::from_array);
+    let bounds = Bounds { min: corner("min")?, max: corner("max")? };
+    let size = bounds.size();
+    (size.is_finite() && size.max_element() > 0.0).then_some(bounds)
+}
+
 impl Loader<'_> {
-    /// The surroundings, from the scene's extras.
-    pub(super) fn restore_environment(&mut self, extras: &Extras) {
-        let Some(environment) =
-            own(extras).and_then(|mut own| own.get_mut("environment").map(Value::take))
-        else {
-            return;
-        };
-        if let Some(environment) = self.environment(&environment) {
-            self.scene.environment = environment;
-        } else {
-            self.notes.warn(
-                "the environment in the scene's extras does not fit the file and was ignored"
-                    .to_owned(),
-            );
+    /// The surroundings and the box of the voxels, from the scene's extras.
+    pub(super) fn restore_scene(&mut self, extras: &Extras) {
+        let Some(own) = own(extras) else { return };
+        let mut misfits = Vec::new();
+        if let Some(environment) = own.get("environment") {
+            match self.environment(environment) {
+                Some(environment) => self.scene.environment = environment,
+                None => misfits.push("environment"),
+            }
+        }
+        if let Some(grid) = own.get("grid") {
+            self.scene.grid_bounds = grid_bounds(grid);
+            if self.scene.grid_bounds.is_none() {
+                misfits.push("grid");
+            }
+        }
+        for misfit in misfits {
+            self.notes.warn(format!(
+                "the {misfit} in the scene's extras does not fit the file and was ignored"
+            ));
         }
     }
 

@@ -48,6 +48,8 @@ pub(super) struct Site {
     pub(super) weighs: bool,
     /// Whether an animation moves a joint of its mesh's skin.
     pub(super) bends: bool,
+    /// Whether it, or a node above it, is switched off (`KHR_node_visibility`).
+    pub(super) is_hidden: bool,
 }
 
 impl Loader<'_> {
@@ -78,6 +80,7 @@ impl Loader<'_> {
         let handedness = handedness(&rig.nodes, &rig.animations);
         let moves = moving(&rig.nodes, &rig.animations);
         let weighs = weighing(rig.nodes.len(), &rig.animations);
+        let hidden = self.hidden(&nodes, &tree);
         for node in 0..in_scene {
             let gltf = &nodes[tree.numbers[node]];
             let bends = gltf.skin().is_some_and(|skin| {
@@ -92,18 +95,39 @@ impl Loader<'_> {
                 moves: moves[node],
                 weighs: weighs[node],
                 bends,
+                is_hidden: hidden[node],
             };
             if let Some(mesh) = gltf.mesh() {
                 self.put_mesh(gltf, &mesh, &site, &tree)?;
             }
+            // What is hidden does not shine, and there is no switch for a light.
             if let Some(light) = gltf.light() {
-                self.put_light(&light, &site);
+                if site.is_hidden {
+                    self.notes
+                        .warn(format!("{}: its light was skipped, for it is hidden", site.name));
+                } else {
+                    self.put_light(&light, &site);
+                }
             }
             if let Some(camera) = gltf.camera() {
                 self.put_camera(&camera, &site);
             }
         }
         Ok(())
+    }
+
+    /// Which of the rig's nodes are switched off, by themselves or from above.
+    fn hidden(&self, nodes: &[gltf::Node<'_>], tree: &Tree) -> Vec<bool> {
+        let mut hidden = Vec::with_capacity(tree.numbers.len());
+        for (node, &number) in self.rig.nodes.iter().zip(&tree.numbers) {
+            let visible = nodes[number]
+                .extension_value("KHR_node_visibility")
+                .and_then(|extension| extension.get("visible")?.as_bool());
+            // Parents stand before their children.
+            let from_above = node.parent.is_some_and(|parent| hidden[parent]);
+            hidden.push(from_above || visible == Some(false));
+        }
+        hidden
     }
 
     /// Puts a node and all below it into the rig, parents first. Nodes form trees: whoever is met

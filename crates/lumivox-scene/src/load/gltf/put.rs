@@ -4,8 +4,9 @@
 use glam::Mat4;
 use gltf::Semantic;
 
+use super::Loader;
+use super::extras::Marks;
 use super::node::{Site, Tree};
-use super::{Loader, extras};
 use crate::SceneError;
 use crate::pose::Placed;
 use crate::validate::is_invertible;
@@ -29,10 +30,10 @@ impl Loader<'_> {
                 .warn(format!("{}: its mesh was skipped, for it is scaled to zero", site.name));
             return Ok(());
         }
-        let marked = extras::static_mark(node.extras());
+        let marks = Marks::of(node.extras());
         // A skinned mesh does not follow its node.
         let follows = site.moves && node.skin().is_none();
-        if marked == Some(true) && (follows || site.weighs || site.bends) {
+        if marks.is_static == Some(true) && (follows || site.weighs || site.bends) {
             self.notes.warn(format!(
                 "{}: it is marked as static, but an animation moves it: the mark was ignored",
                 site.name
@@ -51,7 +52,7 @@ impl Loader<'_> {
                         ));
                     }
                     let skin = self.skin(&skin, tree)?;
-                    self.put_skinned(mesh, &primitive, site, (skin, marked))?;
+                    self.put_skinned(mesh, &primitive, site, (skin, marks))?;
                 }
                 skin => {
                     if skin.is_some() {
@@ -60,7 +61,7 @@ impl Loader<'_> {
                             site.name
                         ));
                     }
-                    self.put_copies(mesh, &primitive, site, (copies.as_deref(), marked))?;
+                    self.put_copies(mesh, &primitive, site, (copies.as_deref(), marks))?;
                 }
             }
         }
@@ -73,7 +74,7 @@ impl Loader<'_> {
         mesh: &gltf::Mesh<'_>,
         primitive: &gltf::Primitive<'_>,
         site: &Site,
-        (skin, marked): (usize, Option<bool>),
+        (skin, marks): (usize, Marks),
     ) -> Result<(), SceneError> {
         let material = self.material(primitive)?;
         if let Some(mesh) = self.deformed(mesh, primitive, site, false, material, Some(skin))? {
@@ -83,7 +84,9 @@ impl Loader<'_> {
                 node_from_local: None,
                 meshes: [Some(mesh), None],
                 material,
-                is_static: !site.bends && !site.weighs && marked != Some(false),
+                is_static: !site.bends && !site.weighs && marks.is_static != Some(false),
+                is_voxelized: !marks.is_kept_out_of_voxels,
+                is_hidden: site.is_hidden,
             });
         }
         Ok(())
@@ -94,7 +97,7 @@ impl Loader<'_> {
         mesh: &gltf::Mesh<'_>,
         primitive: &gltf::Primitive<'_>,
         site: &Site,
-        (copies, marked): (Option<&[Mat4]>, Option<bool>),
+        (copies, marks): (Option<&[Mat4]>, Marks),
     ) -> Result<(), SceneError> {
         let material = self.material(primitive)?;
         let rest = &self.rig.nodes[site.node].weights;
@@ -136,7 +139,9 @@ impl Loader<'_> {
                     node_from_local,
                     meshes,
                     material,
-                    is_static: !site.moves && !site.weighs && marked != Some(false),
+                    is_static: !site.moves && !site.weighs && marks.is_static != Some(false),
+                    is_voxelized: !marks.is_kept_out_of_voxels,
+                    is_hidden: site.is_hidden,
                 });
             }
         }

@@ -14,7 +14,7 @@ impl<'a> Loader<'a> {
             None => document.default_scene().or_else(|| document.scenes().next()),
         };
         if let Some(scene) = scene {
-            self.restore_environment(scene.extras());
+            self.restore_scene(scene.extras());
             return Ok(scene.nodes().map(|node| node.index()).collect());
         }
         let nodes = &self.root().nodes;

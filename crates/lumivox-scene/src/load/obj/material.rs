@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use super::find::find;
 use super::map::Map;
 use super::mtl::{Library, Mtl, Scalar, Slot};
 use super::texture::{Made, Source, Textures};
 use crate::load::files::Reach;
+use crate::load::find::find;
 use crate::load::text::readable;
 use crate::load::{LoadOptions, Notes, stand_in};
 use crate::{
@@ -155,6 +155,7 @@ impl<'s, 'o> Materials<'s, 'o> {
                 specular,
                 specular_texture,
                 shininess: shininess.max(1.0),
+                ambient: 0.0,
             });
         }
         self.images = total;
@@ -423,7 +424,7 @@ impl Conversion<'_, '_, '_> {
 
     /// The file of an image, beside that of the material or the scene.
     fn find(&self, map: &Map) -> Result<PathBuf, String> {
-        find(self.own.file, &self.mtl.file, &map.file, self.own.reach)
+        find(&[&self.mtl.file, self.own.file], &map.file, self.own.reach)
     }
 
     fn checker(&mut self, map: &Map, reason: &str) -> TextureRef {

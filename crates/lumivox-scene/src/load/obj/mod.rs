@@ -22,7 +22,6 @@
 //! physically-based materials.
 
 mod corners;
-mod find;
 mod map;
 mod material;
 mod mesh;
@@ -34,7 +33,28 @@ use std::path::Path;
 
 use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
-use crate::{Instance, Scene, SceneError};
+use crate::{Instance, Mesh, Scene, SceneError};
+
+/// The first mesh of a file, without its materials, and how many others there are; `None` where there
+/// are no triangles. What is noticed goes to `notes`.
+pub(super) fn first_mesh(
+    file: &Path,
+    options: &mut LoadOptions<'_>,
+    budget: &mut GeometryBudget<'_>,
+    notes: &mut Notes,
+) -> Result<Option<(Mesh, usize)>, SceneError> {
+    let crease_rad = options.crease_rad;
+    let (reader, _) = stream::open(file, options)?;
+    let mut model = read::read(file, reader, notes, budget)?;
+    let normals = model.group_normals();
+    let mut parts = std::mem::take(&mut model.parts);
+    parts.retain(|part| !part.indices.is_empty());
+    let others = parts.len().saturating_sub(1);
+    let mut builder = mesh::Builder::new(&model, &normals, crease_rad);
+    let Some(first) = parts.into_iter().next() else { return Ok(None) };
+    let built = builder.build(first, budget, notes)?;
+    Ok(built.map(|built| (built.mesh, others)))
+}
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
     let (reach, crease_rad, memory) = (options.reach(), options.crease_rad, options.budget);
@@ -63,8 +83,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
             name: built.name,
             mesh: scene.meshes.len(),
             material,
-            world_from_local: glam::Mat4::IDENTITY,
-            is_static: true,
+            ..Instance::default()
         });
         scene.meshes.push(mesh);
     }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use super::find::find;
 use super::map::Map;
 use crate::SceneError;
 use crate::load::files::Reach;
+use crate::load::find::find;
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{LoadOptions, Notes, stream};
 
@@ -70,10 +70,10 @@ impl Library {
         let mut library = Self::default();
         for name in names {
             // One name with spaces, or several names.
-            let found = match find(file, file, name, reach) {
+            let found = match find(&[file], name, reach) {
                 Ok(path) => vec![Ok(path)],
                 Err(reason) if words(name).count() < 2 => vec![Err(reason)],
-                Err(_) => words(name).map(|name| find(file, file, name, reach)).collect(),
+                Err(_) => words(name).map(|name| find(&[file], name, reach)).collect(),
             };
             for path in found {
                 match path {

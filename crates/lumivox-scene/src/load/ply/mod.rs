@@ -19,8 +19,6 @@ mod source;
 
 use std::path::Path;
 
-use glam::Mat4;
-
 use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, normals, stand_in, stream};
 use crate::{Instance, Mesh, Scene, SceneError};
@@ -57,8 +55,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
             name: mesh.name.clone(),
             mesh: 0,
             material: 0,
-            world_from_local: Mat4::IDENTITY,
-            is_static: true,
+            ..Instance::default()
         }],
         meshes: vec![mesh],
         materials: vec![material],

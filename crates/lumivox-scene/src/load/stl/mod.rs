@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, normals, stand_in, stream};
@@ -83,8 +83,7 @@ impl Reading<'_> {
                 name: solid.name.clone(),
                 mesh: i,
                 material: 0,
-                world_from_local: Mat4::IDENTITY,
-                is_static: true,
+                ..Instance::default()
             });
             scene.meshes.push(solid.mesh(crease_rad));
         }

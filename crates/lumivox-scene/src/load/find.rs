@@ -1,32 +1,28 @@
-//! Where the files lie that an OBJ or MTL file names.
+//! Where the files lie that an OBJ, MTL or VXCT file names.
 //!
 //! Names are often written on another machine: with backslashes, in another case, or with the whole
 //! path of a folder that is not here. Looked for are, in this order: the path as it stands; the same
 //! whatever the case; and what is left of the path without its first folders, down to the bare name,
-//! below the folder of the file that names it and below the scene's.
+//! below each of some folders, such as those of the file that names it and of the scene.
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::load::files::{self, Reach};
-use crate::load::source::key;
-use crate::load::text::readable;
+use super::files::{self, Reach};
+use super::source::key;
+use super::text::readable;
 
 /// Bytes of a path: what Linux takes.
 const LONGEST_PATH: usize = 4096;
 
-/// The file that `naming`, of the scene `scene`, calls `name`; or why there is none, with a remedy.
-pub(super) fn find(
-    scene: &Path,
-    naming: &Path,
-    name: &[u8],
-    reach: Reach<'_>,
-) -> Result<PathBuf, String> {
+/// The file that is called `name` by a file in each of `beside`'s places, the first of which counts; or
+/// why there is none, with a remedy.
+pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<PathBuf, String> {
     if name.len() > LONGEST_PATH {
         return Err(format!("\"{}\" is too long for a path", readable(name)));
     }
     let text = decode(name);
     let mut reason = None;
-    for base in [naming, scene] {
+    for &base in beside {
         match files::resolve(base, "", &text, reach) {
             Ok(path) if reach.is_file(&path) => return Ok(path),
             Ok(path) => {
@@ -44,7 +40,7 @@ pub(super) fn find(
     let words: Vec<&str> = text.split(['/', '\\']).filter(|word| !word.is_empty()).collect();
     for first in 0..words.len() {
         let rest = words[first..].join("/");
-        for base in [naming, scene] {
+        for &base in beside {
             let folder = base.parent().unwrap_or(Path::new(""));
             // Drives and ".." are refused.
             let Ok(path) = files::resolve(base, "", &rest, Reach::default()) else { continue };
@@ -116,7 +112,7 @@ mod tests {
         std::fs::write(&wood, "wood").unwrap();
         let stone = folder.path().join("stone.png");
         std::fs::write(&stone, "stone").unwrap();
-        let find = |name: &[u8]| find(&scene, &scene, name, Reach::default());
+        let find = |name: &[u8]| find(&[&scene], name, Reach::default());
         for name in [
             "Textures/Wood Planks.PNG",
             "textures\\wood planks.png",
@@ -141,16 +137,16 @@ mod tests {
         let secret = folder.path().join("secret.png");
         std::fs::write(&secret, "secret").unwrap();
         let scene = below.join("scene.obj");
-        let refused = find(&scene, &scene, b"../secret.png", Reach::default()).unwrap_err();
+        let refused = find(&[&scene], b"../secret.png", Reach::default()).unwrap_err();
         assert!(refused.contains("leaves the scene's folder"), "{refused}");
         assert!(refused.contains("allow files outside"), "{refused}");
         let allowed =
-            find(&scene, &scene, b"../secret.png", Reach { anywhere: true, ..Reach::default() })
+            find(&[&scene], b"../secret.png", Reach { anywhere: true, ..Reach::default() })
                 .unwrap();
         assert_eq!(allowed.canonicalize().unwrap(), secret.canonicalize().unwrap());
         for name in [&b".."[..], b"", b".", b"a/..", b"c:", b"a\0b", b"caf\xe9.png", &[b'/'; 5000]]
         {
-            assert!(find(&scene, &scene, name, Reach::default()).is_err(), "{name:?}");
+            assert!(find(&[&scene], name, Reach::default()).is_err(), "{name:?}");
         }
     }
 }
