@@ -70,8 +70,8 @@ def sphere():
 def vase():
     """A foot, a belly, a neck and a lip, and the same way back inside; the foot is closed."""
     outside = [(0.01, -1.0), (0.36, -1.0), (0.38, -0.95), (0.3, -0.86), (0.34, -0.72), (0.5, -0.45),
-               (0.6, -0.15), (0.58, 0.15), (0.44, 0.42), (0.28, 0.62), (0.24, 0.78), (0.3, 0.92), (0.38, 1.0)]
-    inside = [(0.35, 0.98), (0.26, 0.88), (0.2, 0.74), (0.24, 0.6), (0.4, 0.4), (0.53, 0.13), (0.55, -0.15),
+               (0.6, -0.15), (0.58, 0.15), (0.44, 0.42), (0.28, 0.62), (0.24, 0.78), (0.3, 0.92), (0.375, 0.985), (0.375, 1.0)]
+    inside = [(0.355, 1.0), (0.34, 0.985), (0.26, 0.88), (0.2, 0.74), (0.24, 0.6), (0.4, 0.4), (0.53, 0.13), (0.55, -0.15),
               (0.45, -0.43), (0.01, -0.7)]
     return turned(outside + inside, 28)
 
@@ -111,11 +111,10 @@ def many():
         "scene {",
         "  name = many",
         "",
-        "  model { name = Floor primitive = cube position { x = 0 y = -0.95f z = 0 }",
-        "    scale_x = 0.98f scale_y = 0.03f scale_z = 0.98f",
+        "  model { name = Floor path = models/quad.obj position { x = 0 y = -0.92f z = 0 }",
+        "    rotation { x = -90 y = 0 z = 0 } scale = 0.98f",
         "    material { specular_str = 0.1f color { r = 0.75f g = 0.75f b = 0.75f } } }",
-        "  model { name = BackWall primitive = cube position { x = 0 y = 0 z = -0.95f }",
-        "    scale_x = 0.98f scale_y = 0.98f scale_z = 0.03f",
+        "  model { name = BackWall path = models/quad.obj position { x = 0 y = 0 z = -0.97f } scale = 0.98f",
         "    material { specular_str = 0.1f color { r = 0.6f g = 0.65f b = 0.75f } } }",
         "",
     ]

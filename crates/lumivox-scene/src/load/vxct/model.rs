@@ -209,8 +209,9 @@ impl<'m, 'o> Models<'m, 'o> {
         match read {
             Ok(Some((mut mesh, others))) => {
                 if others > 0 {
+                    let were = if others == 1 { "was" } else { "were" };
                     values.notes.warn(format!(
-                        "{}: the first mesh counts, \"{}\"; {others} others were passed over",
+                        "{}: the first mesh counts, \"{}\", and {others} more {were} passed over",
                         file.display(),
                         mesh.name
                     ));

@@ -327,7 +327,7 @@ fn of_an_obj_the_first_mesh_counts_in_one_colour() {
     assert_eq!(scene.materials[1].name, "model 2");
     assert_eq!(
         warnings,
-        ["models/tri.obj: the first mesh counts, \"first\"; 1 others were passed over"]
+        ["models/tri.obj: the first mesh counts, \"first\", and 1 more was passed over"]
     );
 }
 
@@ -401,7 +401,7 @@ fn what_has_no_mesh_is_left_out_and_told() {
             .to_owned(),
         "1:99: model \"c\" is not shown: it has neither \"path\" nor \"primitive\"".to_owned(),
         format!(
-            "1:162: model \"model 5\" is not shown: \"models/tri.png\" does not exist; {place}"
+            "1:160: model \"model 5\" is not shown: \"models/tri.png\" does not exist; {place}"
         ),
     ];
     assert_eq!(warnings, expected);
