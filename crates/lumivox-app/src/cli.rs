@@ -9,6 +9,7 @@ mod load;
 mod motion;
 mod quality;
 mod reference;
+mod run;
 mod view;
 mod volumes;
 mod voxels;
@@ -27,6 +28,7 @@ pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
+pub use run::{CommandsArgs, RunArgs};
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
 pub use voxels::{VoxelArgs, VoxelsArgs};
@@ -135,6 +137,11 @@ pub enum Command {
     /// Measure the errors of built-in scenes for presets and resolutions, and write a page about them
     #[command(after_help = quality::EXAMPLES)]
     Quality(Box<QualityArgs>),
+    /// Run commands that look at and change a scene and take pictures of it: a script, or a prompt
+    #[command(after_help = run::EXAMPLES)]
+    Run(Box<RunArgs>),
+    /// List the commands of `run`
+    Commands(CommandsArgs),
     /// List the built-in scenes
     Scenes,
 }

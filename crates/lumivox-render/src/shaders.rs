@@ -39,7 +39,8 @@ const MODULES: &[(&str, &str)] = &[
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
-    let own = MODULES.iter().chain(voxel_view::MODULES).chain(overlay::MODULES).chain(vxct::MODULES);
+    let own =
+        MODULES.iter().chain(voxel_view::MODULES).chain(overlay::MODULES).chain(vxct::MODULES);
     for (path, source) in own {
         library.add(&format!("render::{path}"), *source);
     }

@@ -125,24 +125,38 @@ impl Default for PresetChoice {
 
 /// A preset of the cones, or a look.
 pub fn preset_or_look() -> impl TypedValueParser<Value = PresetChoice> {
-    const ALL: [PresetChoice; 5] = [
-        PresetChoice::Cones(Preset::Fast),
-        PresetChoice::Cones(Preset::Balanced),
-        PresetChoice::Cones(Preset::High),
-        PresetChoice::Cones(Preset::Report),
-        PresetChoice::Vxct,
-    ];
-    among(&ALL, |choice| match choice {
-        PresetChoice::Cones(preset) => (preset_name(preset), preset_help(preset)),
-        PresetChoice::Vxct => (
-            "vxct",
-            "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values",
-        ),
+    among(&PresetChoice::ALL, |choice| {
+        let help = match choice {
+            PresetChoice::Cones(preset) => preset_help(preset),
+            PresetChoice::Vxct => {
+                "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values"
+            }
+        };
+        (choice.name(), help)
     })
 }
 
+impl PresetChoice {
+    /// All, in the order of the help.
+    pub const ALL: [Self; 5] = [
+        Self::Cones(Preset::Fast),
+        Self::Cones(Preset::Balanced),
+        Self::Cones(Preset::High),
+        Self::Cones(Preset::Report),
+        Self::Vxct,
+    ];
+
+    /// The name, as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cones(preset) => preset_name(preset),
+            Self::Vxct => "vxct",
+        }
+    }
+}
+
 /// The name of a preset, as on the command line.
-pub fn preset_name(preset: Preset) -> &'static str {
+pub const fn preset_name(preset: Preset) -> &'static str {
     match preset {
         Preset::Fast => "fast",
         Preset::Balanced => "balanced",
