@@ -9,7 +9,7 @@ use indicatif::MultiProgress;
 use super::open_gpu;
 use super::settings::of_explore;
 use crate::cli::RunArgs;
-use crate::console::{COMMANDS, Console, Effect, Queue, page, program, script, terminal};
+use crate::console::{Console, Effect, Queue, help, page, program, script, terminal};
 use crate::exit::{self, Failure, Located};
 use crate::explorer::{self, Explorer, Opening};
 use crate::progress::{Progress, words};
@@ -52,9 +52,7 @@ pub fn list(is_markdown: bool) -> anyhow::Result<()> {
     if is_markdown {
         return print(&page::markdown());
     }
-    let line =
-        |command: &crate::console::Command| format!("{}: {}\n", command.form(), command.summary);
-    print(&COMMANDS.iter().map(line).collect::<String>())
+    print(&format!("{}\n", help::list(None)))
 }
 
 fn read_stdin() -> Result<String, Failure> {

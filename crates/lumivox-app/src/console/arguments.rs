@@ -132,3 +132,9 @@ pub fn commas(v: Vec3) -> String {
 pub fn spaces(v: Vec3) -> String {
     format!("{} {} {}", v.x, v.y, v.z)
 }
+
+/// Three numbers for people, to a thousandth.
+pub fn short(v: Vec3) -> String {
+    // Rounded first: what is next to zero has no sign.
+    v.to_array().map(|x| format!("{:.3}", (x * 1e3).round() / 1e3 + 0.0)).join(" ")
+}

@@ -23,7 +23,7 @@ mod arguments;
 mod command;
 mod commands;
 pub mod complete;
-mod help;
+pub mod help;
 mod line;
 mod names;
 pub mod page;
@@ -46,7 +46,6 @@ use crate::exit::Failure;
 use crate::explorer::{Explorer, Opening};
 pub use command::{COMMANDS, Command, Group, Takes};
 pub use commands::program;
-pub use line::LineError;
 pub use names::Names;
 pub use queue::{Line, Queue, script};
 

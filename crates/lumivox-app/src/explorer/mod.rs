@@ -34,10 +34,8 @@ use lumivox_scene::{Bounds, Camera, Scene};
 use crate::args::choices::PresetChoice;
 pub use animation::Playback;
 pub use frames::FrameTimes;
-pub use names::NotFound;
 pub use objects::Placement;
 pub use opened::{Opened, Opening, load};
-pub use original::Original;
 use update::Pending;
 
 /// When triangles that have moved become voxels again.

@@ -283,7 +283,7 @@ fn list(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
         return Ok(Reply::say("the scene has no lights; `add_light` adds one"));
     }
     let mut table = Table::left(&["light", "kind", "strength", "colour", "position", "direction"]);
-    let short = |v: Vec3| v.to_array().map(|x| format!("{x:.3}")).join(" ");
+    use crate::console::arguments::short;
     for (name, light) in console.explorer.light_names().into_iter().zip(&scene.lights) {
         let strength = match light.kind {
             LightKind::Directional { illuminance_lux, .. } => format!("{illuminance_lux} lux"),

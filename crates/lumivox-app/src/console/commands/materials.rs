@@ -382,7 +382,7 @@ fn list(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
         } else {
             spaces(material.emissive)
         };
-        let short = color.to_array().map(|x| format!("{x:.3}")).join(" ");
+        let short = crate::console::arguments::short(color);
         table.row([name, shading_name(material).to_owned(), short, emission, count.to_string()]);
     }
     Ok(Reply::say(table.text().trim_end()))

@@ -212,7 +212,7 @@ fn list(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         let shown = if instance.is_hidden { "hidden" } else { "shown" };
         let is_static = if instance.is_static { "static" } else { "dynamic" };
         let material = materials.get(instance.material).cloned().unwrap_or_default();
-        let short = |v: Vec3| v.to_array().map(|x| format!("{x:.3}")).join(" ");
+        use crate::console::arguments::short;
         table.row([
             name,
             shown.to_owned(),
