@@ -1,4 +1,5 @@
 use glam::{Mat4, Vec3};
+use lumivox::Preset;
 
 use super::*;
 
@@ -50,7 +51,7 @@ fn opened(scene: &str) -> Opened {
 }
 
 fn explorer(scene: &str) -> Explorer {
-    let mut explorer = Explorer::new(gpu(), small(), lumivox::Preset::default());
+    let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
     explorer.open(opened(scene));
     explorer
 }
@@ -70,7 +71,7 @@ fn fresh(explorer: &Explorer) -> lumivox_render::Picture {
 
 #[test]
 fn without_a_scene_there_is_no_picture() {
-    let mut explorer = Explorer::new(gpu(), small(), lumivox::Preset::default());
+    let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
     assert!(!explorer.frame(&mut |_| {}).unwrap());
     assert!(explorer.picture(&mut |_| {}).unwrap().is_none());
     explorer.open(opened("builtin:cornell"));
@@ -105,12 +106,12 @@ fn what_the_renderer_refuses_is_taken_back() {
     let first = picture(&mut explorer);
     let asked = RenderSettings { bounces: 99, ..small() };
     assert!(explorer.set_settings(asked).is_err(), "out of range: refused at once");
-    explorer.set_preset(lumivox::Preset::High).unwrap();
+    explorer.set_preset(PresetChoice::Cones(Preset::High)).unwrap();
     let asked = RenderSettings { volume_memory: Some(1), ..explorer.settings().clone() };
     explorer.set_settings(asked).unwrap();
     assert!(explorer.update(&mut |_| {}).is_err(), "only the volume itself knows what it takes");
     assert_eq!(*explorer.settings(), small());
-    assert_eq!(explorer.preset(), lumivox::Preset::Balanced);
+    assert_eq!(explorer.preset(), PresetChoice::Cones(Preset::Balanced));
     assert!(picture(&mut explorer) == first);
 }
 
@@ -129,6 +130,7 @@ fn voxels_follow_when_they_shall() {
     for policy in [Revoxelize::EveryFrame, Revoxelize::Every(0.0), Revoxelize::WhenMoved] {
         explorer.revoxelize = policy;
         explorer.transform(last, Mat4::from_translation(Vec3::Z * 0.05));
+        explorer.tick(0.1).unwrap();
         let seen = picture(&mut explorer);
         assert!(!explorer.has_stale_voxels());
         assert!(seen == fresh(&explorer), "{policy:?}");
@@ -165,7 +167,7 @@ fn objects_have_names_of_their_own() {
     let wrong = explorer.object(&first[..first.len() - 1]).unwrap_err().to_string();
     assert!(wrong.contains("did you mean"), "{wrong}");
     let wrong = explorer.object("zzz").unwrap_err().to_string();
-    assert!(wrong.contains("`objects` lists them"), "{wrong}");
+    assert!(wrong.contains("`objects` lists"), "{wrong}");
 }
 
 #[test]

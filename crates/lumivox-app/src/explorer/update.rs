@@ -1,7 +1,5 @@
 //! Bringing the renderer up to date with what is asked for.
 
-use std::time::Instant;
-
 use lumivox_render::{Progress, RenderError, RenderSettings, Renderer};
 use lumivox_scene::Scene;
 
@@ -31,16 +29,9 @@ impl Explorer {
         self.renderer.as_ref().is_some_and(Renderer::has_stale_voxels)
     }
 
-    /// Asks for voxels if it is time for them.
-    pub(super) fn keep_voxels_fresh(&mut self) {
-        self.pending.voxels |= match self.revoxelize {
-            Revoxelize::WhenMoved => self.has_stale_voxels(),
-            Revoxelize::WhenAsked => false,
-            Revoxelize::Every(seconds) => {
-                self.voxelized_at.is_none_or(|at| at.elapsed().as_secs_f32() >= seconds)
-            }
-            Revoxelize::EveryFrame => true,
-        };
+    /// Lets voxels follow that were left behind under another policy.
+    pub(super) fn catch_up(&mut self) {
+        self.pending.voxels |= self.revoxelize == Revoxelize::WhenMoved && self.has_stale_voxels();
     }
 
     /// Brings the renderer up to date with all changes since the last call; without a scene, or with an empty one, there
@@ -62,10 +53,14 @@ impl Explorer {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
         let Some(renderer) = &mut self.renderer else {
+            // What is hidden or moved later must not change the grid: light would flicker.
+            if scene.grid_bounds.is_none() && self.settings.grid_bounds.is_none() {
+                self.settings.grid_bounds = Some(scene.bounds());
+            }
             let (camera, settings) = (Some(&self.camera), self.settings.clone());
             self.renderer = Some(Renderer::new(&self.gpu, scene, camera, settings, tell).await?);
             self.pending = Pending::default();
-            (self.voxelized_at, self.accepted_preset) = (Some(Instant::now()), self.preset);
+            self.accepted_preset = self.preset;
             return Ok(());
         };
         if *renderer.settings() != self.settings
@@ -81,9 +76,6 @@ impl Explorer {
             // Whatever it holds now: the next one is made from the scene as it stands.
             self.renderer = None;
             return Err(error.into());
-        }
-        if pending.voxels {
-            self.voxelized_at = Some(Instant::now());
         }
         if *renderer.camera() != self.camera {
             renderer.set_camera(self.camera.clone());

@@ -1,0 +1,143 @@
+//! A script with expectations: what is printed, and what becomes of the picture.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+use crate::common::{Run, folder};
+
+/// A small picture, quickly made.
+pub const SMALL: &str = "--size 48x36 --resolution 32 --frames 1";
+
+/// What is expected of a line.
+enum Check {
+    /// Its words are among what it prints.
+    Says(Vec<String>),
+    /// Its picture differs from another one, by its number.
+    Differs(usize),
+    /// Its picture is another one, to the bit.
+    Equals(usize),
+}
+
+/// One process, and what is expected of its lines.
+pub struct Session {
+    pub folder: TempDir,
+    options: String,
+    script: String,
+    checks: Vec<(String, Check)>,
+    pictures: usize,
+}
+
+/// Runs `lumivox` with words, and a script on stdin.
+pub fn lumivox_with(folder: &Path, words: &[&str], stdin: &str) -> Run {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lumivox"))
+        .current_dir(folder)
+        .env_remove("RUST_LOG")
+        .args(words)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A program that fails at once closes the pipe.
+    let _ = child.stdin.take().unwrap().write_all(stdin.as_bytes());
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Run {
+        code: output.status.code().unwrap_or(-1),
+        stdout: text(output.stdout),
+        stderr: text(output.stderr),
+    }
+}
+
+/// A file of the project.
+pub fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path).canonicalize().unwrap()
+}
+
+impl Session {
+    pub fn new(options: &str) -> Self {
+        Self {
+            folder: folder(),
+            options: format!("{SMALL} {options}"),
+            script: String::new(),
+            checks: Vec::new(),
+            pictures: 0,
+        }
+    }
+
+    /// A line of which nothing is expected but that it works.
+    pub fn does(&mut self, line: &str) {
+        self.script += &format!("{line}\n");
+    }
+
+    /// A line that prints all of `needles`.
+    pub fn says(&mut self, line: &str, needles: &[&str]) {
+        let number = self.checks.len();
+        self.script += &format!("echo '<<{number}'\n{line}\necho '>>{number}'\n");
+        let needles = needles.iter().map(|needle| (*needle).to_owned()).collect();
+        self.checks.push((line.to_owned(), Check::Says(needles)));
+    }
+
+    /// Takes a picture; its number.
+    pub fn picture(&mut self) -> usize {
+        self.script += &format!("screenshot {}.png\n", self.pictures);
+        self.pictures += 1;
+        self.pictures - 1
+    }
+
+    /// A line after which the picture is another; its number.
+    pub fn changes(&mut self, line: &str) -> usize {
+        let before = self.pictures - 1;
+        self.does(line);
+        let after = self.picture();
+        self.checks.push((line.to_owned(), Check::Differs(before)));
+        self.checks.last_mut().unwrap().0 = format!("{after}|{line}");
+        after
+    }
+
+    /// A line after which the picture is that of a number, to the bit.
+    pub fn equals(&mut self, line: &str, picture: usize) {
+        self.does(line);
+        let after = self.picture();
+        self.checks.push((format!("{after}|{line}"), Check::Equals(picture)));
+    }
+
+    /// Runs it all in one process, and checks.
+    #[track_caller]
+    pub fn finish(self) -> Run {
+        let mut words = vec!["run", "-"];
+        words.extend(self.options.split_whitespace());
+        let run = lumivox_with(self.folder.path(), &words, &self.script).expect_ok();
+        let read =
+            |number: usize| fs::read(self.folder.path().join(format!("{number}.png"))).unwrap();
+        let pixels = |number: usize| image::load_from_memory(&read(number)).unwrap().to_rgba8();
+        for (number, (line, check)) in self.checks.iter().enumerate() {
+            let own = || {
+                let (picture, line) = line.split_once('|').unwrap();
+                (pixels(picture.parse().unwrap()), line.to_owned())
+            };
+            match check {
+                Check::Says(needles) => {
+                    let (_, said) = run.stdout.split_once(&format!("<<{number}\n")).unwrap();
+                    let (said, _) = said.split_once(&format!(">>{number}\n")).unwrap();
+                    for needle in needles {
+                        assert!(said.contains(needle), "{line}: no \"{needle}\" in\n{said}");
+                    }
+                }
+                Check::Differs(before) => {
+                    let (own, line) = own();
+                    assert!(own != pixels(*before), "{line}: the picture has not changed");
+                }
+                Check::Equals(other) => {
+                    let (own, line) = own();
+                    assert!(own == pixels(*other), "{line}: the picture is not number {other}");
+                }
+            }
+        }
+        run
+    }
+}
