@@ -1,5 +1,7 @@
 //! What is drawn over pictures is where it should be, hidden where it should be, and never in the radiance.
 
+#![allow(clippy::float_cmp)] // Corners of cells, and full coverage, are told exactly.
+
 mod common;
 
 use common::{builtin, gpu, picture, renderer};

@@ -13,6 +13,8 @@ import package::voxels::morton::morton_encode;
 
 // Half the width of a line in pixels.
 const HALF_WIDTH: f32 = 0.55;
+// Where a pixel is a larger share of a cell than this, lines get fainter by as much as they get denser.
+const DENSEST: f32 = 0.15;
 // A ray that is covered to this share shows nothing of what follows.
 const COVERED: f32 = 0.99;
 
@@ -42,8 +44,8 @@ fn has_voxel(cell: vec3u, first_word: u32) -> bool {
 }
 
 // How much of a pixel the outline of a face covers that the ray crosses; `cell` is the occupied one. Distances from
-// the edges are those on the screen, so that lines are as wide at any distance and slant; they fade out where a
-// pixel is as wide as several cells.
+// the edges are those on the screen, so that lines are as wide at any distance and slant. Where cells are small, lines
+// turn into an even tint, which fades where a pixel is as wide as several cells.
 fn outline_of(
     ray: PixelRay,
     cell: vec3i,
@@ -63,8 +65,8 @@ fn outline_of(
             ray.down[beside] - lean * ray.down[axis],
         );
         // Cells that a pixel is wide.
-        let pixel = distance * length(step);
-        let pixels_off = abs(position[beside] - edge) / max(pixel, 1e-12);
+        let pixel = max(distance * length(step), 1e-12);
+        let pixels_off = abs(position[beside] - edge) / pixel;
         // Half of a line lies on this face, the other half on the next; but at the outermost edges of what is seen
         // there is no next one.
         let is_high = edge > f32(cell[beside]) + 0.5;
@@ -76,7 +78,7 @@ fn outline_of(
             let is_next_there = !is_outside && has_voxel(vec3u(next), level.first_word);
             width = select(2.0 * HALF_WIDTH, HALF_WIDTH, is_next_there);
         }
-        let strength = saturate(1.5 - 5.0 * pixel);
+        let strength = saturate(DENSEST / pixel);
         coverage = max(coverage, select(0.0, strength, pixels_off < width));
     }
     return coverage;

@@ -170,7 +170,7 @@ fn square(double_sided: bool, world_from_local: Mat4) -> Scene {
     let alpha = AlphaMode::Mask { cutoff: 0.5 };
     Scene {
         meshes: vec![mesh],
-        materials: vec![Material { double_sided, alpha, ..Material::default() }],
+        materials: vec![Material { alpha, double_sided, ..Material::default() }],
         instances: vec![Instance {
             name: String::new(),
             mesh: 0,
