@@ -129,7 +129,7 @@ impl Report {
         });
         let notes = &scene.notes;
         let [fixed, moving] = [true, false].map(|is_static| {
-            let instances = scene.instances.iter().filter(|i| i.is_static == is_static);
+            let instances = scene.shown().filter(|i| i.is_static == is_static);
             instances.fold((0, 0), |(triangles, instances), instance| {
                 (triangles + scene.meshes[instance.mesh].triangle_count(), instances + 1)
             })
