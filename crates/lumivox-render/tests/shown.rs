@@ -20,13 +20,15 @@ fn settings() -> RenderSettings {
     }
 }
 
-/// The Cornell box with its last instance marked, and without it. Both fill the same box.
+/// The Cornell box, with one of its instances marked, and without it. Both fill the same box.
 fn marked(mark: impl Fn(&mut lumivox_scene::Instance)) -> (Scene, Scene, Scene) {
     let mut all = builtin("cornell");
     all.grid_bounds = Some(all.bounds());
     let (mut marked, mut without) = (all.clone(), all.clone());
-    mark(marked.instances.last_mut().expect("it has instances"));
-    without.instances.pop();
+    let block = all.instances.iter().position(|instance| instance.name == "tall block");
+    let block = block.expect("it has a tall block");
+    mark(&mut marked.instances[block]);
+    without.instances.remove(block);
     (all, marked, without)
 }
 
