@@ -113,7 +113,7 @@ fn the_grid_fills_the_box_of_the_scene_unless_the_settings_say_otherwise() {
     let wide = Bounds { min: own.min - Vec3::splat(0.5), max: own.max + Vec3::splat(0.5) };
     let grid = |scene: &Scene, settings: RenderSettings| {
         let renderer: Renderer = renderer(&gpu, scene, settings);
-        renderer.gi().grid().clone()
+        *renderer.gi().grid()
     };
     let plain = grid(&scene, settings());
     scene.grid_bounds = Some(wide);
