@@ -164,7 +164,7 @@ pub struct SceneCounts {
     pub triangles: usize,
     /// Meshes, each once.
     pub meshes: usize,
-    /// Placed meshes.
+    /// Placed meshes that are not hidden.
     pub instances: usize,
     /// Materials.
     pub materials: usize,
@@ -183,7 +183,7 @@ impl SceneCounts {
             name: scene.name.clone(),
             triangles: scene.triangle_count(),
             meshes: scene.meshes.len(),
-            instances: scene.instances.len(),
+            instances: scene.shown().count(),
             materials: scene.materials.len(),
             textures: scene.textures.len(),
             lights: scene.lights.len(),

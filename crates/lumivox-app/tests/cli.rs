@@ -217,6 +217,19 @@ fn what_keeping_static_triangles_saves_is_measured() {
 }
 
 #[test]
+fn info_tells_what_is_hidden_and_what_is_not_voxelized() {
+    let folder = folder();
+    let text = "scene { model { primitive = cube } model { primitive = cube active = false } \
+                model { primitive = cube static = true } model { primitive = cube static = true } }";
+    fs::write(folder.path().join("a.scene"), text).unwrap();
+    let info = lumivox(folder.path(), "info a.scene --json").expect_ok().json();
+    let counts = ["instances", "triangles", "hidden_instances", "unvoxelized_instances"];
+    assert_eq!(counts.map(|name| info[name].as_u64()), [Some(3), Some(36), Some(1), Some(2)]);
+    let text = lumivox(folder.path(), "info a.scene").expect_ok().stdout;
+    assert!(text.contains("1 instance hidden, 2 not voxelized"), "{text}");
+}
+
+#[test]
 fn a_picture_is_rendered_and_reported() {
     let folder = folder();
     let line = format!("render builtin:cornell -o a.png {SMALL} --json");

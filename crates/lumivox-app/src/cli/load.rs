@@ -14,7 +14,8 @@ use crate::progress::Progress;
 /// A scene to work on.
 #[derive(Args, Debug)]
 pub struct SceneArg {
-    /// The scene: a glTF, OBJ, PLY or STL file (.gltf, .glb, .obj, .ply, .stl), or builtin:NAME
+    /// The scene: a glTF, OBJ, PLY, STL or VXCT file (.gltf, .glb, .obj, .ply, .stl, .scene, .vxct, .txt),
+    /// or builtin:NAME
     ///
     /// `lumivox scenes` lists the built-in ones.
     #[arg(value_name = "SCENE", value_parser = scene_source())]
@@ -75,7 +76,7 @@ pub fn scene_source() -> impl TypedValueParser<Value = SceneSource> {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "File")]
 pub struct LoadArgs {
-    /// Which of the file's scenes (glTF), by name or number [default: the one that the file marks,
+    /// Which of the file's scenes (glTF, VXCT), by name or number [default: the one that the file marks,
     /// else the first]
     ///
     /// Numbers count from 0; `lumivox info SCENE` lists them.

@@ -87,9 +87,11 @@ impl<'a> Document<'a> {
             self.lists.entry("buffers").or_default().push(&buffer.to_string());
         }
         let nodes = self.lists.get("nodes").map_or(0, |nodes| nodes.count);
-        if nodes > 0 {
-            self.scene.insert("nodes".to_owned(), (0..nodes).collect());
+        if nodes == 0 {
+            // A list may not be empty, and many readers insist on there being one.
+            self.push("nodes", &json!({ "name": "empty" }));
         }
+        self.scene.insert("nodes".to_owned(), (0..nodes.max(1)).collect());
 
         let mut json = format!(
             r#"{{"asset":{{"generator":"Lumivox {}","version":"2.0"}}"#,

@@ -1,7 +1,7 @@
 //! What stands where: instances, lights and cameras, each at a node of its own.
 
 use glam::{DVec3, Mat4, Vec3};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::Writer;
 use super::document::{number, numbers, own_extras};
@@ -26,7 +26,7 @@ impl Writer<'_> {
             // What nothing moves is static unless it says otherwise, and animations are not saved.
             let marks = [("static", instance.is_static), ("voxelized", instance.is_voxelized)];
             let off = marks.into_iter().filter(|(_, mark)| !mark);
-            let own = Map::from_iter(off.map(|(name, mark)| (name.to_owned(), json!(mark))));
+            let own = off.map(|(name, mark)| (name.to_owned(), json!(mark))).collect();
             own_extras(&mut node.0, &own);
             if instance.is_hidden {
                 const EXTENSION: &str = "KHR_node_visibility";

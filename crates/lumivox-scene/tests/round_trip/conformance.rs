@@ -270,10 +270,10 @@ impl Document<'_> {
     fn nodes(&self) {
         let nodes = self.list("nodes");
         assert_eq!(self.json["scene"], 0);
-        // The list may not be empty, but missing.
-        let roots = &self.list("scenes")[0]["nodes"];
-        assert_ne!(*roots, serde_json::json!([]));
-        let roots: Vec<usize> = roots.as_array().into_iter().flatten().map(index).collect();
+        let roots: Vec<usize> =
+            self.list("scenes")[0]["nodes"].as_array().unwrap().iter().map(index).collect();
+        // Lists may not be empty.
+        assert!(!roots.is_empty());
         assert_eq!(roots, (0..nodes.len()).collect::<Vec<_>>());
         for node in nodes {
             if !node["matrix"].is_null() {

@@ -11,7 +11,8 @@ mod conformance;
 mod strategy;
 
 use compare::assert_same;
-use lumivox_scene::{LoadOptions, Scene, SceneError, builtin};
+use glam::Vec3;
+use lumivox_scene::{Bounds, LoadOptions, Scene, SceneError, builtin};
 use proptest::prelude::*;
 
 fn load(name: &str, glb: &[u8]) -> Scene {
@@ -60,6 +61,12 @@ fn builtin_scenes_survive_to_the_bit() {
     for name in builtin::names() {
         round_trip(&builtin::scene(name).unwrap());
     }
+}
+
+#[test]
+fn an_empty_scene_with_a_box_survives() {
+    let grid_bounds = Some(Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE });
+    round_trip(&Scene { name: "empty".to_owned(), grid_bounds, ..Scene::default() });
 }
 
 #[test]

@@ -34,6 +34,7 @@ impl Tree {
 }
 
 /// A node that something is put on.
+#[expect(clippy::struct_excessive_bools, reason = "what can be true of a node has no order")]
 pub(super) struct Site {
     pub(super) name: Arc<str>,
     /// Its place in the rig.

@@ -168,8 +168,8 @@ impl Values<'_> {
         default: Vec3,
     ) -> Result<Vec3, SceneError> {
         let Some(entry) = find(block, name) else { return Ok(default) };
-        let like: String = keys.once.iter().map(|key| format!("{key} = 0.5 ")).collect();
-        let inner = self.block(entry, like.trim_end())?;
+        let like: Vec<String> = keys.once.iter().map(|key| format!("{key} = 0.5")).collect();
+        let inner = self.block(entry, &like.join(" "))?;
         self.check(inner, keys);
         let first = inner.entries.iter().find(|entry| keys.once.contains(&entry.key.text));
         let Some(first) = first else {

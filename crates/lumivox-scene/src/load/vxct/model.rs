@@ -153,16 +153,15 @@ impl<'m, 'o> Models<'m, 'o> {
         (name, at): (&str, Place),
         values: &mut Values<'_>,
     ) -> Result<Option<usize>, SceneError> {
-        let sides = match self.meshes.get(&source) {
-            Some(known) => known.clone(),
-            None => {
-                let sides = self.read(&source, values)?.map(|mesh| {
-                    scene.meshes.push(mesh);
-                    (scene.meshes.len() - 1, None)
-                });
-                self.meshes.insert(source.clone(), sides.clone());
-                sides
-            }
+        let sides = if let Some(known) = self.meshes.get(&source) {
+            known.clone()
+        } else {
+            let sides = self.read(&source, values)?.map(|mesh| {
+                scene.meshes.push(mesh);
+                (scene.meshes.len() - 1, None)
+            });
+            self.meshes.insert(source.clone(), sides.clone());
+            sides
         };
         let (upright, mirrored) = match sides {
             Ok(sides) => sides,

@@ -31,6 +31,10 @@ pub struct Report {
     static_instances: usize,
     dynamic_triangles: usize,
     dynamic_instances: usize,
+    /// Instances that are in the scene and in nothing else; they are in no other count.
+    hidden_instances: usize,
+    /// Instances that are drawn but not in the voxels.
+    unvoxelized_instances: usize,
     /// Vertices of all meshes, each once.
     vertices: usize,
     /// Of the box around everything, m.
@@ -129,7 +133,7 @@ impl Report {
         });
         let notes = &scene.notes;
         let [fixed, moving] = [true, false].map(|is_static| {
-            let instances = scene.instances.iter().filter(|i| i.is_static == is_static);
+            let instances = scene.shown().filter(|i| i.is_static == is_static);
             instances.fold((0, 0), |(triangles, instances), instance| {
                 (triangles + scene.meshes[instance.mesh].triangle_count(), instances + 1)
             })
@@ -140,6 +144,8 @@ impl Report {
             static_instances: fixed.1,
             dynamic_triangles: moving.0,
             dynamic_instances: moving.1,
+            hidden_instances: scene.instances.len() - scene.shown().count(),
+            unvoxelized_instances: scene.shown().filter(|i| !i.is_voxelized).count(),
             vertices: scene.meshes.iter().map(|mesh| mesh.positions.len()).sum(),
             bounds_min: bounds.min.to_array(),
             bounds_max: bounds.max.to_array(),
@@ -234,6 +240,14 @@ impl Report {
                     counted(self.dynamic_instances, "instance", "instances"),
                     count(self.static_triangles as u64),
                     counted(self.static_instances, "instance", "instances"),
+                ),
+            ),
+            (
+                "marked",
+                format!(
+                    "{} hidden, {} not voxelized",
+                    counted(self.hidden_instances, "instance", "instances"),
+                    self.unvoxelized_instances
                 ),
             ),
             ("vertices", format!("{}, {}", count(self.vertices as u64), bytes(self.vertex_bytes))),
