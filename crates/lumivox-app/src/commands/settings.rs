@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use lumivox::{Directionality, Injection, Preset, TraceResolution};
-use lumivox_render::{Exposure, Look, RenderSettings, ToneMap, vxct_white};
+use lumivox_render::{Look, RenderSettings, ToneMap, vxct_display};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -56,12 +56,17 @@ pub fn exposure(args: &RenderArgs) -> ExposureChoice {
     args.exposure.unwrap_or_else(|| Companions::of(args.cones.preset()).exposure)
 }
 
-/// Where the look of VXCT shows a scene in physical units, and the command line says nothing of its exposure, white is
-/// what a white surface shows in the scene's light.
+/// Where the look of VXCT shows a scene in physical units, its white and its curve are the scene's, unless the
+/// command line says otherwise.
 pub fn expose_for_look(settings: &mut RenderSettings, args: &RenderArgs, scene: &Scene) {
-    if args.exposure.is_none() && settings.look != Look::Physical {
-        settings.exposure = Exposure::Stops(0.0 - vxct_white(scene).log2());
+    if settings.look == Look::Physical {
+        return;
     }
+    let display = vxct_display(scene);
+    if args.exposure.is_none() {
+        settings.exposure = display.exposure;
+    }
+    settings.tone_map = args.tone_map.unwrap_or(display.tone_map);
 }
 
 /// What the arguments of `render` ask for; times are not taken.

@@ -5,6 +5,10 @@
 // composited front to back until nothing shines through; and cells never reach down to the surface that the cone
 // leaves, nor beyond the light that it looks for.
 //
+// From level to level a wall moves by half a cell, since it stands in the middle of its cell. So a cone changes its
+// level only in empty space (package::trace::cone): in front of a wall it would else count parts of it twice or not at
+// all.
+//
 // The volume's two kinds tell coverage in two ways. An isotropic cell's is a mean over its volume: a wall that is a
 // voxel thick has 2^-l at the level l, and over any cone that crosses it, coverage per voxel edge sums up to one. Six
 // lobes keep a wall's coverage from level to level: there it is coverage per edge of the cell that does.
@@ -46,6 +50,10 @@ struct VxctTraced {
 // nothing, and up to a whole cell nothing is passed over.
 const LEAST_STEP: f32 = 0.5;
 
+// The edge of the finer cells over the distance that must not be felt: a look-up between two levels reads cells of up to
+// twice that edge, and knows of cells one and a half of those away.
+const CLEAR_CELLS: f32 = 1.0 / 3.0;
+
 // What is left is less than a step of 8 bits.
 const MIN_TRANSMITTANCE: f32 = 1.0 / 512.0;
 
@@ -59,39 +67,37 @@ fn density(probe: Probe, level: u32, direction: vec3f) -> vec4f {
 fn way_out(position_in_grid: vec3f, direction: vec3f, cell: f32) -> f32 {
     let place = position_in_grid / cell + 0.5;
     let rest = select(floor(place) - place, floor(place) + 1.0 - place, direction > vec3f(0.0));
-    let along = select(direction, vec3f(1e-6), abs(direction) < vec3f(1e-6));
-    let ways = select(rest / along, vec3f(1e6), abs(direction) < vec3f(1e-6));
+    let is_across = abs(direction) < vec3f(1e-6);
+    let ways = select(rest / select(direction, vec3f(1.0), is_across), vec3f(1e6), is_across);
     return min(ways.x, min(ways.y, ways.z));
+}
+
+// The coarser of the levels between which `level` lies.
+fn coarser(level: f32) -> u32 {
+    return min(u32(ceil(level)), grid.levels - 1u);
 }
 
 fn trace_vxct(cone: VxctCone) -> VxctTraced {
     let extent = vec3f(grid.dimensions);
     let side = max(extent.x, max(extent.y, extent.z));
-    let top = grid.levels - 1u;
-    let largest_cell = exp2(f32(top));
+    let largest_cell = exp2(f32(grid.levels - 1u));
     var traced = VxctTraced(vec3f(0.0), 1.0, cone.start, 0u);
     var is_inside = cone.start < cone.reach;
+    var level = 0.0;
     loop {
         var position: vec3f;
-        var fine_level: u32;
-        var coarse_level: u32;
         var coarse: Probe;
-        var share: f32;
         var step: f32;
         var middle: f32;
         // Pass over empty space (package::trace::cone tells why in a loop of its own).
         loop {
             let at = traced.distance;
-            let clear = 0.5 * min(cone.height + at * cone.cos_plane, cone.reach - at);
-            let wanted = clamp(min(cone.width * at, clear), 1.0, largest_cell);
-            fine_level = min(u32(log2(wanted)), top);
-            coarse_level = min(fine_level + 1u, top);
-            share = saturate(log2(wanted) - f32(fine_level));
-            let cell = exp2(f32(fine_level));
+            let cell = exp2(floor(level));
             step = clamp(cone.width * at * cone.step_per_diameter, LEAST_STEP * cell, cell);
             step = min(step, max(cone.reach - at, 0.0));
             middle = at + 0.5 * step;
             position = cone.origin_in_grid + cone.direction * middle;
+            let coarse_level = coarser(level);
             let coarse_cell = exp2(f32(coarse_level));
             // Outside the grid the cells at its border are still felt for half a cell.
             let margin = min(coarse_cell, 0.5 * side);
@@ -100,22 +106,28 @@ fn trace_vxct(cone: VxctCone) -> VxctTraced {
             // Where the coarser cells are empty, so are the finer ones, as far as they reach.
             coarse = probe_volume(position, coarse_level, cone.direction);
             let is_passed = is_inside && is_empty(coarse);
+            let clear = CLEAR_CELLS * min(cone.height + at * cone.cos_plane, cone.reach - at);
+            let wanted = log2(clamp(min(cone.width * at, clear), 1.0, largest_cell));
+            let next = min(wanted, level + 1.0);
+            let next_coarse = probe_volume(position, coarser(next), cone.direction);
+            level = select(level, next, is_passed && is_empty(next_coarse));
             let way = way_out(position, cone.direction, coarse_cell) * coarse_cell;
-            let passed = max(step, 0.5 * step + way - 0.25 * cell);
-            traced.distance += select(0.0, passed, is_passed);
+            traced.distance += select(0.0, max(step, 0.5 * step + way), is_passed);
             traced.samples += u32(is_inside);
             continuing {
                 break if !is_passed;
             }
         }
         if is_inside {
+            let fine_level = u32(level);
+            let share = level - f32(fine_level);
             let fine = probe_volume(position, fine_level, cone.direction);
             var met = vec4f(0.0);
             if !is_empty(fine) {
                 met = (1.0 - share) * density(fine, fine_level, cone.direction);
             }
             if share > 0.0 {
-                met += share * density(coarse, coarse_level, cone.direction);
+                met += share * density(coarse, coarser(level), cone.direction);
             }
             if met.a > 0.0 {
                 let x = saturate(cone.softness * sqrt(middle));
