@@ -5,9 +5,9 @@
 // composited front to back until nothing shines through; and cells never reach down to the surface that the cone
 // leaves, nor beyond the light that it looks for.
 //
-// From level to level a wall moves by half a cell, since it stands in the middle of its cell. So a cone changes its
-// level only in empty space (package::trace::cone): in front of a wall it would else count parts of it twice or not at
-// all.
+// From level to level a wall moves by half a cell at most, since it stands in the middle of its cell. Where cells grow by k
+// a length, what is met of it therefore sums up to 1 +- k / 2, and would leak. So opacity is counted 1 / (1 - k / 2) times:
+// a closed wall is never less than closed.
 //
 // The volume's two kinds tell coverage in two ways. An isotropic cell's is a mean over its volume: a wall that is a
 // voxel thick has 2^-l at the level l, and over any cone that crosses it, coverage per voxel edge sums up to one. Six
@@ -50,8 +50,8 @@ struct VxctTraced {
 // nothing, and up to a whole cell nothing is passed over.
 const LEAST_STEP: f32 = 0.5;
 
-// The edge of the finer cells over the distance that must not be felt: a look-up between two levels reads cells of up to
-// twice that edge, and knows of cells one and a half of those away.
+// The edge of the cells over the distance that must not be felt: a look-up between two levels reads cells of up to twice
+// that edge, and a surface is felt for one and a half of those: half to the middle of its cell, and one by the filter.
 const CLEAR_CELLS: f32 = 1.0 / 3.0;
 
 // What is left is less than a step of 8 bits.
@@ -72,47 +72,44 @@ fn way_out(position_in_grid: vec3f, direction: vec3f, cell: f32) -> f32 {
     return min(ways.x, min(ways.y, ways.z));
 }
 
-// The coarser of the levels between which `level` lies.
-fn coarser(level: f32) -> u32 {
-    return min(u32(ceil(level)), grid.levels - 1u);
-}
-
 fn trace_vxct(cone: VxctCone) -> VxctTraced {
     let extent = vec3f(grid.dimensions);
     let side = max(extent.x, max(extent.y, extent.z));
-    let largest_cell = exp2(f32(grid.levels - 1u));
+    let top = grid.levels - 1u;
+    let largest_cell = exp2(f32(top));
+    let closing = 1.0 / (1.0 - 0.5 * min(cone.width, 1.0));
     var traced = VxctTraced(vec3f(0.0), 1.0, cone.start, 0u);
     var is_inside = cone.start < cone.reach;
-    var level = 0.0;
     loop {
         var position: vec3f;
+        var level: f32;
+        var coarse_level: u32;
         var coarse: Probe;
         var step: f32;
         var middle: f32;
         // Pass over empty space (package::trace::cone tells why in a loop of its own).
         loop {
             let at = traced.distance;
+            let clear = CLEAR_CELLS * min(cone.height + at * cone.cos_plane, cone.reach - at);
+            level = log2(clamp(min(cone.width * at, clear), 1.0, largest_cell));
             let cell = exp2(floor(level));
             step = clamp(cone.width * at * cone.step_per_diameter, LEAST_STEP * cell, cell);
             step = min(step, max(cone.reach - at, 0.0));
             middle = at + 0.5 * step;
             position = cone.origin_in_grid + cone.direction * middle;
-            let coarse_level = coarser(level);
+            coarse_level = min(u32(ceil(level)), top);
             let coarse_cell = exp2(f32(coarse_level));
             // Outside the grid the cells at its border are still felt for half a cell.
             let margin = min(coarse_cell, 0.5 * side);
             is_inside = is_inside && at < cone.reach
                 && all(position >= vec3f(-margin)) && all(position <= extent + margin);
-            // Where the coarser cells are empty, so are the finer ones, as far as they reach.
+            // Where the coarser cells are empty, so are the finer ones, as far as they reach and as long as the cone is
+            // not wider than they are.
             coarse = probe_volume(position, coarse_level, cone.direction);
             let is_passed = is_inside && is_empty(coarse);
-            let clear = CLEAR_CELLS * min(cone.height + at * cone.cos_plane, cone.reach - at);
-            let wanted = log2(clamp(min(cone.width * at, clear), 1.0, largest_cell));
-            let next = min(wanted, level + 1.0);
-            let next_coarse = probe_volume(position, coarser(next), cone.direction);
-            level = select(level, next, is_passed && is_empty(next_coarse));
             let way = way_out(position, cone.direction, coarse_cell) * coarse_cell;
-            traced.distance += select(0.0, max(step, 0.5 * step + way), is_passed);
+            let passed = max(step, min(0.5 * step + way, coarse_cell / cone.width - at));
+            traced.distance += select(0.0, passed, is_passed);
             traced.samples += u32(is_inside);
             continuing {
                 break if !is_passed;
@@ -127,12 +124,12 @@ fn trace_vxct(cone: VxctCone) -> VxctTraced {
                 met = (1.0 - share) * density(fine, fine_level, cone.direction);
             }
             if share > 0.0 {
-                met += share * density(coarse, coarser(level), cone.direction);
+                met += share * density(coarse, coarse_level, cone.direction);
             }
             if met.a > 0.0 {
                 let x = saturate(cone.softness * sqrt(middle));
                 let counted = select(1.0, x * x * (3.0 - 2.0 * x), cone.softness > 0.0);
-                let taken = min(met.a * step * counted, traced.transmittance);
+                let taken = min(met.a * step * counted * closing, traced.transmittance);
                 let faded = pow(1.0 + middle / cone.fade_length, -cone.fade);
                 traced.radiance += met.rgb * (taken / met.a * faded);
                 traced.transmittance -= taken;
