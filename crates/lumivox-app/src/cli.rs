@@ -216,7 +216,7 @@ pub struct RenderArgs {
     pub level: u32,
 
     /// Exposure in stops, -64 to 64, or auto, or auto-each [default: auto; preset vxct: 0 for scenes in
-    /// display values, else such that white in the scene's light is white]
+    /// display values, else such that white right at a lamp is white]
     ///
     /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
     /// average a middle grey; the pictures of a sequence all take the median of what five of them ask
@@ -226,7 +226,8 @@ pub struct RenderArgs {
     #[arg(help_heading = "Picture", allow_hyphen_values = true)]
     pub exposure: Option<ExposureChoice>,
 
-    /// Curve from radiance to the screen's range, for PNG [default: neutral; preset vxct: raw]
+    /// Curve from radiance to the screen's range, for PNG [default: neutral; preset vxct: raw for
+    /// scenes in display values, else linear]
     #[arg(long, value_name = "NAME", value_parser = choices::tone_map(), help_heading = "Picture")]
     pub tone_map: Option<ToneMap>,
 

@@ -17,7 +17,9 @@ use common::{builtin, gpu, picture, renderer, zoo};
 use glam::UVec2;
 use image::RgbImage;
 use lumivox::{Directionality, TraceResolution, TraceSettings};
-use lumivox_render::{Overlay, RenderSettings, ShadowMethod, View, Wireframe, Wires};
+use lumivox_render::{
+    Look, Overlay, RenderSettings, ShadowMethod, View, VxctSettings, Wireframe, Wires, vxct_display,
+};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 /// The largest mean FLIP error that counts as the same picture.
@@ -124,6 +126,7 @@ fn variants() -> Vec<Snapshot> {
         ("cone-shadows", RenderSettings { shadows: ShadowMethod::Cone, ..small() }),
         ("isotropic", RenderSettings { directionality, ..small() }),
         ("half", RenderSettings { trace: half, ..small() }),
+        ("vxct", vxct()),
     ]
     .map(|(what, settings)| Snapshot {
         name: format!("cornell-{what}"),
@@ -131,6 +134,19 @@ fn variants() -> Vec<Snapshot> {
         settings,
     })
     .into()
+}
+
+/// The look of VXCT with what belongs to it.
+fn vxct() -> RenderSettings {
+    let display = vxct_display(&builtin("cornell"));
+    RenderSettings {
+        look: Look::Vxct(VxctSettings::for_resolution(64)),
+        directionality: Directionality::Isotropic,
+        bounces: 1,
+        exposure: display.exposure,
+        tone_map: display.tone_map,
+        ..small()
+    }
 }
 
 #[test]

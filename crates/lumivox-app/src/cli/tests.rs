@@ -212,16 +212,22 @@ fn the_look_of_vxct_brings_its_companions() {
 
     // A scene in physical units is shown in its own white, unless the command line says otherwise.
     let scene = lumivox_scene::builtin::scene("cornell").unwrap();
-    let exposure_of = |options: &str| {
+    let shown = |options: &str, scene: &lumivox_scene::Scene| {
         let args = args_of(options);
         let mut settings = settings(&args);
-        expose_for_look(&mut settings, &args, &scene);
-        settings.exposure
+        expose_for_look(&mut settings, &args, scene);
+        (settings.exposure, settings.tone_map)
     };
-    let white = lumivox_render::vxct_white(&scene);
-    assert!(white > 0.1 && (white - 1.0).abs() > 0.1, "{white}");
-    assert_eq!(exposure_of(""), Exposure::Stops(0.0 - white.log2()));
-    assert_eq!(exposure_of("--exposure 1"), Exposure::Stops(1.0));
+    let display = lumivox_render::vxct_display(&scene);
+    assert_ne!(display.exposure, Exposure::Stops(0.0));
+    assert_eq!(shown("", &scene), (display.exposure, ToneMap::Linear));
+    assert_eq!(
+        shown("--exposure 1 --tone-map aces", &scene),
+        (Exposure::Stops(1.0), ToneMap::Aces)
+    );
+    let mut display_values = scene.clone();
+    display_values.lights[0].attenuation = Some(lumivox_scene::Attenuation::default());
+    assert_eq!(shown("", &display_values), (Exposure::Stops(0.0), ToneMap::Raw));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use lumivox::{Directionality, Injection, Preset, TraceResolution, TraceSettings};
-use lumivox_render::{Exposure, Look, RenderSettings, ToneMap, VxctSettings, vxct_white};
+use lumivox_render::{Look, RenderSettings, ToneMap, VxctDisplay, VxctSettings, vxct_display};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -52,8 +52,12 @@ impl Companions {
 }
 
 /// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
-/// where the look changes.
-pub fn with_preset(settings: &RenderSettings, preset: PresetChoice) -> RenderSettings {
+/// where the look changes: VXCT's shows each scene in its own way.
+pub fn with_preset(
+    settings: &RenderSettings,
+    preset: PresetChoice,
+    scene: Option<&Scene>,
+) -> RenderSettings {
     let companions = Companions::of(preset);
     let (look, cones) = match preset {
         PresetChoice::Cones(cones) => (Look::Physical, cones),
@@ -62,10 +66,13 @@ pub fn with_preset(settings: &RenderSettings, preset: PresetChoice) -> RenderSet
         }
     };
     let is_same_look = matches!(settings.look, Look::Physical) == matches!(look, Look::Physical);
-    let (exposure, tone_map) = if is_same_look {
-        (settings.exposure, settings.tone_map)
-    } else {
-        (companions.exposure.first(), companions.tone_map)
+    let (exposure, tone_map) = match (is_same_look, preset, scene) {
+        (true, ..) => (settings.exposure, settings.tone_map),
+        (false, PresetChoice::Vxct, Some(scene)) => {
+            let VxctDisplay { exposure, tone_map, .. } = vxct_display(scene);
+            (exposure, tone_map)
+        }
+        _ => (companions.exposure.first(), companions.tone_map),
     };
     RenderSettings {
         look,
@@ -85,17 +92,30 @@ pub fn exposure(args: &RenderArgs) -> ExposureChoice {
     args.exposure.unwrap_or_else(|| Companions::of(args.cones.preset()).exposure)
 }
 
-/// Where the look of VXCT shows a scene in physical units, and the command line says nothing of its exposure, white is
-/// what a white surface shows in the scene's light.
+/// Where the look of VXCT shows a scene in physical units, its white and its curve are the scene's, unless the
+/// command line says otherwise.
 pub fn expose_for_look(settings: &mut RenderSettings, args: &RenderArgs, scene: &Scene) {
-    if args.exposure.is_none() && settings.look != Look::Physical {
-        settings.exposure = exposure_of_look(scene);
+    if settings.look == Look::Physical {
+        return;
     }
+    let display = vxct_display(scene);
+    if args.exposure.is_none() {
+        settings.exposure = display.exposure;
+    }
+    settings.tone_map = args.tone_map.unwrap_or(display.tone_map);
 }
 
-/// The exposure by which VXCT's look shows the scene's white as white.
-pub fn exposure_of_look(scene: &Scene) -> Exposure {
-    Exposure::Stops(0.0 - vxct_white(scene).log2())
+/// In the look of VXCT: exposure and curve of another scene, where those of the last were as the look has them; what was
+/// asked for otherwise stays.
+pub fn show_other(settings: &mut RenderSettings, last: Option<&Scene>, scene: &Scene) {
+    let Companions { exposure, tone_map, .. } = Companions::of(PresetChoice::Vxct);
+    let found = last.map(vxct_display).map(|display| (display.exposure, display.tone_map));
+    let shown = (settings.exposure, settings.tone_map);
+    let is_usual = shown == (exposure.first(), tone_map) || found == Some(shown);
+    if settings.look != Look::Physical && is_usual {
+        let display = vxct_display(scene);
+        (settings.exposure, settings.tone_map) = (display.exposure, display.tone_map);
+    }
 }
 
 /// What the arguments of `render` ask for; times are not taken.

@@ -28,7 +28,7 @@ mod original;
 mod update;
 
 use glam::{UVec2, Vec3};
-use lumivox_render::{Exposure, Gpu, Look, RenderSettings, Renderer};
+use lumivox_render::{Gpu, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::args::choices::PresetChoice;
@@ -106,15 +106,8 @@ impl Explorer {
         self.positions = opened.positions();
         self.playback = Playback::of(&opened);
         self.settings.grid_bounds = opened.grid_bounds.take();
-        if self.settings.look != Look::Physical {
-            // VXCT's scenes are in display values; of others white is what their light makes white. What was asked for stays.
-            let found = self.scene().map(crate::commands::settings::exposure_of_look);
-            if self.settings.exposure == Exposure::Stops(0.0)
-                || found == Some(self.settings.exposure)
-            {
-                self.settings.exposure = crate::commands::settings::exposure_of_look(&opened.scene);
-            }
-        }
+        let last = self.opened.as_ref().map(|last| &last.scene);
+        crate::commands::settings::show_other(&mut self.settings, last, &opened.scene);
         self.opened = Some(opened);
         self.generation += 1;
         self.since_voxels_s = 0.0;
@@ -182,12 +175,8 @@ impl Explorer {
     /// # Errors
     /// When they do not go with what stays, such as a view of an octree.
     pub fn set_preset(&mut self, preset: PresetChoice) -> anyhow::Result<()> {
-        let mut settings = crate::commands::settings::with_preset(&self.settings, preset);
-        // VXCT's scenes are in display values; of others white is what their light makes white.
-        let is_new = settings.look != Look::Physical && self.settings.look == Look::Physical;
-        if let Some(scene) = self.scene().filter(|_| is_new) {
-            settings.exposure = crate::commands::settings::exposure_of_look(scene);
-        }
+        let scene = self.scene();
+        let settings = crate::commands::settings::with_preset(&self.settings, preset, scene);
         self.set_settings(settings)?;
         self.preset = preset;
         Ok(())

@@ -10,7 +10,7 @@ use lumivox_scene::{Bounds, Scene};
 use crate::estimate::MemoryEstimate;
 use crate::shadow_maps::ShadowMapPass;
 use crate::upload::{GpuScene, Lighting, corners};
-use crate::vxct::{self, VxctLook};
+use crate::vxct::VxctLook;
 use crate::{Gpu, RenderError, RenderSettings};
 
 /// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
@@ -102,7 +102,7 @@ pub(super) fn bind_lights(
     let scene_lights = lights.len();
     lights.splice(0..0, peaks);
     let peak_count = lights.len() - scene_lights;
-    look.set_attenuations(vxct::attenuations(&gpu.device, peak_count, &lighting.lights));
+    look.set_lights(&gpu.device, peak_count, &lighting.lights);
     let mut maps: Option<ShadowMaps> = None;
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");

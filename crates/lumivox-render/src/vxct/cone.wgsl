@@ -5,6 +5,10 @@
 // composited front to back until nothing shines through; and cells never reach down to the surface that the cone
 // leaves, nor beyond the light that it looks for.
 //
+// From level to level a wall moves by half a cell at most, since it stands in the middle of its cell. Where cells grow by k
+// a length, what is met of it therefore sums up to 1 +- k / 2, and would leak. So opacity is counted 1 / (1 - k / 2) times:
+// a closed wall is never less than closed.
+//
 // The volume's two kinds tell coverage in two ways. An isotropic cell's is a mean over its volume: a wall that is a
 // voxel thick has 2^-l at the level l, and over any cone that crosses it, coverage per voxel edge sums up to one. Six
 // lobes keep a wall's coverage from level to level: there it is coverage per edge of the cell that does.
@@ -46,6 +50,10 @@ struct VxctTraced {
 // nothing, and up to a whole cell nothing is passed over.
 const LEAST_STEP: f32 = 0.5;
 
+// The edge of the cells over the distance that must not be felt: a look-up between two levels reads cells of up to twice
+// that edge, and a surface is felt for one and a half of those: half to the middle of its cell, and one by the filter.
+const CLEAR_CELLS: f32 = 1.0 / 3.0;
+
 // What is left is less than a step of 8 bits.
 const MIN_TRANSMITTANCE: f32 = 1.0 / 512.0;
 
@@ -59,8 +67,8 @@ fn density(probe: Probe, level: u32, direction: vec3f) -> vec4f {
 fn way_out(position_in_grid: vec3f, direction: vec3f, cell: f32) -> f32 {
     let place = position_in_grid / cell + 0.5;
     let rest = select(floor(place) - place, floor(place) + 1.0 - place, direction > vec3f(0.0));
-    let along = select(direction, vec3f(1e-6), abs(direction) < vec3f(1e-6));
-    let ways = select(rest / along, vec3f(1e6), abs(direction) < vec3f(1e-6));
+    let is_across = abs(direction) < vec3f(1e-6);
+    let ways = select(rest / select(direction, vec3f(1.0), is_across), vec3f(1e6), is_across);
     return min(ways.x, min(ways.y, ways.z));
 }
 
@@ -69,39 +77,38 @@ fn trace_vxct(cone: VxctCone) -> VxctTraced {
     let side = max(extent.x, max(extent.y, extent.z));
     let top = grid.levels - 1u;
     let largest_cell = exp2(f32(top));
+    let closing = 1.0 / (1.0 - 0.5 * min(cone.width, 1.0));
     var traced = VxctTraced(vec3f(0.0), 1.0, cone.start, 0u);
     var is_inside = cone.start < cone.reach;
     loop {
         var position: vec3f;
-        var fine_level: u32;
+        var level: f32;
         var coarse_level: u32;
         var coarse: Probe;
-        var share: f32;
         var step: f32;
         var middle: f32;
         // Pass over empty space (package::trace::cone tells why in a loop of its own).
         loop {
             let at = traced.distance;
-            let clear = 0.5 * min(cone.height + at * cone.cos_plane, cone.reach - at);
-            let wanted = clamp(min(cone.width * at, clear), 1.0, largest_cell);
-            fine_level = min(u32(log2(wanted)), top);
-            coarse_level = min(fine_level + 1u, top);
-            share = saturate(log2(wanted) - f32(fine_level));
-            let cell = exp2(f32(fine_level));
+            let clear = CLEAR_CELLS * min(cone.height + at * cone.cos_plane, cone.reach - at);
+            level = log2(clamp(min(cone.width * at, clear), 1.0, largest_cell));
+            let cell = exp2(floor(level));
             step = clamp(cone.width * at * cone.step_per_diameter, LEAST_STEP * cell, cell);
             step = min(step, max(cone.reach - at, 0.0));
             middle = at + 0.5 * step;
             position = cone.origin_in_grid + cone.direction * middle;
+            coarse_level = min(u32(ceil(level)), top);
             let coarse_cell = exp2(f32(coarse_level));
             // Outside the grid the cells at its border are still felt for half a cell.
             let margin = min(coarse_cell, 0.5 * side);
             is_inside = is_inside && at < cone.reach
                 && all(position >= vec3f(-margin)) && all(position <= extent + margin);
-            // Where the coarser cells are empty, so are the finer ones, as far as they reach.
+            // Where the coarser cells are empty, so are the finer ones, as far as they reach and as long as the cone is
+            // not wider than they are.
             coarse = probe_volume(position, coarse_level, cone.direction);
             let is_passed = is_inside && is_empty(coarse);
             let way = way_out(position, cone.direction, coarse_cell) * coarse_cell;
-            let passed = max(step, 0.5 * step + way - 0.25 * cell);
+            let passed = max(step, min(0.5 * step + way, coarse_cell / cone.width - at));
             traced.distance += select(0.0, passed, is_passed);
             traced.samples += u32(is_inside);
             continuing {
@@ -109,6 +116,8 @@ fn trace_vxct(cone: VxctCone) -> VxctTraced {
             }
         }
         if is_inside {
+            let fine_level = u32(level);
+            let share = level - f32(fine_level);
             let fine = probe_volume(position, fine_level, cone.direction);
             var met = vec4f(0.0);
             if !is_empty(fine) {
@@ -120,7 +129,7 @@ fn trace_vxct(cone: VxctCone) -> VxctTraced {
             if met.a > 0.0 {
                 let x = saturate(cone.softness * sqrt(middle));
                 let counted = select(1.0, x * x * (3.0 - 2.0 * x), cone.softness > 0.0);
-                let taken = min(met.a * step * counted, traced.transmittance);
+                let taken = min(met.a * step * counted * closing, traced.transmittance);
                 let faded = pow(1.0 + middle / cone.fade_length, -cone.fade);
                 traced.radiance += met.rgb * (taken / met.a * faded);
                 traced.transmittance -= taken;

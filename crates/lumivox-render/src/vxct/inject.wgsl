@@ -1,5 +1,5 @@
 // VXCT's light in the voxels: of each light (ambient + n l) times its colour, without attenuation or shadow, clamped at
-// white. Lights without a polynomial come in as they do physically.
+// white. Suns come in as they do physically.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -37,8 +37,9 @@ fn main(
     for (var i = 0u; i < light_globals.light_count; i++) {
         let sent = arriving_light(i, face.position_in_world);
         let cosine = max(dot(normal, sent.direction), 0.0);
-        if sent.has_polynomial {
-            arriving += sent.color * (inject_settings.ambient + cosine);
+        if sent.is_lamp {
+            let ambient = select(0.0, inject_settings.ambient, sent.is_vxct);
+            arriving += sent.color * (ambient + cosine);
         } else if cosine > 0.0 && any(sent.radiance > vec3f(0.0)) {
             let light = lights[i];
             let incident = incident_light(light, face.position_in_world);

@@ -13,12 +13,12 @@ use lumivox::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, uniform_buffer, upload,
 };
 use lumivox::{GBuffer, Gi, Lights};
-use lumivox_scene::{Bounds, LightKind, Scene, Shading};
+use lumivox_scene::{Attenuation, Bounds, LightKind, Scene, Shading};
 
 use crate::composite::PICTURE_FORMAT;
 use crate::targets::Targets;
 use crate::upload::{Lighting, reference_white};
-use crate::{Gpu, RenderError, RenderSettings, View};
+use crate::{Exposure, Gpu, RenderError, RenderSettings, ToneMap, View};
 pub use settings::{Components, ConeShape, Injected, Look, VxctSettings};
 
 /// The shader modules of this folder by their paths below `render`.
@@ -95,22 +95,60 @@ pub(crate) struct InjectSettings {
     padding: [u32; 2],
 }
 
-/// The radiance, in cd/m², that a screen shows as 1 in this look.
+/// How a screen shows a scene in this look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VxctDisplay {
+    /// The radiance that is shown as 1, in cd/m².
+    pub white: f32,
+    /// The exposure that makes it so.
+    pub exposure: Exposure,
+    /// The curve.
+    pub tone_map: ToneMap,
+}
+
+/// How a screen shows a scene in this look.
 ///
-/// Scenes for VXCT are in display values: there it is 1. Of others, whose lights have no attenuation polynomial, it is
-/// what a white surface shows that faces the strongest light, at about the scene's middle.
-pub fn vxct_white(scene: &Scene) -> f32 {
-    let lighting = Lighting::of(scene);
-    if lighting.lights.iter().any(|light| light.attenuation.is_some()) {
-        return 1.0;
+/// Scenes for VXCT, some light of which has an [`Attenuation`], are in display values: they are shown as they are,
+/// without exposure and encoding. Other scenes are in physical units: there white is what a white surface shows that
+/// faces the strongest light, a lamp right at its place (its colour in VXCT's sense) or a sun; where nothing but
+/// surfaces shines, the brightest of them. It is encoded for the screen, since the light of a real scene has more
+/// contrast than display values.
+pub fn vxct_display(scene: &Scene) -> VxctDisplay {
+    if scene.lights.iter().any(|light| light.attenuation.is_some()) {
+        let (exposure, tone_map) = (Exposure::Stops(0.0), ToneMap::Raw);
+        return VxctDisplay { white: 1.0, exposure, tone_map };
     }
-    reference_white(scene, &lighting)
+    let bounds = scene.bounds();
+    let unit_m = 0.5 * (bounds.max - bounds.min).max_element();
+    let of_lights = scene.lights.iter().map(|light| {
+        let strength = match light.kind {
+            LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
+            LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+                intensity_cd * lamp_attenuation(unit_m)[3].abs()
+            }
+        };
+        light.color.max_element() * strength / std::f32::consts::PI
+    });
+    let brightest = of_lights.filter(|white| white.is_finite()).fold(0.0, f32::max);
+    let white =
+        if brightest > 0.0 { brightest } else { reference_white(scene, &Lighting::of(scene)) };
+    let exposure = Exposure::Stops(-white.log2());
+    VxctDisplay { white, exposure, tone_map: ToneMap::Linear }
+}
+
+/// VXCT's default polynomial over units of `unit_m` for a lamp that has none, as `attenuations` of `lights.wgsl` has
+/// it: at one unit it meets the inverse square.
+fn lamp_attenuation(unit_m: f32) -> [f32; 4] {
+    let Attenuation { constant, linear, quadratic } = Attenuation::default();
+    let squared = unit_m * unit_m;
+    let at_one_unit = constant + linear + quadratic;
+    [constant, linear / unit_m, quadratic / squared, -at_one_unit / squared]
 }
 
 /// What the look needs of a scene, and its kernels once they are used.
 #[derive(Debug)]
 pub(crate) struct VxctLook {
-    /// For each light: constant, linear, quadratic, and whether there is a polynomial (`array<vec4f>`).
+    /// For each light, how it fades (`attenuations` of `lights.wgsl`).
     attenuations: wgpu::Buffer,
     /// The mean of the ambient strengths of Phong's materials.
     ambient: f32,
@@ -144,27 +182,11 @@ pub(crate) struct VxctFrame<'a> {
     pub(crate) view: View,
 }
 
-/// The attenuation of each light as the shaders read it. `peaks` lights of the surroundings come before the scene's.
-pub(crate) fn attenuations(
-    device: &wgpu::Device,
-    peaks: usize,
-    lights: &[lumivox_scene::Light],
-) -> wgpu::Buffer {
-    let none = [0.0; 4];
-    let of_scene = lights.iter().map(|light| match (light.kind, light.attenuation) {
-        (LightKind::Point { .. }, Some(a)) => [a.constant, a.linear, a.quadratic, 1.0],
-        _ => none,
-    });
-    let records: Vec<[f32; 4]> = std::iter::repeat_n(none, peaks).chain(of_scene).collect();
-    let records = if records.is_empty() { vec![none] } else { records };
-    upload(device, "attenuations", &records)
-}
-
 impl VxctLook {
     /// What the look needs of a scene within `bounds`, whose radiances are multiples of `radiance_unit` on the GPU.
     pub(crate) fn new(gpu: &Gpu, scene: &Scene, bounds: Bounds, radiance_unit: f32) -> Self {
         let mut look = Self {
-            attenuations: attenuations(&gpu.device, 0, &[]),
+            attenuations: upload(&gpu.device, "attenuations", &[[0.0_f32; 4]]),
             ambient: 0.0,
             white: 1.0,
             unit_m: 0.0,
@@ -188,7 +210,7 @@ impl VxctLook {
             .collect();
         let count = ambient.len().max(1) as f32;
         self.ambient = ambient.iter().sum::<f32>() / count;
-        self.white = vxct_white(scene) / radiance_unit;
+        self.white = vxct_display(scene).white / radiance_unit;
     }
 
     /// Goes on with another volume, within other bounds.
@@ -197,9 +219,28 @@ impl VxctLook {
         (self.shade, self.inject) = (None, None);
     }
 
-    /// Takes the attenuations of lights that were bound anew.
-    pub(crate) fn set_attenuations(&mut self, attenuations: wgpu::Buffer) {
-        self.attenuations = attenuations;
+    /// Takes up lights that were bound anew: first `peaks` of the surroundings, then the scene's.
+    pub(crate) fn set_lights(
+        &mut self,
+        device: &wgpu::Device,
+        peaks: usize,
+        lights: &[lumivox_scene::Light],
+    ) {
+        let none = [0.0; 4];
+        let of_scene = lights.iter().map(|light| match (light.kind, light.attenuation) {
+            (LightKind::Directional { .. }, _) => none,
+            (_, Some(a)) => {
+                let at_one_metre = a.constant + a.linear + a.quadratic;
+                [a.constant, a.linear, a.quadratic, at_one_metre]
+            }
+            _ => lamp_attenuation(self.unit_m),
+        });
+        let mut records: Vec<[f32; 4]> = std::iter::repeat_n(none, peaks).chain(of_scene).collect();
+        if records.is_empty() {
+            // No binding may be empty.
+            records.push(none);
+        }
+        self.attenuations = upload(device, "attenuations", &records);
     }
 
     /// Lights the voxels with what the look wants them to hold.

@@ -8,8 +8,8 @@ pub enum Look {
     /// By the physics: direct light with shadow maps, and cones that gather radiance.
     #[default]
     Physical,
-    /// As the program VXCT made it: Phong's light and a few fixed cones (docs/vxct-look.md). It is made for exposure
-    /// 0 and [`ToneMap::Raw`](crate::ToneMap::Raw), isotropic voxels and one bounce.
+    /// As the program VXCT made it: Phong's light and a few fixed cones (docs/vxct-look.md). It is made for isotropic
+    /// voxels and one bounce, and for the brightness of [`vxct_display`](crate::vxct_display).
     Vxct(VxctSettings),
 }
 
@@ -34,8 +34,7 @@ pub enum Components {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Injected {
     /// VXCT's: of each light (ambient + n l) times its colour, without attenuation or shadow, in the sum at most the
-    /// screen's white; and what the surface emits. Lights without an attenuation polynomial come in physically, shadows
-    /// included.
+    /// screen's white; and what the surface emits. Suns come in physically, shadows included.
     #[default]
     Vxct,
     /// Physical direct light, with shadows and the inverse square.

@@ -2,7 +2,7 @@
 // cones, all in one kernel.
 //
 // The picture is emission, plus for each light (Phong + specular) (1 - occlusion), plus diffuse (1 - the least
-// occlusion). With several lights that are not VXCT's the specular part would come once for each; it counts once.
+// occlusion). Lights that are not VXCT's own shade Phong's terms alone: what the cones bring does not come from there.
 
 import package::constants::{
     VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_FINAL, VIEW_INDIRECT,
@@ -208,6 +208,7 @@ struct Lit {
 fn lit_by_all(surface: Surface, material: VxctMaterial, to_camera: vec3f) -> Lit {
     let normal = surface.shading_normal;
     var lit = Lit(vec3f(0.0), 0.0, 1.0, 1.0, 0u);
+    var vxct_lights = 0u;
     var sent = 0.0;
     var arrived = 0.0;
     for (var index = 0u; index < light_globals.light_count; index++) {
@@ -242,13 +243,14 @@ fn lit_by_all(surface: Surface, material: VxctMaterial, to_camera: vec3f) -> Lit
             shown += material.specular * pow(max(cosine, 1e-6), material.shininess);
         }
         lit.phong += shown * arriving.radiance * (1.0 - occlusion);
-        lit.reflected_share += select(0.0, 1.0 - occlusion, arriving.has_polynomial);
-        lit.least_occlusion = min(lit.least_occlusion, occlusion);
+        vxct_lights += u32(arriving.is_vxct);
+        lit.reflected_share += select(0.0, 1.0 - occlusion, arriving.is_vxct);
+        lit.least_occlusion = min(lit.least_occlusion, select(1.0, occlusion, arriving.is_vxct));
         sent += brightness;
         arrived += select(0.0, brightness * (1.0 - occlusion), faces);
     }
-    lit.least_occlusion = select(0.0, lit.least_occlusion, sent > 0.0);
-    lit.reflected_share = max(lit.reflected_share, 1.0 - lit.least_occlusion);
+    lit.least_occlusion = select(0.0, lit.least_occlusion, vxct_lights > 0u);
+    lit.reflected_share = select(1.0, lit.reflected_share, vxct_lights > 0u);
     lit.visibility = select(1.0, arrived / sent, sent > 0.0);
     return lit;
 }

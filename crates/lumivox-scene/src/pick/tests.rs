@@ -113,7 +113,7 @@ fn clutter(seed: u64, count: usize) -> Scene {
             mesh: number,
             material: number,
             world_from_local: Mat4::from_scale_rotation_translation(scale, turn, vector() * 3.0),
-            is_static: true,
+            ..Instance::default()
         });
     }
     scene
@@ -176,7 +176,7 @@ fn square(double_sided: bool, world_from_local: Mat4) -> Scene {
             mesh: 0,
             material: 0,
             world_from_local,
-            is_static: true,
+            ..Instance::default()
         }],
         ..Scene::default()
     }
