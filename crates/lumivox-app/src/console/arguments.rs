@@ -133,6 +133,11 @@ pub fn spaces(v: Vec3) -> String {
     format!("{} {} {}", v.x, v.y, v.z)
 }
 
+/// Three numbers with commas for people, to a millionth.
+pub fn rounded(v: Vec3) -> String {
+    commas(v.map(|x| (x * 1e6).round() / 1e6 + 0.0))
+}
+
 /// Three numbers for people, to a thousandth.
 pub fn short(v: Vec3) -> String {
     // Rounded first: what is next to zero has no sign.

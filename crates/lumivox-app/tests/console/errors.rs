@@ -130,7 +130,11 @@ fn the_first_error_gives_the_code() {
     words.extend(SMALL);
     let run = lumivox_with(folder.path(), &words, script);
     assert_eq!(run.code, OUTPUT, "{}", run.stderr);
-    assert!(run.stderr.contains("error: stdin:1: there is no folder nowhere"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("error: stdin:1: nowhere/a.png: there is no folder nowhere"),
+        "{}",
+        run.stderr
+    );
     assert!(run.stderr.contains("error: stdin:2: there is no command"), "{}", run.stderr);
 }
 

@@ -68,7 +68,7 @@ fn of_animations_and_overlays() {
         "--scene moving.glb",
         &[
             "animation 0; time 0.77; wireframe over; show_grid on; ray 20 20",
-            "translate plate 0 0.2 0",
+            "translate 'node 1' 0 0.2 0",
         ],
     );
 }
@@ -77,9 +77,8 @@ fn of_animations_and_overlays() {
 fn of_the_look_of_vxct() {
     let scene = format!("load '{}'", project("scenes/cornell.scene").display());
     repeats(
-        "",
+        "--scene builtin:cornell",
         &[
-            "load builtin:cornell",
             "preset vxct",
             &scene,
             "toggle FrontWall; setmat TallBlock color 0.2 0.4 0.8; da 0.7; side_cones on; store 1; orbit 5 5",

@@ -41,7 +41,7 @@ fn numbers() {
     let mut session = session();
     // Highlights have a use for the shininess falloff, and mirrors for cones that are as sharp.
     session.does("setmat TallBlock specular_str 1");
-    session.picture();
+    let start = session.picture();
     for (name, alias, other) in [
         ("diffuse_offset", "do", "1"),
         ("specular_offset", "so", "0.6"),
@@ -58,8 +58,11 @@ fn numbers() {
     ] {
         session.changes(&format!("{alias} {other}"));
         session.says(name, &[&format!("{name} {other}")]);
+        session.equals(&format!("reset {name}"), start);
     }
-    session.does("reset all");
-    session.says("sa", &["specular_aperture"]);
+    session.changes("sa 0.5; oo 0.4");
+    session.says("script", &["specular_aperture 0.5", "occlusion_offset 0.4"]);
+    session.does("reset specular_aperture; reset occlusion_offset");
+    session.equals("echo", start);
     session.finish();
 }

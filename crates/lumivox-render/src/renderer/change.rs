@@ -36,8 +36,13 @@ impl Redo {
             || old.volume_memory != new.volume_memory
             || old.voxelizer != new.voxelizer
             || old.injection != new.injection;
-        let targets =
-            volume || old.size != new.size || old.trace.resolution != new.trace.resolution;
+        // Without bounces nothing is traced, and what was must not be shown.
+        let has_stale_cones =
+            new.bounces == 0 && (old.bounces > 0 || old.view.needs_cones(old.bounces));
+        let targets = volume
+            || has_stale_cones
+            || old.size != new.size
+            || old.trace.resolution != new.trace.resolution;
         let light = volume
             || old.trace != new.trace
             || old.look.injected_light() != new.look.injected_light()

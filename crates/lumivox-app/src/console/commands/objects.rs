@@ -2,7 +2,7 @@
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
-use crate::console::arguments::{PLACE, commas, on_or_off, switch, vector, wrong};
+use crate::console::arguments::{PLACE, on_or_off, rounded, switch, vector, wrong};
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
@@ -232,7 +232,7 @@ fn place(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let placement = match arguments.get(1..).unwrap_or_default() {
         [] => {
             let at = console.explorer.placement(number).ok_or_else(nothing_to_show)?;
-            let (p, r, s) = (commas(at.position), commas(at.rotation_deg), commas(at.scale));
+            let (p, r, s) = (rounded(at.position), rounded(at.rotation_deg), rounded(at.scale));
             return Ok(Reply::say(format!(
                 "{name}: position {p} m, rotation {r} degrees, scale {s}"
             )));

@@ -145,7 +145,8 @@ fn compare(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let picture = explorer.picture(&mut tell)?.ok_or_else(nothing_to_show)?;
     let truth = layers.layer(&layers.radiance);
     let variance = layers.radiance_variance.as_slice();
-    let variance = (layers.samples > 1).then_some(variance);
+    // Few samples do not tell their variance.
+    let variance = variance.iter().all(|value| value.is_finite()).then_some(variance);
     let figures = ErrorFigures::new(&truth, variance, &LinearPicture::from(&picture))?;
     let comparison = Comparison {
         size: picture.size.to_array(),
