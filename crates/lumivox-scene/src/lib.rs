@@ -31,6 +31,7 @@ mod error;
 mod framing;
 mod load;
 mod model;
+mod pick;
 mod pose;
 mod save;
 mod validate;
@@ -46,6 +47,7 @@ pub use model::{
     Instance, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler,
     Scene, Shading, Sheen, Texture, TextureRef, Transmission, Unlit, Wrap,
 };
+pub use pick::{Pick, Picker};
 pub use pose::{AnimationChoice, AnimationInfo, Rig};
 
 /// The name under which a file's `extras` hold what glTF has no words for.

@@ -1,6 +1,6 @@
 //! Where the picture is taken from.
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, UVec2, Vec2, Vec3};
 
 /// A perspective camera in world space, without a far plane (renderers use reversed, infinite
 /// depth or derive one from the scene's bounds).
@@ -64,6 +64,16 @@ impl Camera {
         )
     }
 
+    /// The ray through a place in a picture of `size`, in pixels from its upper left corner (the middle of the
+    /// first pixel is at 0.5, 0.5): the eye, and a unit vector.
+    pub fn ray(&self, pixel: Vec2, size: UVec2) -> (Vec3, Vec3) {
+        let size = size.as_vec2();
+        let half_height = (0.5 * self.vertical_fov_rad).tan();
+        let from_middle = (2.0 * pixel - size) / size.y * half_height;
+        let direction = Vec3::new(from_middle.x, -from_middle.y, -1.0).normalize();
+        (self.position, self.world_from_camera().transform_vector3(direction))
+    }
+
     /// The view matrix: the inverse of [`Camera::world_from_camera`].
     pub fn camera_from_world(&self) -> Mat4 {
         self.world_from_camera().inverse()
@@ -82,6 +92,20 @@ mod tests {
         assert!(seen.z < 0.0);
         let above = camera.camera_from_world().transform_vector3(Vec3::Y);
         assert!(above.y > 0.5, "{above}");
+    }
+
+    #[test]
+    fn rays_go_through_the_picture_from_the_upper_left() {
+        let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, -4.0), 1.2);
+        let size = UVec2::new(300, 100);
+        let (eye, middle) = camera.ray(Vec2::new(150.0, 50.0), size);
+        assert_eq!(eye, camera.position);
+        assert!(middle.abs_diff_eq(camera.forward, 1e-6), "{middle}");
+        let (_, top) = camera.ray(Vec2::new(150.0, 0.0), size);
+        assert!((top.angle_between(middle) - 0.6).abs() < 1e-5 && top.y > 0.0);
+        let (_, corner) = camera.ray(Vec2::ZERO, size);
+        assert!((corner.x / corner.y + 3.0).abs() < 1e-5, "{corner}");
+        assert!((corner.length() - 1.0).abs() < 1e-6);
     }
 
     #[test]

@@ -1,0 +1,279 @@
+use std::time::Instant;
+
+use glam::{DVec3, EulerRot, Quat};
+use proptest::prelude::*;
+
+use super::*;
+use crate::{AlphaMode, Instance, Material, Mesh, builtin};
+
+/// The nearest triangle by a loop over all of them, in the world.
+fn brute_force(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<(usize, usize, f64)> {
+    let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3().normalize());
+    let mut nearest: Option<(usize, usize, f64)> = None;
+    for (number, instance) in scene.instances.iter().enumerate() {
+        let mesh = &scene.meshes[instance.mesh];
+        let world = instance.world_from_local.as_dmat4();
+        for (index, triangle) in mesh.triangles().enumerate() {
+            let [a, b, c] =
+                triangle.map(|corner| world.transform_point3(mesh.positions[corner].as_dvec3()));
+            let normal = (b - a).cross(c - a);
+            let facing = -normal.dot(direction);
+            let is_seen = facing > 0.0 || scene.materials[instance.material].double_sided;
+            let distance = (a - origin).dot(normal) / direction.dot(normal);
+            let at = origin + distance * direction;
+            let is_left = |from: DVec3, to: DVec3| (to - from).cross(at - from).dot(normal) >= 0.0;
+            let is_inside = is_left(a, b) && is_left(b, c) && is_left(c, a);
+            let is_nearer = nearest.is_none_or(|(.., nearest)| distance < nearest);
+            if is_seen && is_inside && distance >= 0.0 && is_nearer {
+                nearest = Some((number, index, distance));
+            }
+        }
+    }
+    nearest
+}
+
+/// How far a place is from the nearest edge of its triangle, relative to the triangle's size: there, two ways to
+/// compute may take different triangles.
+fn is_near_an_edge(scene: &Scene, (instance, triangle, _): (usize, usize, f64), at: Vec3) -> bool {
+    let placed = &scene.instances[instance];
+    let mesh = &scene.meshes[placed.mesh];
+    let corners: Vec<Vec3> = mesh
+        .triangles()
+        .nth(triangle)
+        .unwrap()
+        .into_iter()
+        .map(|corner| placed.world_from_local.transform_point3(mesh.positions[corner]))
+        .collect();
+    let size = corners[0].distance(corners[1]).max(corners[0].distance(corners[2]));
+    (0..3).any(|edge| {
+        let (from, to) = (corners[edge], corners[(edge + 1) % 3]);
+        let along = (to - from).normalize();
+        (at - from).reject_from(along).length() < 1e-3 * size
+    })
+}
+
+fn assert_agrees(scene: &Scene, picker: &Picker, origin: Vec3, direction: Vec3) {
+    let expected = brute_force(scene, origin, direction);
+    let found = picker.pick(origin, direction);
+    let (Some(expected), Some(found)) = (expected, found) else {
+        // A hair's breadth decides whether an outermost edge is met.
+        let at =
+            origin.as_dvec3() + expected.map_or(0.0, |e| e.2) * direction.as_dvec3().normalize();
+        let is_excused = expected.is_some_and(|e| is_near_an_edge(scene, e, at.as_vec3()))
+            || found
+                .is_some_and(|f| is_near_an_edge(scene, (f.instance, f.triangle, 0.0), f.position));
+        assert!(expected.is_none() == found.is_none() || is_excused, "{expected:?}, {found:?}");
+        return;
+    };
+    let error = (f64::from(found.distance_m) - expected.2).abs();
+    let is_same = (found.instance, found.triangle) == (expected.0, expected.1);
+    assert!(
+        (is_same && error <= 1e-5 * (1.0 + expected.2))
+            || is_near_an_edge(scene, expected, found.position)
+            || error <= 1e-6 * (1.0 + expected.2),
+        "{found:?} instead of {expected:?}"
+    );
+    assert!((found.normal.length() - 1.0).abs() < 1e-5);
+    assert!(found.normal.dot(direction) <= 1e-6, "{found:?} looks away");
+    assert!((found.shading_normal.length() - 1.0).abs() < 1e-5);
+    let at = origin + direction.normalize() * found.distance_m;
+    assert!(at.abs_diff_eq(found.position, 1e-4 * (1.0 + found.distance_m)), "{found:?}");
+}
+
+/// A mesh of so many triangles all over a cube, with a material for each side rule.
+fn clutter(seed: u64, count: usize) -> Scene {
+    let mut state = seed | 1;
+    let mut random = || {
+        // xorshift64* (Vigna 2016).
+        state ^= state >> 12;
+        state ^= state << 25;
+        state ^= state >> 27;
+        (state.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) as f32 / (1_u64 << 24) as f32 - 0.5
+    };
+    let mut vector = || Vec3::new(random(), random(), random());
+    let mesh = |vector: &mut dyn FnMut() -> Vec3| {
+        let mut mesh = Mesh::default();
+        for _ in 0..count {
+            let middle = vector() * 4.0;
+            mesh.positions.extend([(); 3].map(|()| middle + vector()));
+        }
+        mesh.normals = vec![Vec3::Y; mesh.positions.len()];
+        mesh.indices = (0..mesh.positions.len() as u32).collect();
+        mesh
+    };
+    let mut scene = Scene::default();
+    for number in 0..4 {
+        scene.meshes.push(mesh(&mut vector));
+        let turn = Quat::from_euler(EulerRot::XYZ, vector().x * 6.0, vector().y * 6.0, 1.0);
+        let scale =
+            Vec3::new(1.0 + vector().x, 1.0 + vector().y, if number == 2 { -0.7 } else { 1.3 });
+        scene.materials.push(Material { double_sided: number % 2 == 0, ..Material::default() });
+        scene.instances.push(Instance {
+            name: String::new(),
+            mesh: number,
+            material: number,
+            world_from_local: Mat4::from_scale_rotation_translation(scale, turn, vector() * 3.0),
+            is_static: true,
+        });
+    }
+    scene
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn what_is_met_is_what_a_loop_over_all_triangles_meets(
+        seed in any::<u64>(),
+        count in 1_usize..200,
+        rays in prop::collection::vec((prop::array::uniform3(-6.0_f32..6.0), prop::array::uniform3(-1.0_f32..1.0)), 16),
+    ) {
+        let scene = clutter(seed, count);
+        let picker = Picker::new(&scene);
+        for (origin, direction) in rays {
+            let direction = Vec3::from(direction);
+            prop_assume!(direction.length() > 1e-3);
+            assert_agrees(&scene, &picker, origin.into(), direction * 5.0);
+        }
+    }
+}
+
+#[test]
+fn built_in_scenes_are_met_where_a_loop_meets_them() {
+    for name in ["cornell", "cornell-rotated", "atrium", "spheres"] {
+        let scene = builtin::scene(name).unwrap();
+        let picker = Picker::new(&scene);
+        let camera = scene.cameras[0].clone();
+        let size = glam::UVec2::new(12, 7);
+        let mut met = 0;
+        for y in 0..size.y {
+            for x in 0..size.x {
+                let (origin, direction) =
+                    camera.ray(glam::Vec2::new(x as f32, y as f32) + 0.37, size);
+                assert_agrees(&scene, &picker, origin, direction);
+                met += usize::from(picker.pick(origin, direction).is_some());
+            }
+        }
+        assert!(met > 20, "{name}: {met} rays met something");
+    }
+}
+
+/// A square of edge 2 around the origin, seen from +z; its normals lean to +x.
+fn square(double_sided: bool, world_from_local: Mat4) -> Scene {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let mesh = Mesh {
+        positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+        normals: vec![Vec3::new(0.6, 0.0, 0.8); 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Mesh::default()
+    };
+    let alpha = AlphaMode::Mask { cutoff: 0.5 };
+    Scene {
+        meshes: vec![mesh],
+        materials: vec![Material { double_sided, alpha, ..Material::default() }],
+        instances: vec![Instance {
+            name: String::new(),
+            mesh: 0,
+            material: 0,
+            world_from_local,
+            is_static: true,
+        }],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn a_hit_is_told_in_the_world() {
+    // Twice as wide: the triangle's normal stays, the vertices' normals turn by the inverse transpose.
+    let place = Mat4::from_translation(Vec3::new(5.0, 0.0, -2.0))
+        * Mat4::from_scale(Vec3::new(2.0, 1.0, 1.0));
+    let picker = Picker::new(&square(false, place));
+    let pick = picker.pick(Vec3::new(5.5, 0.5, 1.0), Vec3::NEG_Z * 0.1).unwrap();
+    assert_eq!((pick.instance, pick.triangle), (0, 1));
+    assert_eq!(pick.position, Vec3::new(5.5, 0.5, -2.0));
+    assert_eq!((pick.normal, pick.distance_m), (Vec3::Z, 3.0));
+    assert!(pick.shading_normal.abs_diff_eq(Vec3::new(0.3, 0.0, 0.8).normalize(), 1e-6));
+    assert_eq!(picker.pick(Vec3::new(5.5, 0.5, 1.0), Vec3::Z), None, "what lies behind");
+    assert_eq!(picker.pick(Vec3::new(8.0, 0.5, 1.0), Vec3::NEG_Z), None, "beside");
+    assert_eq!(picker.pick(Vec3::new(5.5, 0.5, 1.0), Vec3::ZERO), None, "no direction");
+}
+
+#[test]
+fn backs_let_rays_pass_unless_they_are_surfaces() {
+    let behind = Vec3::new(0.2, 0.3, -4.0);
+    assert_eq!(Picker::new(&square(false, Mat4::IDENTITY)).pick(behind, Vec3::Z), None);
+    let pick = Picker::new(&square(true, Mat4::IDENTITY)).pick(behind, Vec3::Z).unwrap();
+    assert_eq!(pick.normal, Vec3::NEG_Z);
+    assert!(pick.shading_normal.abs_diff_eq(Vec3::new(-0.6, 0.0, -0.8), 1e-6));
+    // The loader turns the winding of what a transform mirrors, so that the front stays in front.
+    let mut mirrored = square(false, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
+    mirrored.meshes[0].flip_winding();
+    let picker = Picker::new(&mirrored);
+    assert_eq!(picker.pick(behind, Vec3::Z), None);
+    assert_eq!(picker.pick(-behind, Vec3::NEG_Z).unwrap().normal, Vec3::Z);
+}
+
+#[test]
+fn far_eyes_and_tiny_things_meet() {
+    for size_m in [1e-4_f32, 1.0, 1e5] {
+        let picker = Picker::new(&square(false, Mat4::from_scale(Vec3::splat(size_m))));
+        // As far as a pixel's ray in f32 still tells a thousandth of the thing apart.
+        let origin = Vec3::new(0.25, 0.125, 4096.0) * size_m;
+        let pick = picker.pick(origin, Vec3::NEG_Z).unwrap();
+        assert!((pick.distance_m / size_m - 4096.0).abs() < 1e-3);
+        assert_eq!(pick.triangle, 0);
+    }
+}
+
+#[test]
+fn a_scene_of_nothing_is_met_nowhere() {
+    assert_eq!(Picker::new(&Scene::default()).pick(Vec3::ZERO, Vec3::X), None);
+    let mut broken = square(false, Mat4::IDENTITY);
+    broken.meshes[0].indices = vec![0, 1, 77, 0, 2, 3];
+    broken.instances[0].material = 9;
+    assert_eq!(Picker::new(&broken).pick(Vec3::Z, Vec3::NEG_Z).map(|pick| pick.triangle), Some(1));
+    broken.instances[0].mesh = 9;
+    assert_eq!(Picker::new(&broken).pick(Vec3::Z, Vec3::NEG_Z), None);
+}
+
+/// Prints what `Picker::new` says in its documentation.
+#[test]
+fn a_million_triangles_are_taken_up_and_met() {
+    let edge = 708_u32;
+    let mut mesh = Mesh::default();
+    for y in 0..=edge {
+        for x in 0..=edge {
+            let at = glam::Vec2::new(x as f32, y as f32) / edge as f32;
+            mesh.positions.push(Vec3::new(
+                at.x,
+                at.y,
+                0.01 * (20.0 * at.x).sin() * (30.0 * at.y).cos(),
+            ));
+        }
+    }
+    mesh.normals = vec![Vec3::Z; mesh.positions.len()];
+    for y in 0..edge {
+        for x in 0..edge {
+            let first = y * (edge + 1) + x;
+            let above = first + edge + 1;
+            mesh.indices.extend([first, first + 1, above + 1, first, above + 1, above]);
+        }
+    }
+    let mut scene = square(false, Mat4::IDENTITY);
+    scene.meshes = vec![mesh];
+    let start = Instant::now();
+    let picker = Picker::new(&scene);
+    let built = start.elapsed();
+    let start = Instant::now();
+    for step in 0..100 {
+        let cell = glam::UVec2::new(7 * step + 3, 600 - 5 * step);
+        let at = (cell.as_vec2() + glam::Vec2::new(0.6, 0.3)) / edge as f32;
+        let pick = picker.pick(at.extend(1.0), Vec3::NEG_Z).unwrap();
+        assert_eq!(pick.triangle as u32 / 2, cell.y * edge + cell.x);
+    }
+    println!(
+        "{} triangles: {built:?}, then {:?} a ray",
+        scene.triangle_count(),
+        start.elapsed() / 100
+    );
+}
