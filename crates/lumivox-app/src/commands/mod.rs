@@ -10,6 +10,7 @@ pub mod render;
 pub mod scenes;
 pub mod settings;
 mod staged;
+pub mod view;
 pub mod volumes;
 pub mod voxels;
 

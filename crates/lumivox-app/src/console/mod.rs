@@ -15,7 +15,7 @@ pub mod suggest;
 
 use crate::explorer::{Explorer, Opening};
 pub use command::{COMMANDS, Command, Group};
-pub use line::LineError;
+pub use line::{LineError, split};
 
 /// What is left to do after a command, by whoever gave the line.
 #[derive(Debug, Default)]

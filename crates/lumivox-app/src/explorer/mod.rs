@@ -14,9 +14,11 @@
 //! | `animation.rs` | what it plays |
 //! | `update.rs` | bringing the renderer up to date |
 //! | `frames.rs` | rendering frame by frame, and their times |
+//! | `live.rs` | what a window asks besides: reading a scene again, times of stages |
 
 mod animation;
 mod frames;
+mod live;
 mod objects;
 mod opened;
 mod update;
