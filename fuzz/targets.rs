@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use lumivox_scene::{AnimationChoice, EnvironmentMap, LoadOptions, MemoryBudget, Scene};
 
 /// All targets; each has a folder of seeds in `corpus/`.
-pub const TARGETS: [&str; 11] = [
+pub const TARGETS: [&str; 12] = [
     "gltf",
     "glb",
     "glb_structured",
@@ -28,6 +28,7 @@ pub const TARGETS: [&str; 11] = [
     "mtl",
     "ply",
     "stl",
+    "vxct",
     "environment",
 ];
 
@@ -50,6 +51,13 @@ pub fn run(target: &str, data: &[u8]) {
         }
         "ply" => scene("scene.ply", data),
         "stl" => scene("scene.stl", data),
+        "vxct" => {
+            let files = HashMap::from([
+                ("models/box.obj".to_owned(), OBJ.to_vec()),
+                ("scenes/b.obj".to_owned(), b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
+            ]);
+            scene_with("scenes/scene.scene", data, &files);
+        }
         "environment" => environment(data),
         _ => panic!("no target is called {target}"),
     }
@@ -126,8 +134,9 @@ fn scene_with(name: &str, data: &[u8], files: &HashMap<String, Vec<u8>>) {
 
 /// What the crate promises of every scene.
 fn promises(scene: &Scene) {
-    assert!(scene.triangle_count() > 0);
+    assert!(scene.triangle_count() > 0 || scene.grid_bounds.is_some());
     assert!(scene.bounds().size().is_finite());
+    assert!(scene.voxel_bounds().size().max_element() > 0.0);
     for mesh in &scene.meshes {
         let count = mesh.positions.len();
         assert!(mesh.indices.iter().all(|&i| (i as usize) < count));

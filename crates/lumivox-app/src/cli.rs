@@ -9,6 +9,7 @@ mod load;
 mod motion;
 mod quality;
 mod reference;
+mod run;
 mod view;
 mod volumes;
 mod voxels;
@@ -28,6 +29,7 @@ pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
+pub use run::{CommandsArgs, RunArgs};
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
 pub use voxels::{VoxelArgs, VoxelsArgs};
@@ -36,6 +38,7 @@ pub use window::WindowArgs;
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
 use crate::args::number::ExposureChoice;
+use crate::args::overlay::OverlayArgs;
 use crate::args::scene::SceneSource;
 use crate::args::{choices, number, size};
 use crate::exit;
@@ -75,6 +78,7 @@ Examples:
 
   What the cones see, and what they cost:
     lumivox render builtin:atrium -o voxels.png --view voxels --level 1
+    lumivox render builtin:atrium -o wires.png --wire-voxels over --level 3
     lumivox render builtin:atrium -o atrium.png -v
 ";
 
@@ -139,6 +143,11 @@ pub enum Command {
     /// Measure the errors of built-in scenes for presets and resolutions, and write a page about them
     #[command(after_help = quality::EXAMPLES)]
     Quality(Box<QualityArgs>),
+    /// Run commands that look at and change a scene and take pictures of it: a script, or a prompt
+    #[command(after_help = run::EXAMPLES)]
+    Run(Box<RunArgs>),
+    /// List the commands of `run`
+    Commands(CommandsArgs),
     /// List the built-in scenes
     Scenes,
 }
@@ -204,27 +213,32 @@ pub struct RenderArgs {
     #[arg(default_value = "final")]
     pub view: View,
 
-    /// Level of the voxels for the views voxels, lit, nodes and bricks, 0 (finest) to the grid's coarsest
+    /// Level of the voxels for the views lod, voxels, wire-voxels, lit, nodes and bricks and for
+    /// --wire-voxels, 0 (finest) to the grid's coarsest
     ///
     /// Each level more has voxels of twice the edge.
     #[arg(long, value_name = "LEVEL", value_parser = number::whole(0..=MAX_RESOLUTION.ilog2()))]
     #[arg(help_heading = "Picture", default_value = "0", allow_negative_numbers = true)]
     pub level: u32,
 
-    /// Exposure in stops, -64 to 64, or auto, or auto-each
+    /// Exposure in stops, -64 to 64, or auto, or auto-each [default: auto; preset vxct: 0 for scenes in
+    /// display values, else such that white in the scene's light is white]
     ///
     /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
     /// average a middle grey; the pictures of a sequence all take the median of what five of them ask
     /// for, so that they do not flicker. With auto-each every picture finds its own. No effect on
     /// OpenEXR.
     #[arg(long, value_name = "STOPS|auto|auto-each", value_parser = number::exposure)]
-    #[arg(help_heading = "Picture", default_value = "auto", allow_hyphen_values = true)]
-    pub exposure: ExposureChoice,
+    #[arg(help_heading = "Picture", allow_hyphen_values = true)]
+    pub exposure: Option<ExposureChoice>,
 
-    /// Curve from radiance to the screen's range, for PNG
-    #[arg(long, value_name = "NAME", value_parser = choices::tone_map())]
-    #[arg(help_heading = "Picture", default_value = "neutral")]
-    pub tone_map: ToneMap,
+    /// Curve from radiance to the screen's range, for PNG [default: neutral; preset vxct: raw]
+    #[arg(long, value_name = "NAME", value_parser = choices::tone_map(), help_heading = "Picture")]
+    pub tone_map: Option<ToneMap>,
+
+    /// What is drawn over it.
+    #[command(flatten)]
+    pub overlay: OverlayArgs,
 
     /// What moves.
     #[command(flatten)]

@@ -68,6 +68,43 @@ impl Failure {
     }
 }
 
+impl Failure {
+    /// What ends with a code that is known.
+    pub fn with_code(exit: Exit, message: impl Into<String>) -> Self {
+        Self { exit, message: message.into() }
+    }
+}
+
+/// An error of a line of a script.
+#[derive(Debug)]
+pub struct Located {
+    place: String,
+    error: anyhow::Error,
+}
+
+impl Located {
+    /// `place` is `FILE:LINE`, or empty.
+    pub fn new(place: impl Into<String>, error: anyhow::Error) -> Self {
+        Self { place: place.into(), error }
+    }
+}
+
+impl fmt::Display for Located {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.place.is_empty() {
+            self.error.fmt(f)
+        } else {
+            write!(f, "{}: {}", self.place, self.error)
+        }
+    }
+}
+
+impl std::error::Error for Located {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.error.source()
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
@@ -81,6 +118,9 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
     for cause in error.chain() {
         if let Some(failure) = cause.downcast_ref::<Failure>() {
             return failure.exit;
+        }
+        if let Some(located) = cause.downcast_ref::<Located>() {
+            return of_error(&located.error);
         }
         if let Some(error) = cause.downcast_ref::<SceneError>() {
             let is_output = matches!(error, SceneError::Write { .. });

@@ -57,6 +57,8 @@ fn run() -> Exit {
         Some(Command::Voxels(args)) => commands::voxels::run(args, &bars),
         Some(Command::Convert(args)) => commands::convert::run(args, &bars),
         Some(Command::Compare(args)) => commands::compare::run(args, &bars),
+        Some(Command::Run(args)) => commands::run::run(args, &bars),
+        Some(Command::Commands(args)) => commands::run::list(args.markdown),
         Some(Command::Scenes) => commands::scenes::run(),
     };
     match done {

@@ -12,6 +12,7 @@ use lumivox::{Directionality, Grid, Injection, VolumeKind, dense_volume_bytes};
 use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
 
 use crate::memory::available_memory;
+use crate::overlay::OVERLAY_BYTES_PER_PIXEL;
 use crate::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
 use crate::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL};
 use crate::upload::{DrawRecord, VERTEX_BYTES};
@@ -64,6 +65,7 @@ impl MemoryEstimate {
         // Clear glass has none either; it is too little to look for.
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
+        let overlay = if settings.overlay.is_on() { OVERLAY_BYTES_PER_PIXEL } else { 0 };
         let parts = [
             ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
             ("textures", texture_bytes(scene)),
@@ -71,7 +73,7 @@ impl MemoryEstimate {
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
             ("voxel list (about)", list_bytes(&grid, voxels, settings.injection) + kept + held),
-            ("picture", pixels * (BYTES_PER_PIXEL + tint)),
+            ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
         Ok(Self { parts, voxels, name: scene.name.clone(), voxel_remedy: voxel_remedy(settings) })

@@ -6,7 +6,7 @@
 //! | normals | `Rgba16Float` | octahedral shading normal and geometric normal |
 //! | diffuse | `Rgba8UnormSrgb` | diffuse albedo, 1 - the strength of a clear coat (linear) |
 //! | specular | `Rgba8UnormSrgb` | reflectance at normal incidence, perceptual roughness (linear) |
-//! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
+//! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness; where there is no coat, minus Phong's ambient strength |
 //!
 //! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
 //! decides from where cones start and which side light comes from, where an interpolated normal would

@@ -132,7 +132,7 @@ fn plain_targets(point: Point) -> Targets {
         encode_normals(frame_at(point, samples)),
         vec4f(diffuse, 1.0),
         vec4f(f0, samples.roughness),
-        vec4f(samples.emission, 1.0),
+        vec4f(samples.emission, material.coatless),
     );
 }
 
@@ -193,7 +193,10 @@ fn layered_fragment(fragment: LayeredFragment) -> Targets {
         encode_normals(point.frame),
         vec4f(layered.diffuse, 1.0 - layered.coat_strength),
         vec4f(layered.f0, point.samples.roughness),
-        vec4f(layered.emission, layered.coat_roughness),
+        vec4f(
+            layered.emission,
+            select(material.coatless, layered.coat_roughness, layered.coat_strength > 0.0),
+        ),
     );
 }
 

@@ -36,6 +36,7 @@ fn structs_lie_in_memory_alike() {
     use crate::tone_map::ToneMapSettings;
     use crate::upload::{DrawRecord, MaterialRecord, TexturePlace};
     use crate::voxel_view::VoxelViewSettings;
+    use crate::vxct::{InjectSettings, VxctShape, VxctUniform};
 
     let library = &libraries()[0];
     assert_layout!(
@@ -85,6 +86,7 @@ fn structs_lie_in_memory_alike() {
             coat_roughness,
             transmission,
             is_blended,
+            coatless,
             places,
         }
     );
@@ -99,6 +101,76 @@ fn structs_lie_in_memory_alike() {
         "render::voxel_view::view",
         "VoxelViewSettings",
         VoxelViewSettings { level, pixel_slope }
+    );
+    assert_layout!(
+        library,
+        "render::vxct::shade",
+        "VxctShape",
+        VxctShape { width, offset, step_per_diameter }
+    );
+    assert_layout!(
+        library,
+        "render::vxct::shade",
+        "VxctUniform",
+        VxctUniform {
+            diffuse,
+            occlusion,
+            specular,
+            shown,
+            components,
+            terms,
+            unit_voxels,
+            origin_offset,
+            shadow_strength,
+            shininess_falloff,
+            white,
+        }
+    );
+    assert_layout!(
+        library,
+        "render::vxct::inject",
+        "InjectSettings",
+        InjectSettings { ambient, white }
+    );
+}
+
+#[test]
+fn the_overlays_structs_lie_in_memory_alike() {
+    use crate::overlay::{EdgeRange, LineRecord, SegmentView, WireSettings};
+
+    let library = &libraries()[0];
+    assert_layout!(
+        library,
+        "render::overlay::edges",
+        "EdgeRange",
+        EdgeRange { first_index, base_vertex, is_single_sided }
+    );
+    assert_layout!(
+        library,
+        "render::overlay::lines",
+        "Line",
+        LineRecord { from_in_world, is_tested, to_in_world, width, color }
+    );
+    assert_layout!(
+        library,
+        "render::overlay::segment",
+        "SegmentView",
+        SegmentView {
+            clip_from_world,
+            ray_middle,
+            wire_is_tested,
+            ray_across,
+            wire_width,
+            ray_up,
+            size,
+            wire_color,
+        }
+    );
+    assert_layout!(
+        library,
+        "render::overlay::voxels",
+        "WireSettings",
+        WireSettings { color, background, level, is_hidden_by_surfaces }
     );
 }
 
@@ -201,8 +273,8 @@ fn every_shader_is_valid() {
             let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             entry_points += module.entry_points.len();
         }
-        // Nine compute kernels; three vertex and two fragment shaders for shadows; two and four for
-        // the G-buffer.
-        assert_eq!(entry_points, 20);
+        // Fifteen compute kernels; three vertex and two fragment shaders for shadows; two and four for
+        // the G-buffer; two and two for lines.
+        assert_eq!(entry_points, 30);
     }
 }

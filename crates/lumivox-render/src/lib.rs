@@ -34,6 +34,7 @@ pub mod gbuffer_pass;
 mod gpu;
 mod image;
 mod memory;
+mod overlay;
 pub mod parameters;
 mod raster;
 mod readback;
@@ -50,6 +51,7 @@ pub mod tone_map;
 mod upload;
 mod voxel_sets;
 pub mod voxel_view;
+mod vxct;
 
 #[cfg(test)]
 mod layouts;
@@ -59,6 +61,7 @@ pub use estimate::MemoryEstimate;
 pub use gpu::{Gpu, GpuOptions, describe};
 pub use image::{ImageFormat, Picture};
 pub use memory::MemoryUse;
+pub use overlay::{Overlay, OverlayLine, Wireframe, Wires};
 pub use renderer::{Progress, Renderer, global_illumination};
 pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
 pub use srgb::srgb_encode;
@@ -66,3 +69,4 @@ pub use upload::{GpuScene, Lighting, radiance_unit};
 pub use voxel_sets::{
     EXTRA_COLOR, MISSING_COLOR, SetDifference, Voxel, VoxelSet, voxel_set_picture,
 };
+pub use vxct::{Components, ConeShape, Injected, Look, VxctSettings, vxct_white};

@@ -1,6 +1,7 @@
 //! A scene rendered to a picture, pass by pass.
 
 mod change;
+mod overlay;
 mod passes;
 mod prepare;
 mod screen;
@@ -14,7 +15,8 @@ use crate::memory::MemoryUse;
 use crate::targets::Targets;
 use crate::times::Times;
 use crate::upload::{GpuScene, Lighting, radiance_unit_within};
-use crate::{Gpu, Picture, RenderError, RenderSettings};
+use crate::vxct::{VxctFrame, VxctLook};
+use crate::{Gpu, Look, Picture, RenderError, RenderSettings, View};
 use passes::Passes;
 pub use prepare::global_illumination;
 use prepare::{bind_lights, environment_map, upload};
@@ -45,6 +47,7 @@ pub struct Renderer {
     voxels: VoxelizeStats,
     passes: Passes,
     targets: Targets,
+    vxct: VxctLook,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
     times: Times,
@@ -80,6 +83,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
+        let mut vxct = VxctLook::new(gpu, scene, bounds, unit);
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         // Shadow maps hold what lies outside of the grid, too.
         scene.bounds = bounds.union(scene.bounds);
@@ -103,7 +107,7 @@ impl Renderer {
             passes.shadows.as_ref(),
             &scene,
             (&lighting, map.as_ref()),
-            &gi,
+            (&gi, &mut vxct),
             &settings,
         );
         if settings.timing != Timing::Off {
@@ -114,7 +118,7 @@ impl Renderer {
             gi.forget_light();
         }
         recorder.stage("light");
-        gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
+        vxct.light(gpu, &mut recorder, &mut gi, &lights, &settings)?;
         times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -133,6 +137,7 @@ impl Renderer {
             voxels: voxelized.stats,
             passes,
             targets,
+            vxct,
             environment: map,
             shadow_bytes,
             times,
@@ -156,6 +161,7 @@ impl Renderer {
             self.gpu.wait("rendering a frame")?;
             progress(Progress { stage: "render", done: self.frame_count(), total });
         }
+        self.complete_overlay().await?;
         self.finish().await
     }
 
@@ -165,7 +171,7 @@ impl Renderer {
     /// When the device fails.
     pub async fn render_frame(&mut self) -> Result<(), RenderError> {
         let frame = self.frame_count();
-        let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
+        let Self { settings, camera, scene, gi, lights, passes, targets, vxct, .. } = self;
         let jitter = gbuffer_pass::jitter(frame, settings.frames);
         let clip_from_world = gbuffer_pass::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
@@ -183,26 +189,37 @@ impl Renderer {
                 &targets.gbuffer,
                 (settings.view, settings.voxel_level),
                 camera.vertical_fov_rad,
-            );
+            )?;
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
             passes.gbuffer.record(&mut recorder, scene, textures, &view);
-            if settings.view.needs_direct() {
-                recorder.stage("direct light");
-                passes.direct.record(&mut recorder, gi, lights, &targets.gbuffer, &targets.direct);
+            let gbuffer = &targets.gbuffer;
+            if settings.view == View::Lod {
+                recorder.stage("picture");
+                let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
+                targets.voxel_view.record(&mut recorder, gi, lights, gbuffer, what, fov)?;
+            } else if let Look::Vxct(look) = &settings.look {
+                recorder.stage("look of VXCT");
+                let frame = VxctFrame { gi, lights, gbuffer, targets, view: settings.view };
+                vxct.record(&self.gpu, &mut recorder, &frame, look)?;
+            } else {
+                if settings.view.needs_direct() {
+                    recorder.stage("direct light");
+                    passes.direct.record(&mut recorder, gi, lights, gbuffer, &targets.direct);
+                }
+                if settings.view.needs_cones(settings.bounces) {
+                    recorder.stage("trace");
+                    gi.trace(&mut recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
+                }
+                recorder.stage("picture");
+                let composite = &targets.composite;
+                passes.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
             }
-            if settings.view.needs_cones(settings.bounces) {
-                recorder.stage("trace");
-                let (gbuffer, traced) = (&targets.gbuffer, &targets.traced);
-                gi.trace(&mut recorder, gbuffer, lights, &settings.trace, traced)?;
-            }
-            recorder.stage("picture");
-            let (gbuffer, composite) = (&targets.gbuffer, &targets.composite);
-            passes.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
         }
         recorder.stage("picture");
         targets.accumulate.record(&mut recorder);
+        self.record_overlay(&mut recorder, &view)?;
         self.times.add(recorder.finish().await?);
         self.gpu.check("rendering a frame")
     }

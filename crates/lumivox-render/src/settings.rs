@@ -7,7 +7,8 @@ use lumivox::{
 };
 use lumivox_scene::Bounds;
 
-use crate::RenderError;
+use crate::overlay::LineRecord;
+use crate::{Look, Overlay, RenderError};
 
 /// What the picture shows.
 ///
@@ -50,6 +51,12 @@ pub enum View {
     Nodes,
     /// The bricks of these nodes, their 3x3x3 texels pulled apart; those of the neighbours' layer are orange.
     Bricks,
+    /// What the volume holds of one level at the visible surfaces, filtered as cones see it, against the surface's
+    /// normal: radiance, whatever the opacity; black where there is nothing.
+    Lod,
+    /// The voxels of one level as wire cubes in the colours of their light, seen through each other; faces between
+    /// two of them are left out.
+    WireVoxels,
 }
 
 /// The number of cone samples at the upper end of [`View::Cost`]'s colours.
@@ -57,7 +64,7 @@ pub const COST_SCALE_SAMPLES: f32 = 512.0;
 
 impl View {
     /// All views.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Final,
         Self::Direct,
         Self::Indirect,
@@ -73,6 +80,8 @@ impl View {
         Self::Lit,
         Self::Nodes,
         Self::Bricks,
+        Self::Lod,
+        Self::WireVoxels,
     ];
 
     /// The view's name in lower case, as on the command line.
@@ -93,6 +102,8 @@ impl View {
             Self::Lit => "lit",
             Self::Nodes => "nodes",
             Self::Bricks => "bricks",
+            Self::Lod => "lod",
+            Self::WireVoxels => "wire-voxels",
         }
     }
 
@@ -114,18 +125,21 @@ impl View {
             Self::Lit => "VIEW_LIT",
             Self::Nodes => "VIEW_NODES",
             Self::Bricks => "VIEW_BRICKS",
+            Self::Lod => "VIEW_LOD",
+            Self::WireVoxels => "VIEW_WIRE_VOXELS",
         }
     }
 
     /// Whether the values are radiances, to be exposed and tone mapped.
     pub fn is_light(self) -> bool {
-        use View::{Bricks, Diffuse, Direct, Final, Indirect, Specular, Voxels};
-        matches!(self, Final | Direct | Indirect | Diffuse | Specular | Voxels | Bricks)
+        use View::{Bricks, Diffuse, Direct, Final, Indirect, Lod, Specular, Voxels, WireVoxels};
+        let is_of_surfaces = matches!(self, Final | Direct | Indirect | Diffuse | Specular);
+        is_of_surfaces || matches!(self, Voxels | Bricks | Lod | WireVoxels)
     }
 
     /// Whether voxels are shown instead of surfaces.
     pub fn is_of_voxels(self) -> bool {
-        matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks)
+        matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks | Self::WireVoxels)
     }
 
     /// Whether there must be an octree to look at.
@@ -168,11 +182,14 @@ pub enum ToneMap {
     Aces,
     /// None: what is above 1 is clipped.
     Linear,
+    /// Not even the screen's encoding: values are the code, from 0 to 1, and clipped. For the look of VXCT, which
+    /// computes with display values; anything else comes out too dark.
+    Raw,
 }
 
 impl ToneMap {
     /// All curves.
-    pub const ALL: [Self; 3] = [Self::Neutral, Self::Aces, Self::Linear];
+    pub const ALL: [Self; 4] = [Self::Neutral, Self::Aces, Self::Linear, Self::Raw];
 
     /// The curve's name in lower case, as on the command line.
     pub const fn name(self) -> &'static str {
@@ -180,6 +197,7 @@ impl ToneMap {
             Self::Neutral => "neutral",
             Self::Aces => "aces",
             Self::Linear => "linear",
+            Self::Raw => "raw",
         }
     }
 
@@ -189,6 +207,7 @@ impl ToneMap {
             Self::Neutral => "TONE_MAP_NEUTRAL",
             Self::Aces => "TONE_MAP_ACES",
             Self::Linear => "TONE_MAP_LINEAR",
+            Self::Raw => "TONE_MAP_RAW",
         }
     }
 }
@@ -230,6 +249,8 @@ pub struct RenderSettings {
     pub voxelizer: VoxelizeMethod,
     /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
     pub injection: Injection,
+    /// How the picture comes about. Default: by the physics.
+    pub look: Look,
     /// The cones.
     pub trace: TraceSettings,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
@@ -241,9 +262,11 @@ pub struct RenderSettings {
     pub frames: u32,
     /// What the picture shows.
     pub view: View,
-    /// The level of the cells that the views of voxels show: 0 (the default) is the finest, each one
-    /// more has cubes of twice the size.
+    /// The level of the cells that the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`] show: 0 (the
+    /// default) is the finest, each one more has cubes of twice the size.
     pub voxel_level: u32,
+    /// What is drawn over the picture on the screen. Default: nothing.
+    pub overlay: Overlay,
     /// How radiance becomes brightness. Default: automatic.
     pub exposure: Exposure,
     /// The curve to the screen's range. Default: neutral.
@@ -270,11 +293,13 @@ impl Default for RenderSettings {
             volume_memory: None,
             voxelizer: VoxelizeMethod::default(),
             injection: Injection::default(),
+            look: Look::default(),
             trace: TraceSettings::default(),
             bounces: 8,
             frames: 16,
             view: View::default(),
             voxel_level: 0,
+            overlay: Overlay::default(),
             exposure: Exposure::default(),
             tone_map: ToneMap::default(),
             shadows: ShadowMethod::default(),
@@ -348,8 +373,27 @@ impl RenderSettings {
                         .to_owned(),
             });
         }
+        validate_lines(self.overlay.lines.len(), limits)?;
+        self.look.validate()?;
         Ok(self.trace.validate()?)
     }
+}
+
+fn validate_lines(count: usize, limits: &wgpu::Limits) -> Result<(), RenderError> {
+    let needed = count as u64 * size_of::<LineRecord>() as u64;
+    // The grid's box takes a few besides.
+    let available = limits.max_storage_buffer_binding_size - (1 << 12);
+    if needed <= available {
+        return Ok(());
+    }
+    Err(RenderError::Limit {
+        what: format!("an overlay of {count} lines"),
+        needed,
+        unit: "bytes",
+        limit: "max_storage_buffer_binding_size",
+        available,
+        remedy: format!("draw at most {}", available / size_of::<LineRecord>() as u64),
+    })
 }
 
 fn validate_size(size: UVec2, limits: &wgpu::Limits) -> Result<(), RenderError> {
@@ -412,6 +456,15 @@ mod tests {
         for settings in cases {
             assert!(matches!(error_of(&settings), RenderError::Setting { .. }), "{settings:?}");
         }
+    }
+
+    #[test]
+    fn more_lines_than_a_buffer_holds_are_refused() {
+        let limits = wgpu::Limits::default();
+        let most = (limits.max_storage_buffer_binding_size - (1 << 12)) / 48;
+        assert!(validate_lines(most as usize, &limits).is_ok());
+        let error = validate_lines(most as usize + 1, &limits).expect_err("too many");
+        assert!(error.to_string().contains("draw at most 2796"), "{error}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use lumivox::gpu::ShaderLibrary;
 
 use crate::settings::{ToneMap, View};
-use crate::{reference, voxel_view};
+use crate::{overlay, reference, voxel_view, vxct};
 
 /// Every module by its path below `render`.
 const MODULES: &[(&str, &str)] = &[
@@ -39,7 +39,9 @@ const MODULES: &[(&str, &str)] = &[
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
-    for (path, source) in MODULES.iter().chain(voxel_view::MODULES) {
+    let own =
+        MODULES.iter().chain(voxel_view::MODULES).chain(overlay::MODULES).chain(vxct::MODULES);
+    for (path, source) in own {
         library.add(&format!("render::{path}"), *source);
     }
     for view in View::ALL {
@@ -47,6 +49,9 @@ pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     }
     for tone_map in ToneMap::ALL {
         library.constant_u32(tone_map.constant(), tone_map as u32);
+    }
+    for (name, value) in vxct::CONSTANTS {
+        library.constant_u32(name, value);
     }
     library
         .constant_u32("ENCODE_COLOR", crate::tone_map::ENCODE_COLOR)

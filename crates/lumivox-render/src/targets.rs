@@ -9,6 +9,7 @@ use crate::composite::{CompositePass, CompositeTargets};
 use crate::direct::{DirectPass, DirectTargets};
 use crate::gbuffer_pass::GBufferTargets;
 use crate::memory::available_memory;
+use crate::overlay::OverlayPass;
 use crate::textures::ScreenTextures;
 use crate::tone_map::ToneMapPass;
 use crate::voxel_view::VoxelViewPass;
@@ -25,6 +26,8 @@ pub(crate) struct Targets {
     pub(crate) voxel_view: VoxelViewPass,
     pub(crate) accumulate: AccumulatePass,
     pub(crate) tone_map: ToneMapPass,
+    /// Once there was something to draw.
+    pub(crate) overlay: Option<OverlayPass>,
     /// Of the textures of this crate and of the cones'.
     pub(crate) bytes: u64,
 }
@@ -105,6 +108,7 @@ impl Targets {
             voxel_view,
             accumulate,
             tone_map,
+            overlay: None,
             bytes,
         })
     }

@@ -19,6 +19,9 @@ pub(crate) const ENCODE_COLOR: u32 = 0;
 pub(crate) const ENCODE_DATA: u32 = 1;
 pub(crate) const ENCODE_HEAT: u32 = 2;
 
+/// Of what a screen shows.
+const SCREEN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
 /// The middle grey that automatic exposure aims at (Reinhard et al. 2002, section 3.1).
 const MIDDLE_GREY: f64 = 0.18;
 /// Pixels darker than this share of the picture's mean luminance do not count: black has no logarithm,
@@ -81,28 +84,57 @@ impl ToneMapPass {
         textures: &mut ScreenTextures<'_>,
         size: UVec2,
     ) -> Result<Self, ShaderError> {
-        let format = wgpu::TextureFormat::Rgba8Unorm;
-        let layout = LayoutBuilder::compute()
-            .uniform()
-            .texture_2d_unfilterable()
-            .storage_texture(wgpu::TextureViewDimension::D2, format)
-            .build(device, "tone map");
+        let layout = Self::layout().build(device, "tone map");
         let kernel = Kernel::new(device, shaders, "render::tone_map", "main", &[&layout])?;
         let settings = uniform_buffer(device, "tone map", &ToneMapSettings::zeroed());
-        let screen = textures.create("screen", format, wgpu::TextureUsages::STORAGE_BINDING);
+        let screen = textures.create("screen", SCREEN_FORMAT, wgpu::TextureUsages::STORAGE_BINDING);
         Ok(Self { kernel, layout, settings, screen, size })
     }
 
     /// Tone maps `picture`; once per submission.
     pub fn record(&self, recorder: &mut Recorder, picture: &wgpu::Texture, encoding: Encoding) {
+        self.set(recorder, encoding);
+        let (picture, screen) = (view(picture), view(&self.screen));
+        let group = self.bind(&self.layout, &picture, &screen).build(recorder.device(), "tone map");
+        self.kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
+    }
+
+    /// The same by a kernel with one texture more, which comes on top.
+    pub(crate) fn record_below(
+        &self,
+        recorder: &mut Recorder,
+        picture: &wgpu::Texture,
+        encoding: Encoding,
+        (kernel, layout): (&Kernel, &wgpu::BindGroupLayout),
+        over: &wgpu::TextureView,
+    ) {
+        self.set(recorder, encoding);
+        let (picture, screen) = (view(picture), view(&self.screen));
+        let group = self.bind(layout, &picture, &screen).view(over);
+        let group = group.build(recorder.device(), "tone map and overlay");
+        kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
+    }
+
+    /// The bindings of `tone_map.wgsl`, to which others may add theirs.
+    pub(crate) fn layout() -> LayoutBuilder {
+        LayoutBuilder::compute()
+            .uniform()
+            .texture_2d_unfilterable()
+            .storage_texture(wgpu::TextureViewDimension::D2, SCREEN_FORMAT)
+    }
+
+    fn bind<'a>(
+        &'a self,
+        layout: &'a wgpu::BindGroupLayout,
+        picture: &'a wgpu::TextureView,
+        screen: &'a wgpu::TextureView,
+    ) -> BindGroupBuilder<'a> {
+        BindGroupBuilder::new(layout).buffer(&self.settings).view(picture).view(screen)
+    }
+
+    fn set(&self, recorder: &Recorder, encoding: Encoding) {
         let settings = ToneMapSettings::from(encoding);
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
-        let group = BindGroupBuilder::new(&self.layout)
-            .buffer(&self.settings)
-            .view(&view(picture))
-            .view(&view(&self.screen))
-            .build(recorder.device(), "tone map");
-        self.kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
     }
 
     /// What was written: `Rgba8Unorm`, already encoded.

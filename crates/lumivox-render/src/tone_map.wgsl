@@ -1,7 +1,7 @@
 // From radiance or data to the 8 bits a channel of a screen. Knows nothing of the grid: its own bindings are in
 // group 0.
 
-import package::constants::{ENCODE_COLOR, ENCODE_HEAT, TONE_MAP_ACES, TONE_MAP_NEUTRAL};
+import package::constants::{ENCODE_COLOR, ENCODE_HEAT, TONE_MAP_ACES, TONE_MAP_NEUTRAL, TONE_MAP_RAW};
 
 struct ToneMapSettings {
     // ENCODE_COLOR, ENCODE_DATA or ENCODE_HEAT.
@@ -69,6 +69,9 @@ fn encode(value: vec4f) -> vec3f {
             }
             if tone_map_settings.curve == TONE_MAP_ACES {
                 return srgb_encode(aces(color));
+            }
+            if tone_map_settings.curve == TONE_MAP_RAW {
+                return color;
             }
             return srgb_encode(color);
         }

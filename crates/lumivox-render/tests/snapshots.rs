@@ -17,7 +17,7 @@ use common::{builtin, gpu, picture, renderer, zoo};
 use glam::UVec2;
 use image::RgbImage;
 use lumivox::{Directionality, TraceResolution, TraceSettings};
-use lumivox_render::{RenderSettings, ShadowMethod, View};
+use lumivox_render::{Overlay, RenderSettings, ShadowMethod, View, Wireframe, Wires};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 /// The largest mean FLIP error that counts as the same picture.
@@ -85,6 +85,37 @@ fn views() -> Vec<Snapshot> {
         .into()
 }
 
+/// What is drawn over pictures, and wires alone.
+fn overlays() -> Vec<Snapshot> {
+    let overlay = Overlay::default;
+    let voxel_level = 2;
+    [
+        ("lod", RenderSettings { view: View::Lod, voxel_level, ..small() }),
+        ("wire-voxels", RenderSettings { view: View::WireVoxels, voxel_level, ..small() }),
+        (
+            "wireframe",
+            RenderSettings {
+                overlay: Overlay { wireframe: Wireframe::Over, grid_box: true, ..overlay() },
+                ..small()
+            },
+        ),
+        (
+            "wires-over",
+            RenderSettings {
+                overlay: Overlay { wire_voxels: Wires::Over, ..overlay() },
+                voxel_level,
+                ..small()
+            },
+        ),
+    ]
+    .map(|(what, settings)| Snapshot {
+        name: format!("cornell-{what}"),
+        scene: "cornell",
+        settings,
+    })
+    .into()
+}
+
 /// Cornell with one setting each that has code of its own.
 fn variants() -> Vec<Snapshot> {
     let half = TraceSettings { resolution: TraceResolution::Half, ..TraceSettings::default() };
@@ -118,6 +149,11 @@ fn views_look_as_before() {
 }
 
 #[test]
+fn overlays_look_as_before() {
+    check(overlays());
+}
+
+#[test]
 fn variants_look_as_before() {
     check(variants());
 }
@@ -125,7 +161,7 @@ fn variants_look_as_before() {
 /// A reference that no test reads would stay for ever.
 #[test]
 fn every_reference_is_in_use() {
-    let snapshots = [scenes(), materials(), views(), variants()].into_iter().flatten();
+    let snapshots = [scenes(), materials(), views(), overlays(), variants()].into_iter().flatten();
     let known: BTreeSet<String> = snapshots.map(|snapshot| snapshot.name).collect();
     if is_blessing() {
         // The folder may be another test's to make, a moment from now.

@@ -94,7 +94,7 @@ fn files_that_are_not_there_or_no_scene() {
     for name in ["scene.fbx", "scene"] {
         let error = load(name, b"").unwrap_err();
         assert!(matches!(&error, SceneError::UnknownFormat { .. }));
-        assert!(error.to_string().contains(".gltf, .glb, .obj, .ply or .stl"));
+        assert!(error.to_string().contains(".gltf, .glb, .obj, .ply, .stl, .scene, .vxct or .txt"));
     }
 }
 

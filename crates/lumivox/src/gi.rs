@@ -4,7 +4,8 @@ use glam::UVec2;
 
 use crate::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{
-    EnvironmentLight, EnvironmentMap, Injection, Light, Lighting, Lights, ShadowMaps, lights_layout,
+    DirectLight, EnvironmentLight, EnvironmentMap, FaceLight, Injection, Light, Lighting, Lights,
+    ShadowMaps, lights_layout,
 };
 use crate::trace::{
     Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
@@ -215,11 +216,38 @@ impl Gi {
         bounces: u32,
         settings: &TraceSettings,
     ) -> Result<(), GiError> {
+        self.light_by(recorder, lights, bounces, settings, None)
+    }
+
+    /// As [`Self::light`], with a direct light of the caller's own, which need not be physical: `direct` records what
+    /// writes it, face by face. Bounces and the surroundings are as ever; photons are left out.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when a setting is out of range.
+    pub fn light_with(
+        &mut self,
+        recorder: &mut Recorder,
+        lights: &Lights,
+        bounces: u32,
+        settings: &TraceSettings,
+        direct: &mut dyn FnMut(&mut Recorder, FaceLight<'_>),
+    ) -> Result<(), GiError> {
+        self.light_by(recorder, lights, bounces, settings, Some(direct))
+    }
+
+    fn light_by(
+        &mut self,
+        recorder: &mut Recorder,
+        lights: &Lights,
+        bounces: u32,
+        settings: &TraceSettings,
+        direct: Option<DirectLight<'_>>,
+    ) -> Result<(), GiError> {
         settings.validate()?;
         self.bounces = bounces;
         let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
-        self.lighting.run(recorder, volume, lights, gathers, settings);
+        self.lighting.run(recorder, volume, lights, gathers, settings, direct);
         Ok(())
     }
 

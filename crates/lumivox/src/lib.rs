@@ -35,7 +35,7 @@ pub use geometry::{
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
-pub use light::{Injection, PhotonFates};
+pub use light::{FaceLight, Injection, PhotonFates};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 pub use trace::{
     GBuffer, GBufferViews, Preset, TraceResolution, TraceSettings, TraceTargets, View,

@@ -5,7 +5,7 @@ use lumivox::{
     Duplication, Injection, Mipmapping, OctreeBuilder, OctreeOptions, Preset, VolumeKind,
     VoxelizeMethod,
 };
-use lumivox_render::{ShadowMethod, ToneMap, View};
+use lumivox_render::{ShadowMethod, ToneMap, View, Wireframe, Wires};
 use lumivox_scene::UpAxis;
 
 /// A parser that takes the names of `values` and returns the value, with a line of help for each.
@@ -44,8 +44,36 @@ pub fn view() -> impl TypedValueParser<Value = View> {
             }
             View::Nodes => "the octree's nodes round the voxels of one level, as wire boxes",
             View::Bricks => "these nodes' bricks, texels pulled apart; neighbours' are orange",
+            View::Lod => "light that the volume holds of one level (--level), on the surfaces",
+            View::WireVoxels => {
+                "the voxels of one level as wire cubes in the colours of their light"
+            }
         };
         (view.name(), help)
+    })
+}
+
+/// Which edges of triangles are drawn over a picture.
+pub fn wireframe() -> impl TypedValueParser<Value = Wireframe> {
+    among(&[Wireframe::Off, Wireframe::Over, Wireframe::Through], |wireframe| {
+        let help = match wireframe {
+            Wireframe::Off => "none",
+            Wireframe::Over => "those of visible surfaces",
+            Wireframe::Through => "all, seen through surfaces",
+        };
+        (wireframe.name(), help)
+    })
+}
+
+/// Which wire cubes of voxels are drawn over a picture.
+pub fn wire_voxels() -> impl TypedValueParser<Value = Wires> {
+    among(&[Wires::Off, Wires::Over, Wires::Through], |wires| {
+        let help = match wires {
+            Wires::Off => "none",
+            Wires::Over => "those in front of surfaces",
+            Wires::Through => "all, seen through surfaces",
+        };
+        (wires.name(), help)
     })
 }
 
@@ -65,20 +93,70 @@ pub fn voxelizer() -> impl TypedValueParser<Value = VoxelizeMethod> {
 /// How much is spent on the cones.
 pub fn preset() -> impl TypedValueParser<Value = Preset> {
     among(&[Preset::Fast, Preset::Balanced, Preset::High, Preset::Report], |preset| {
-        let help = match preset {
-            Preset::Fast => "6 cones, one pixel in four",
-            Preset::Balanced => "6 cones, every pixel",
-            Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
-            Preset::Report => {
-                "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
-            }
-        };
-        (preset_name(preset), help)
+        (preset_name(preset), preset_help(preset))
     })
 }
 
+fn preset_help(preset: Preset) -> &'static str {
+    match preset {
+        Preset::Fast => "6 cones, one pixel in four",
+        Preset::Balanced => "6 cones, every pixel",
+        Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
+        Preset::Report => {
+            "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
+        }
+    }
+}
+
+/// What a picture starts from: presets of the cones, or a look with cones of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PresetChoice {
+    /// The physical look, or what is left of it.
+    Cones(Preset),
+    /// The look of VXCT.
+    Vxct,
+}
+
+impl Default for PresetChoice {
+    fn default() -> Self {
+        Self::Cones(Preset::default())
+    }
+}
+
+/// A preset of the cones, or a look.
+pub fn preset_or_look() -> impl TypedValueParser<Value = PresetChoice> {
+    among(&PresetChoice::ALL, |choice| {
+        let help = match choice {
+            PresetChoice::Cones(preset) => preset_help(preset),
+            PresetChoice::Vxct => {
+                "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values"
+            }
+        };
+        (choice.name(), help)
+    })
+}
+
+impl PresetChoice {
+    /// All, in the order of the help.
+    pub const ALL: [Self; 5] = [
+        Self::Cones(Preset::Fast),
+        Self::Cones(Preset::Balanced),
+        Self::Cones(Preset::High),
+        Self::Cones(Preset::Report),
+        Self::Vxct,
+    ];
+
+    /// The name, as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cones(preset) => preset_name(preset),
+            Self::Vxct => "vxct",
+        }
+    }
+}
+
 /// The name of a preset, as on the command line.
-pub fn preset_name(preset: Preset) -> &'static str {
+pub const fn preset_name(preset: Preset) -> &'static str {
     match preset {
         Preset::Fast => "fast",
         Preset::Balanced => "balanced",
@@ -120,6 +198,7 @@ pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
             ToneMap::Neutral => "Khronos PBR Neutral: colours stay, highlights are compressed",
             ToneMap::Aces => "the ACES film curve: more contrast, hues shift in highlights",
             ToneMap::Linear => "none: what is brighter than 1 is clipped",
+            ToneMap::Raw => "not even the screen's encoding: for display values, as in preset vxct",
         };
         (tone_map.name(), help)
     })

@@ -4,8 +4,10 @@ use std::ops::RangeInclusive;
 
 use clap::Args;
 use lumivox::{Preset, TraceResolution, TraceSettings};
+use lumivox_render::{Look, VxctSettings};
 
-use super::{choices, number::number};
+use super::choices::{self, PresetChoice};
+use super::number::number;
 
 /// What `TraceSettings::validate` allows; a test holds the two together.
 const VOXEL_PER_DIAMETER: RangeInclusive<f32> = 0.05..=1.0;
@@ -25,10 +27,12 @@ const OCCLUSION_DISTANCE_M: RangeInclusive<f32> = 0.0..=1e9;
 pub struct ConeArgs {
     /// How much is spent on the cones
     ///
-    /// All but report obey the same physics; they differ in noise, sharpness and cost. The options
-    /// below change single values of the preset.
-    #[arg(long, value_name = "NAME", value_parser = choices::preset(), default_value = "balanced")]
-    preset: Option<Preset>,
+    /// All but report and vxct obey the same physics; they differ in noise, sharpness and cost. The options
+    /// below change single values of the preset. vxct has cones of its own for the resolution, as VXCT had
+    /// (docs/vxct-look.md): of the options below only those of the voxels' bounces change anything there.
+    #[arg(long, value_name = "NAME", value_parser = choices::preset_or_look())]
+    #[arg(default_value = "balanced")]
+    preset: Option<PresetChoice>,
 
     /// Diffuse cones a pixel and frame: 6, 9 or 12 [default: 6; preset high: 12]
     ///
@@ -150,13 +154,24 @@ fn clearance(text: &str) -> Result<f32, super::Refused> {
 
 impl ConeArgs {
     /// The preset that the settings start from.
-    pub fn preset(&self) -> Preset {
+    pub fn preset(&self) -> PresetChoice {
         self.preset.unwrap_or_default()
+    }
+
+    /// How the picture comes about, with voxels of a resolution.
+    pub fn look(&self, resolution: u32) -> Look {
+        match self.preset() {
+            PresetChoice::Cones(_) => Look::Physical,
+            PresetChoice::Vxct => Look::Vxct(VxctSettings::for_resolution(resolution)),
+        }
     }
 
     /// The preset's settings with the changes made to it.
     pub fn settings(&self) -> TraceSettings {
-        let preset = TraceSettings::preset(self.preset());
+        let preset = TraceSettings::preset(match self.preset() {
+            PresetChoice::Cones(preset) => preset,
+            PresetChoice::Vxct => Preset::default(),
+        });
         let resolution = match (self.half, self.full) {
             (true, _) => TraceResolution::Half,
             (_, true) => TraceResolution::Full,
@@ -209,6 +224,7 @@ mod tests {
         assert_eq!(settings("--preset fast"), TraceSettings::preset(Preset::Fast));
         assert_eq!(settings("--preset high"), TraceSettings::preset(Preset::High));
         assert_eq!(settings("--preset report"), TraceSettings::preset(Preset::Report));
+        assert_eq!(settings("--preset vxct"), TraceSettings::default());
     }
 
     #[test]

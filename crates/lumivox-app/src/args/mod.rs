@@ -11,6 +11,7 @@ pub mod light;
 pub mod load;
 pub mod number;
 pub mod output;
+pub mod overlay;
 pub mod scene;
 pub mod size;
 

@@ -10,6 +10,7 @@ use super::{GpuArgs, LightArgs, LoadArgs, VoxelArgs};
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
 use crate::args::number::ExposureChoice;
+use crate::args::overlay::OverlayArgs;
 use crate::args::scene::SceneSource;
 use crate::args::{choices, number, size};
 
@@ -54,17 +55,21 @@ pub struct ExploreArgs {
     #[arg(help_heading = "Picture", default_value = "0", allow_negative_numbers = true)]
     pub level: u32,
 
-    /// Exposure in stops, -64 to 64, or auto
+    /// Exposure in stops, -64 to 64, or auto [default: auto; preset vxct: 0 for scenes in display values,
+    /// else such that white in the scene's light is white]
     ///
     /// As of `lumivox render`.
     #[arg(long, value_name = "STOPS|auto", value_parser = number::exposure)]
-    #[arg(help_heading = "Picture", default_value = "auto", allow_hyphen_values = true)]
-    pub exposure: ExposureChoice,
+    #[arg(help_heading = "Picture", allow_hyphen_values = true)]
+    pub exposure: Option<ExposureChoice>,
 
-    /// Curve from radiance to the screen's range
-    #[arg(long, value_name = "NAME", value_parser = choices::tone_map())]
-    #[arg(help_heading = "Picture", default_value = "neutral")]
-    pub tone_map: ToneMap,
+    /// Curve from radiance to the screen's range [default: neutral; preset vxct: raw]
+    #[arg(long, value_name = "NAME", value_parser = choices::tone_map(), help_heading = "Picture")]
+    pub tone_map: Option<ToneMap>,
+
+    /// What is drawn over it.
+    #[command(flatten)]
+    pub overlay: OverlayArgs,
 
     /// The voxels.
     #[command(flatten)]

@@ -72,7 +72,7 @@ pub struct LightArgs {
     #[command(flatten)]
     pub sources: SourceArgs,
 
-    /// Reflections of indirect light, 0 to 16 [default: 8; preset report: 1]
+    /// Reflections of indirect light, 0 to 16 [default: 8; presets report and vxct: 1]
     ///
     /// 0 is direct light alone, 1 is light by way of one other surface. N leave out about the share
     /// a^N of the light in a room of albedo a. Each costs one more gather in the voxels, once.

@@ -1,10 +1,12 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use glam::Vec3;
 use lumivox::{Directionality, Injection, OctreeOptions, VolumeKind};
-use lumivox_render::{Exposure, RenderSettings, ShadowMethod};
+use lumivox_render::{
+    Exposure, Look, Overlay, RenderSettings, ShadowMethod, VxctSettings, Wireframe, Wires,
+};
 
 use super::*;
-use crate::commands::settings::of_render as settings;
+use crate::commands::settings::{expose_for_look, of_render as settings};
 
 fn commands() -> Vec<Definition> {
     let mut root = Cli::command();
@@ -117,7 +119,8 @@ fn arguments_reach_the_settings() {
     let line = "lumivox render a.glb -o a.png --size 8x9 --resolution 64 --grid-offset 0,0.5,0 \
                 --isotropic --voxelizer three-plane --volume octree --volume-memory 1GiB --bounces 2 \
                 --frames 3 --view voxels --level 2 --exposure -1.5 --tone-map aces --shadows cone \
-                --shadow-resolution 64 --injection photons --preset fast";
+                --shadow-resolution 64 --injection photons --preset fast --wireframe over \
+                --wire-voxels through --show-grid --hide-surfaces";
     let Some(Command::Render(args)) = Cli::try_parse_from(line.split_whitespace()).unwrap().command
     else {
         panic!("a render command")
@@ -135,6 +138,13 @@ fn arguments_reach_the_settings() {
         frames: 3,
         view: View::Voxels,
         voxel_level: 2,
+        overlay: Overlay {
+            wireframe: Wireframe::Over,
+            wire_voxels: Wires::Through,
+            hides_surfaces: true,
+            grid_box: true,
+            lines: Vec::new(),
+        },
         exposure: Exposure::Stops(-1.5),
         tone_map: ToneMap::Aces,
         shadows: ShadowMethod::Cone,
@@ -170,6 +180,48 @@ fn a_preset_brings_its_companions_unless_told_otherwise() {
         ..report
     };
     assert_eq!(settings_of("--six-lobes --volume dense --injection direct --bounces 3"), explicit);
+}
+
+#[test]
+fn the_look_of_vxct_brings_its_companions() {
+    let args_of = |options: &str| {
+        let line = format!("lumivox render a.glb -o a.png --preset vxct {options}");
+        let parsed = Cli::try_parse_from(line.split_whitespace()).unwrap().command;
+        let Some(Command::Render(args)) = parsed else { panic!("a render command") };
+        args
+    };
+    let look = RenderSettings {
+        look: Look::Vxct(VxctSettings::for_resolution(256)),
+        resolution: 256,
+        directionality: Directionality::Isotropic,
+        bounces: 1,
+        exposure: Exposure::Stops(0.0),
+        tone_map: ToneMap::Raw,
+        ..RenderSettings::default()
+    };
+    assert_eq!(settings(&args_of("--resolution 256")), look);
+    let told = "--resolution 256 --six-lobes --bounces 3 --exposure auto --tone-map aces";
+    let explicit = RenderSettings {
+        directionality: Directionality::SixLobes,
+        bounces: 3,
+        exposure: Exposure::Auto,
+        tone_map: ToneMap::Aces,
+        ..look.clone()
+    };
+    assert_eq!(settings(&args_of(told)), explicit);
+
+    // A scene in physical units is shown in its own white, unless the command line says otherwise.
+    let scene = lumivox_scene::builtin::scene("cornell").unwrap();
+    let exposure_of = |options: &str| {
+        let args = args_of(options);
+        let mut settings = settings(&args);
+        expose_for_look(&mut settings, &args, &scene);
+        settings.exposure
+    };
+    let white = lumivox_render::vxct_white(&scene);
+    assert!(white > 0.1 && (white - 1.0).abs() > 0.1, "{white}");
+    assert_eq!(exposure_of(""), Exposure::Stops(0.0 - white.log2()));
+    assert_eq!(exposure_of("--exposure 1"), Exposure::Stops(1.0));
 }
 
 #[test]

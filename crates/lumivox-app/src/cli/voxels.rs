@@ -34,15 +34,15 @@ pub struct VoxelArgs {
     #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
     pub grid_offset: Vec3,
 
-    /// Keep one radiance a voxel instead of one for each of six directions [default: off; preset
-    /// report: on]
+    /// Keep one radiance a voxel instead of one for each of six directions [default: off; presets
+    /// report and vxct: on]
     ///
     /// A ninth of a dense volume's memory, half of an octree's; surfaces light and shadow themselves, thin walls
     /// leak.
     #[arg(long, conflicts_with = "six_lobes")]
     pub isotropic: bool,
 
-    /// Keep a radiance for each of six directions [default: on; preset report: off]
+    /// Keep a radiance for each of six directions [default: on; presets report and vxct: off]
     #[arg(long)]
     pub six_lobes: bool,
 

@@ -7,6 +7,7 @@ pub mod light;
 pub mod quality;
 pub mod reference;
 pub mod render;
+pub mod run;
 pub mod scenes;
 pub mod settings;
 mod staged;

@@ -157,7 +157,11 @@ fn stop_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     Ok(is_stopped)
 }
 
-fn write(layers: &ReferenceLayers, gpu: &Gpu, file: &Path) -> anyhow::Result<()> {
+/// Writes a reference: all layers as OpenEXR, or the picture as PNG.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(layers: &ReferenceLayers, gpu: &Gpu, file: &Path) -> anyhow::Result<()> {
     match ImageFormat::from_path(file)? {
         ImageFormat::Exr => layers.write_exr(file)?,
         ImageFormat::Png => {

@@ -2,11 +2,13 @@
 
 use glam::UVec2;
 use lumivox::{Directionality, Injection, Preset, TraceResolution, TraceSettings};
-use lumivox_render::RenderSettings;
+use lumivox_render::{Exposure, Look, RenderSettings, ToneMap, VxctSettings, vxct_white};
+use lumivox_scene::Scene;
 use serde::Serialize;
 
-use crate::args::choices::{self, VolumeChoice};
+use crate::args::choices::{self, PresetChoice, VolumeChoice};
 use crate::args::cones::ConeArgs;
+use crate::args::number::ExposureChoice;
 use crate::cli::{ExploreArgs, LightArgs, RenderArgs, VoxelArgs};
 
 /// What a preset brings along besides its cones, where the command line does not say otherwise.
@@ -16,39 +18,84 @@ pub struct Companions {
     pub volume: VolumeChoice,
     pub injection: Injection,
     pub bounces: u32,
+    pub exposure: ExposureChoice,
+    pub tone_map: ToneMap,
 }
 
 impl Companions {
     /// Those of a preset.
-    pub fn of(preset: Preset) -> Self {
+    pub fn of(preset: PresetChoice) -> Self {
+        let RenderSettings { directionality, injection, bounces, tone_map, .. } =
+            RenderSettings::default();
+        let (volume, exposure) = (VolumeChoice::Dense, ExposureChoice::Auto);
+        let usual = Self { directionality, volume, injection, bounces, exposure, tone_map };
         match preset {
-            Preset::Fast | Preset::Balanced | Preset::High => {
-                let RenderSettings { directionality, injection, bounces, .. } =
-                    RenderSettings::default();
-                Self { directionality, volume: VolumeChoice::Dense, injection, bounces }
-            }
+            PresetChoice::Cones(Preset::Fast | Preset::Balanced | Preset::High) => usual,
             // What is seen are photons that were reflected once.
-            Preset::Report => Self {
+            PresetChoice::Cones(Preset::Report) => Self {
                 directionality: Directionality::Isotropic,
                 volume: VolumeChoice::Octree,
                 injection: Injection::Photons,
                 bounces: 1,
+                ..usual
+            },
+            // VXCT computes with display values.
+            PresetChoice::Vxct => Self {
+                directionality: Directionality::Isotropic,
+                bounces: 1,
+                exposure: ExposureChoice::Stops(0.0),
+                tone_map: ToneMap::Raw,
+                ..usual
             },
         }
     }
 }
 
-/// The settings of a preset and its companions; picture, view and resolution stay.
-pub fn with_preset(settings: &RenderSettings, preset: Preset) -> RenderSettings {
+/// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
+/// where the look changes.
+pub fn with_preset(settings: &RenderSettings, preset: PresetChoice) -> RenderSettings {
     let companions = Companions::of(preset);
+    let (look, cones) = match preset {
+        PresetChoice::Cones(cones) => (Look::Physical, cones),
+        PresetChoice::Vxct => {
+            (Look::Vxct(VxctSettings::for_resolution(settings.resolution)), Preset::default())
+        }
+    };
+    let is_same_look = matches!(settings.look, Look::Physical) == matches!(look, Look::Physical);
+    let (exposure, tone_map) = if is_same_look {
+        (settings.exposure, settings.tone_map)
+    } else {
+        (companions.exposure.first(), companions.tone_map)
+    };
     RenderSettings {
-        trace: TraceSettings::preset(preset),
+        look,
+        trace: TraceSettings::preset(cones),
         directionality: companions.directionality,
         volume: companions.volume.usual(),
         injection: companions.injection,
         bounces: companions.bounces,
+        exposure,
+        tone_map,
         ..settings.clone()
     }
+}
+
+/// How the pictures of `render` are exposed: as the command line says, or as the preset does.
+pub fn exposure(args: &RenderArgs) -> ExposureChoice {
+    args.exposure.unwrap_or_else(|| Companions::of(args.cones.preset()).exposure)
+}
+
+/// Where the look of VXCT shows a scene in physical units, and the command line says nothing of its exposure, white is
+/// what a white surface shows in the scene's light.
+pub fn expose_for_look(settings: &mut RenderSettings, args: &RenderArgs, scene: &Scene) {
+    if args.exposure.is_none() && settings.look != Look::Physical {
+        settings.exposure = exposure_of_look(scene);
+    }
+}
+
+/// The exposure by which VXCT's look shows the scene's white as white.
+pub fn exposure_of_look(scene: &Scene) -> Exposure {
+    Exposure::Stops(0.0 - vxct_white(scene).log2())
 }
 
 /// What the arguments of `render` ask for; times are not taken.
@@ -56,19 +103,22 @@ pub fn of_render(args: &RenderArgs) -> RenderSettings {
     RenderSettings {
         view: args.view,
         voxel_level: args.level,
-        exposure: args.exposure.first(),
-        tone_map: args.tone_map,
+        overlay: args.overlay.overlay(),
+        exposure: exposure(args).first(),
+        tone_map: args.tone_map.unwrap_or(Companions::of(args.cones.preset()).tone_map),
         ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
     }
 }
 
 /// What the window and scripts begin with; times are not taken.
 pub fn of_explore(args: &ExploreArgs) -> RenderSettings {
+    let companions = Companions::of(args.cones.preset());
     RenderSettings {
         view: args.view,
         voxel_level: args.level,
-        exposure: args.exposure.first(),
-        tone_map: args.tone_map,
+        overlay: args.overlay.overlay(),
+        exposure: args.exposure.unwrap_or(companions.exposure).first(),
+        tone_map: args.tone_map.unwrap_or(companions.tone_map),
         ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
     }
 }
@@ -92,6 +142,7 @@ pub fn still(
         volume_memory: voxels.volume_memory,
         voxelizer: voxels.voxelizer,
         injection: light.injection.unwrap_or(companions.injection),
+        look: cones.look(voxels.resolution),
         trace: cones.settings(),
         bounces: light.bounces.unwrap_or(companions.bounces),
         shadows: light.shadows,
@@ -107,12 +158,17 @@ pub struct SettingsReport {
     pub resolution: u32,
     grid_offset: [f32; 3],
     isotropic: bool,
+    look: &'static str,
     volume: &'static str,
     voxelizer: &'static str,
     bounces: u32,
     pub frames: u32,
     pub view: &'static str,
     level: u32,
+    wireframe: &'static str,
+    wire_voxels: &'static str,
+    show_grid: bool,
+    hide_surfaces: bool,
     tone_map: &'static str,
     shadows: &'static str,
     shadow_resolution: u32,
@@ -143,12 +199,20 @@ impl SettingsReport {
             resolution: settings.resolution,
             grid_offset: settings.grid_offset.to_array(),
             isotropic: settings.directionality == Directionality::Isotropic,
+            look: match settings.look {
+                Look::Physical => "physical",
+                Look::Vxct(_) => "vxct",
+            },
             volume: choices::volume_name(settings.volume),
             voxelizer: settings.voxelizer.name(),
             bounces: settings.bounces,
             frames: settings.frames,
             view: settings.view.name(),
             level: settings.voxel_level,
+            wireframe: settings.overlay.wireframe.name(),
+            wire_voxels: settings.overlay.wire_voxels.name(),
+            show_grid: settings.overlay.grid_box,
+            hide_surfaces: settings.overlay.hides_surfaces,
             tone_map: settings.tone_map.name(),
             shadows: choices::shadows_name(settings.shadows),
             shadow_resolution: settings.shadow_resolution,

@@ -33,5 +33,7 @@ pub fn run(args: &WindowArgs, bars: &MultiProgress) -> anyhow::Result<()> {
         adapter: args.explore.gpu.adapter.clone(),
         portable: args.explore.gpu.portable,
     };
-    window::run(event_loop, Start { console: Console::new(explorer), opening, options, config })
+    let console = Console::new(explorer)
+        .with_defaults(args.explore.load.clone(), args.explore.light.sources.clone());
+    window::run(event_loop, Start { console, opening, options, config })
 }

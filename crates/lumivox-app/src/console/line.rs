@@ -1,16 +1,139 @@
-//! A line, split into words.
+//! Lines of the console's language, split into commands and words.
+//!
+//! Words are separated by white space. Single quotes keep everything between them as it is; within double quotes `\"`
+//! and `\\` stand for the mark and the backslash. Elsewhere a backslash is itself, so that paths of Windows need no
+//! quotes. A semicolon or a line feed ends a command; a `#` at the start of a word begins a comment, which goes to the
+//! end of the line.
+//!
+//! This file needs nothing but the standard library, so that `fuzz/` takes it in as it is.
+
+use std::fmt;
+use std::ops::Range;
 
 /// A line that cannot be split.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "a quotation mark is open at the end of the line; close it, or write \\\" for the mark itself"
-)]
-pub struct LineError;
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineError {
+    /// The mark that has no second one.
+    pub mark: char,
+    /// Where it stands: a character of the line, from 1.
+    pub column: usize,
+}
 
-/// The words of a line as a shell would split them; none for a comment.
+impl fmt::Display for LineError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { mark, column } = self;
+        write!(
+            f,
+            "the quotation mark {mark} at column {column} is open at the end of the line; close it"
+        )
+    }
+}
+
+impl std::error::Error for LineError {}
+
+/// A word as it stands in a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Word {
+    /// Without its quotation marks.
+    pub text: String,
+    /// Where it stands, with its marks, in bytes.
+    pub range: Range<usize>,
+    /// The mark that is open at its end.
+    pub open: Option<char>,
+}
+
+/// A command: its words in order, never none.
+pub type Words = Vec<Word>;
+
+/// The commands of a line, however it ends.
+pub fn commands(line: &str) -> Vec<Words> {
+    let mut commands = vec![Words::new()];
+    let mut rest = line.char_indices().peekable();
+    while let Some(&(start, first)) = rest.peek() {
+        match first {
+            ';' | '\n' => {
+                rest.next();
+                commands.push(Words::new());
+            }
+            '#' => while rest.next_if(|(_, c)| *c != '\n').is_some() {},
+            c if c.is_whitespace() => {
+                rest.next();
+            }
+            _ => {
+                let word = word(line, start, &mut rest);
+                if let Some(last) = commands.last_mut() {
+                    last.push(word);
+                }
+            }
+        }
+    }
+    commands.retain(|words| !words.is_empty());
+    commands
+}
+
+/// The commands of a line, each split into its words; none for a comment.
 ///
 /// # Errors
-/// [`LineError`].
-pub fn split(line: &str) -> Result<Vec<String>, LineError> {
-    shlex::split(line).ok_or(LineError)
+/// [`LineError`] when a quotation mark is open at the end.
+pub fn split(line: &str) -> Result<Vec<Words>, LineError> {
+    let commands = commands(line);
+    for word in commands.iter().flatten() {
+        if let Some(mark) = word.open {
+            // The last mark of its kind is the one that nothing closes.
+            let at = line.get(word.range.clone()).and_then(|text| text.rfind(mark)).unwrap_or(0);
+            let before = line.get(..word.range.start + at).unwrap_or_default();
+            return Err(LineError { mark, column: before.chars().count() + 1 });
+        }
+    }
+    Ok(commands)
+}
+
+/// The text of a command within its line.
+pub fn text<'a>(line: &'a str, words: &[Word]) -> &'a str {
+    let (Some(first), Some(last)) = (words.first(), words.last()) else { return "" };
+    line.get(first.range.start..last.range.end).unwrap_or_default()
+}
+
+/// A word as it must stand in a line to be read as it is.
+pub fn quote(word: &str) -> String {
+    let is_plain = |c: char| !c.is_whitespace() && !matches!(c, '"' | '\'' | ';' | '#');
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    if !word.contains('\'') {
+        return format!("'{word}'");
+    }
+    let escaped = word.replace('\\', "\\\\").replace('"', "\\\"");
+    format!("\"{escaped}\"")
+}
+
+fn word(
+    line: &str,
+    start: usize,
+    rest: &mut std::iter::Peekable<std::str::CharIndices<'_>>,
+) -> Word {
+    let mut text = String::new();
+    let mut open = None;
+    while let Some(&(_, c)) = rest.peek() {
+        match (open, c) {
+            (None, '"' | '\'') => open = Some(c),
+            (None, ';') => break,
+            (None, c) if c.is_whitespace() => break,
+            (Some(mark), c) if mark == c => open = None,
+            (Some('"'), '\\') => {
+                rest.next();
+                match rest.peek() {
+                    Some(&(_, escaped @ ('"' | '\\'))) => text.push(escaped),
+                    _ => {
+                        text.push('\\');
+                        continue;
+                    }
+                }
+            }
+            (_, c) => text.push(c),
+        }
+        rest.next();
+    }
+    let end = rest.peek().map_or(line.len(), |(end, _)| *end);
+    Word { text, range: start..end, open }
 }

@@ -1,21 +1,54 @@
 //! The console: commands in words that look at and change everything at run time.
 //!
-//! A line is a command's name and its arguments, separated by white space; double or single quotes keep white space
-//! together, and what follows a `#` is a comment. All commands are in one table ([`command::COMMANDS`]), from which
-//! the help, the completion and the page in the docs are made as well. Each setting of
+//! A line is a command's name and its arguments, separated by white space; [`line`](self) tells of quotation marks,
+//! comments and several commands in a line. All commands are in one table ([`COMMANDS`]), put together from a file for
+//! each group, from which the help, the completion and the page in the docs are made as well. Each setting of
 //! [`lumivox_render::parameters`] is a command besides: alone it prints its value, with a value it sets it.
 //!
 //! The window, the terminal and scripts all give lines to a [`Console`]; what takes long, or is not the console's to
-//! do, it asks of them by an [`Effect`].
+//! do, it asks of them by an [`Effect`]. Lines that wait for such effects stand in a [`Queue`].
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `line.rs` | lines split into commands and words |
+//! | `command.rs` | what a command is, and the table |
+//! | `commands/` | what the commands do, a file for each group |
+//! | `arguments.rs` | arguments read by kind |
+//! | `queue.rs` | scripts, and lines that wait |
+//! | `names.rs`, `complete.rs` | what can be named, and completion by it |
+//! | `help.rs`, `page.rs` | the help, and the page in the docs |
+//! | `terminal.rs` | a prompt with history on a terminal |
 
+mod arguments;
 mod command;
 mod commands;
+pub mod complete;
+mod help;
 mod line;
+mod names;
+pub mod page;
+mod properties;
+mod queue;
 pub mod suggest;
+pub mod terminal;
 
+use std::collections::HashMap;
+use std::fmt;
+use std::ops::ControlFlow;
+use std::sync::{Arc, Weak};
+
+use glam::Vec3;
+use lumivox_render::{Progress, RenderSettings};
+use lumivox_scene::EnvironmentMap;
+
+use crate::cli::{LoadArgs, SourceArgs};
+use crate::exit::Failure;
 use crate::explorer::{Explorer, Opening};
-pub use command::{COMMANDS, Command, Group};
-pub use line::{LineError, split};
+pub use command::{COMMANDS, Command, Group, Takes};
+pub use commands::program;
+pub use line::{quote, split};
+pub use names::Names;
+pub use queue::{Line, Queue, script};
 
 /// What is left to do after a command, by whoever gave the line.
 #[derive(Debug, Default)]
@@ -27,6 +60,8 @@ pub enum Effect {
     Open(Box<Opening>),
     /// Render this number of frames before the next command.
     Wait(u32),
+    /// Do these lines next, before any that wait: [`Queue::interpose`].
+    Run(Vec<Line>),
     /// End the program.
     Quit,
 }
@@ -52,33 +87,158 @@ impl Reply {
     }
 }
 
+/// Hears how far a command is that takes long; those that can be broken off end when it breaks.
+pub type Hear = Box<dyn FnMut(Progress) -> ControlFlow<()> + Send>;
+
 /// The console of an explorer.
-#[derive(Debug)]
 pub struct Console {
     /// What the commands work on.
     pub explorer: Explorer,
+    /// How scenes are read and lit that `load` says nothing of.
+    defaults: Option<(LoadArgs, SourceArgs)>,
+    hear: Hear,
+    /// The scene that the following is about.
+    generation: u32,
+    /// The bounces that come back when indirect light is switched on.
+    bounces: Option<u32>,
+    /// The view that comes back when voxels are switched off.
+    view: Option<lumivox_render::View>,
+    /// Panoramas and skies, with the commands that made them.
+    maps: Vec<(Weak<EnvironmentMap>, String)>,
+    /// Origin and direction of the ray that is marked.
+    ray: Option<(Vec3, Vec3)>,
+    /// Colour and share of `setmat`, by material.
+    colors: HashMap<usize, (Vec3, f32)>,
+}
+
+impl fmt::Debug for Console {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Console").field("explorer", &self.explorer).finish_non_exhaustive()
+    }
 }
 
 impl Console {
     /// The console of an explorer.
     pub fn new(explorer: Explorer) -> Self {
-        Self { explorer }
+        Self {
+            explorer,
+            defaults: None,
+            hear: Box::new(|_| ControlFlow::Continue(())),
+            generation: 0,
+            bounces: None,
+            view: None,
+            maps: Vec::new(),
+            ray: None,
+            colors: HashMap::new(),
+        }
     }
 
-    /// Does what a line says; an empty one, or a comment, does nothing.
+    /// Scenes are read and lit like this where `load` does not say otherwise.
+    #[must_use]
+    pub fn with_defaults(mut self, load: LoadArgs, light: SourceArgs) -> Self {
+        self.defaults = Some((load, light));
+        self
+    }
+
+    /// From now on, this hears how far long commands are, such as `screenshot` and `compare`.
+    pub fn on_progress(&mut self, hear: Hear) {
+        self.hear = hear;
+    }
+
+    /// Does what a line says; an empty one, or a comment, does nothing. Several commands in a line come back as
+    /// [`Effect::Run`].
     ///
     /// # Errors
     /// When there is no such command, an argument is wrong, or it cannot be done. The message says what would have been
     /// right. Nothing has changed then.
     pub fn run(&mut self, line: &str) -> anyhow::Result<Reply> {
-        let words = line::split(line)?;
-        let Some((name, arguments)) = words.split_first() else { return Ok(Reply::default()) };
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let Some(command) = Command::find(name) else {
-            return commands::parameters::run(self, name, &arguments);
+        let commands = line::split(line).map_err(|error| Failure::input(error.to_string()))?;
+        let words = match commands.as_slice() {
+            [] => return Ok(Reply::default()),
+            [words] => words,
+            _ => {
+                let lines = script(line, "")?.into_iter().map(Line::nowhere).collect();
+                return Ok(Reply::ask(Effect::Run(lines)));
+            }
         };
-        (command.run)(self, &arguments)
+        self.notice_scene();
+        let words: Vec<&str> = words.iter().map(|word| word.text.as_str()).collect();
+        let Some((name, arguments)) = words.split_first() else { return Ok(Reply::default()) };
+        let Some(command) = Command::find(name) else {
+            return commands::parameters::run(self, name, arguments);
+        };
+        // `sf` with a value is another command than alone, as in VXCT, and so is what is also a setting.
+        if !command.counts().contains(&arguments.len()) {
+            return Err(wrong_count(command, arguments.len()).into());
+        }
+        (command.run)(self, arguments)
     }
+
+    /// Forgets what belongs to a scene that is no longer there.
+    fn notice_scene(&mut self) {
+        if self.generation != self.explorer.generation() {
+            self.generation = self.explorer.generation();
+            self.colors.clear();
+            self.ray = None;
+            self.maps.retain(|(map, _)| map.strong_count() > 0);
+        }
+    }
+
+    /// Remembers how a panorama was made, for `script`.
+    fn remember_map(&mut self, map: &Arc<EnvironmentMap>, line: String) {
+        self.maps.push((Arc::downgrade(map), line));
+    }
+
+    /// The command that made a panorama.
+    fn maker_of(&self, map: &Arc<EnvironmentMap>) -> Option<&str> {
+        let is_it = |(known, _): &&(Weak<EnvironmentMap>, String)| {
+            known.upgrade().is_some_and(|known| Arc::ptr_eq(&known, map))
+        };
+        self.maps.iter().find(is_it).map(|(_, line)| line.as_str())
+    }
+
+    /// Changes settings, all or nothing.
+    ///
+    /// # Errors
+    /// When one is out of range.
+    fn change(&mut self, change: impl FnOnce(&mut RenderSettings)) -> anyhow::Result<()> {
+        let mut settings = self.explorer.settings().clone();
+        change(&mut settings);
+        commands::voxels::check_level(&self.explorer, &settings)?;
+        self.explorer.set_settings(settings)
+    }
+
+    /// Brings the renderer up to date.
+    ///
+    /// # Errors
+    /// When there is nothing to show, or as [`Explorer::update`].
+    fn update(&mut self) -> anyhow::Result<()> {
+        let Self { explorer, hear, .. } = self;
+        explorer.update(&mut |progress| {
+            let _ = hear(progress);
+        })?;
+        if explorer.renderer().is_some() { Ok(()) } else { Err(nothing_to_show().into()) }
+    }
+}
+
+fn nothing_to_show() -> Failure {
+    Failure::input(
+        "there is nothing to show; `load SCENE` opens a scene, `show all` shows its objects",
+    )
+}
+
+fn wrong_count(command: &Command, count: usize) -> Failure {
+    let takes = match command.usage {
+        "" => "nothing",
+        usage => usage,
+    };
+    let got = match count {
+        0 => "nothing".to_owned(),
+        1 => "1 word".to_owned(),
+        count => format!("{count} words"),
+    };
+    let name = command.name;
+    Failure::input(format!("{name} takes {takes}; got {got} (`help {name}` tells more)"))
 }
 
 #[cfg(test)]

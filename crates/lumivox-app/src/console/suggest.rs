@@ -15,3 +15,11 @@ pub fn like<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option
         .max_by(|(a, _), (b, _)| a.total_cmp(b))
         .map(|(_, name)| name.to_owned())
 }
+
+/// What to do about a wrong name, to follow what is wrong: the name like it, or the command that lists all.
+pub fn remedy<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, lister: &str) -> String {
+    match like(wrong, known) {
+        Some(like) => format!("; did you mean \"{like}\"?"),
+        None => format!("; `{lister}` lists them"),
+    }
+}

@@ -14,6 +14,8 @@ pub struct Playback {
     pub is_playing: bool,
     /// The moment that is shown, s.
     pub time_s: f32,
+    /// Whether a moment was asked for: the scene as its file shows it need not be that of any time.
+    pub is_moved: bool,
     /// When it starts again, s.
     pub duration_s: f32,
 }
@@ -25,6 +27,7 @@ impl Playback {
         Self {
             animation: first.map(|_| AnimationChoice::One(0)),
             is_playing: false,
+            is_moved: false,
             time_s: 0.0,
             duration_s: first.map_or(0.0, |animation| animation.duration_s),
         }
@@ -71,6 +74,7 @@ impl Explorer {
         opened.posed = opened.scene.instances.iter().map(|i| i.world_from_local).collect();
         opened.apply_edits();
         self.playback.time_s = time_s;
+        self.playback.is_moved = true;
         self.pending.objects = true;
         Ok(())
     }

@@ -56,11 +56,19 @@ impl Explorer {
         self.update(tell)?;
         let frames = self.settings.frames;
         let Some(renderer) = &mut self.renderer else { return Ok(false) };
-        if renderer.frame_count() >= frames {
+        let is_complete = renderer.frame_count() >= frames;
+        let lacks_overlay =
+            renderer.settings().overlay.is_on() && renderer.overlay_frame_count() < frames;
+        if is_complete && !lacks_overlay {
             return Ok(false);
         }
         let start = Instant::now();
-        pollster::block_on(renderer.render_frame())?;
+        // An overlay that came later catches up with the picture.
+        if is_complete {
+            pollster::block_on(renderer.render_overlay_frame())?;
+        } else {
+            pollster::block_on(renderer.render_frame())?;
+        }
         self.gpu.wait("rendering a frame")?;
         self.times.add(start.elapsed());
         Ok(true)
@@ -76,6 +84,9 @@ impl Explorer {
                 let done = renderer.frame_count();
                 tell(Progress { stage: "render", done, total: self.settings.frames });
             }
+        }
+        if let Some(renderer) = &mut self.renderer {
+            pollster::block_on(renderer.complete_overlay())?;
         }
         self.finish()
     }

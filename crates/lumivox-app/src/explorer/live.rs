@@ -10,7 +10,7 @@ impl Explorer {
     /// stay. Returns for how many objects changes were kept.
     pub fn reopen(&mut self, mut opened: Opened) -> usize {
         let (camera, positions) = (self.camera.clone(), self.positions.clone());
-        let names = super::objects::names(&opened.scene);
+        let names = super::names::names_of_objects(&opened.scene);
         if let Some(old) = &mut self.opened {
             let edits = std::mem::take(&mut old.edits);
             opened.edits = edits.into_iter().filter(|(name, _)| names.contains(name)).collect();
@@ -23,7 +23,7 @@ impl Explorer {
     }
 
     /// Takes note of the preset that the settings started from.
-    pub fn note_preset(&mut self, preset: lumivox::Preset) {
+    pub fn note_preset(&mut self, preset: crate::args::choices::PresetChoice) {
         self.preset = preset;
     }
 

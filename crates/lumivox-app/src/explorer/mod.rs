@@ -11,26 +11,35 @@
 //! | --- | --- |
 //! | `opened.rs` | reading a scene, and what is remembered of it |
 //! | `objects.rs` | its instances: found by name, moved, hidden |
+//! | `names.rs` | names of objects, materials and lights, each once |
+//! | `original.rs` | what the scene was before it was changed |
 //! | `animation.rs` | what it plays |
+//! | `clock.rs` | what happens as time goes on |
 //! | `update.rs` | bringing the renderer up to date |
 //! | `frames.rs` | rendering frame by frame, and their times |
 //! | `live.rs` | what a window asks besides: reading a scene again, times of stages |
 
 mod animation;
+mod clock;
 mod frames;
 mod live;
+mod names;
 mod objects;
 mod opened;
+mod original;
 mod update;
 
 use glam::{UVec2, Vec3};
-use lumivox_render::{Gpu, RenderSettings, Renderer};
+use lumivox_render::{Exposure, Gpu, Look, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, Scene};
 
+use crate::args::choices::PresetChoice;
 pub use animation::Playback;
 pub use frames::FrameTimes;
-pub use objects::{NotFound, Placement};
+pub use names::NotFound;
+pub use objects::Placement;
 pub use opened::{Opened, Opening, load};
+pub use original::Original;
 use update::Pending;
 
 /// When triangles that have moved become voxels again.
@@ -54,7 +63,7 @@ pub struct Explorer {
     opened: Option<Opened>,
     /// What is asked for; [`Explorer::update`] makes it so.
     settings: RenderSettings,
-    preset: lumivox::Preset,
+    preset: PresetChoice,
     camera: Camera,
     /// Two cameras to come back to.
     positions: [Option<Camera>; 2],
@@ -66,11 +75,14 @@ pub struct Explorer {
     renderer: Option<Renderer>,
     pending: Pending,
     times: FrameTimes,
+    /// Seconds since voxels were last made anew for the time's sake.
+    since_voxels_s: f32,
+    generation: u32,
 }
 
 impl Explorer {
     /// Without a scene yet. `preset` is the one that the settings were made from.
-    pub fn new(gpu: Gpu, settings: RenderSettings, preset: lumivox::Preset) -> Self {
+    pub fn new(gpu: Gpu, settings: RenderSettings, preset: PresetChoice) -> Self {
         Self {
             gpu,
             opened: None,
@@ -84,6 +96,8 @@ impl Explorer {
             renderer: None,
             pending: Pending::default(),
             times: FrameTimes::default(),
+            since_voxels_s: 0.0,
+            generation: 0,
         }
     }
 
@@ -93,7 +107,18 @@ impl Explorer {
         self.positions = opened.positions();
         self.playback = Playback::of(&opened);
         self.settings.grid_bounds = opened.grid_bounds.take();
+        if self.settings.look != Look::Physical {
+            // VXCT's scenes are in display values; of others white is what their light makes white. What was asked for stays.
+            let found = self.scene().map(crate::commands::settings::exposure_of_look);
+            if self.settings.exposure == Exposure::Stops(0.0)
+                || found == Some(self.settings.exposure)
+            {
+                self.settings.exposure = crate::commands::settings::exposure_of_look(&opened.scene);
+            }
+        }
         self.opened = Some(opened);
+        self.generation += 1;
+        self.since_voxels_s = 0.0;
         self.renderer = None;
         self.pending = Pending::default();
         self.times.clear();
@@ -102,6 +127,7 @@ impl Explorer {
     /// Shows nothing.
     pub fn close(&mut self) {
         self.opened = None;
+        self.generation += 1;
         self.renderer = None;
         self.pending = Pending::default();
     }
@@ -109,6 +135,11 @@ impl Explorer {
     /// What is shown, with all changes; `None` before anything was opened.
     pub fn scene(&self) -> Option<&Scene> {
         self.opened.as_ref().map(|opened| &opened.scene)
+    }
+
+    /// Goes up whenever another scene is opened, or the scene is closed.
+    pub fn generation(&self) -> u32 {
+        self.generation
     }
 
     /// How the scene was opened.
@@ -143,7 +174,7 @@ impl Explorer {
     }
 
     /// The preset that the settings started from.
-    pub fn preset(&self) -> lumivox::Preset {
+    pub fn preset(&self) -> PresetChoice {
         self.preset
     }
 
@@ -151,8 +182,13 @@ impl Explorer {
     ///
     /// # Errors
     /// When they do not go with what stays, such as a view of an octree.
-    pub fn set_preset(&mut self, preset: lumivox::Preset) -> anyhow::Result<()> {
-        let settings = crate::commands::settings::with_preset(&self.settings, preset);
+    pub fn set_preset(&mut self, preset: PresetChoice) -> anyhow::Result<()> {
+        let mut settings = crate::commands::settings::with_preset(&self.settings, preset);
+        // VXCT's scenes are in display values; of others white is what their light makes white.
+        let is_new = settings.look != Look::Physical && self.settings.look == Look::Physical;
+        if let Some(scene) = self.scene().filter(|_| is_new) {
+            settings.exposure = crate::commands::settings::exposure_of_look(scene);
+        }
         self.set_settings(settings)?;
         self.preset = preset;
         Ok(())

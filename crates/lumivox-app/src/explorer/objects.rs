@@ -1,11 +1,10 @@
 //! The objects of a scene: its instances, each with a name of its own.
 
-use std::collections::HashMap;
-
-use glam::{EulerRot, Mat4, Quat, Vec3};
-use lumivox_scene::{Bounds, Instance, Scene};
+use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
+use lumivox_scene::Bounds;
 
 use super::Explorer;
+use super::names::{NotFound, names_of_objects as names};
 use super::opened::Opened;
 
 /// What was changed of an object.
@@ -50,32 +49,6 @@ impl Placement {
     }
 }
 
-/// There is no object of a name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no object \"{name}\"{remedy}")]
-pub struct NotFound {
-    /// What was asked for.
-    pub name: String,
-    /// Those that there are.
-    pub known: Vec<String>,
-    remedy: String,
-}
-
-/// The objects' names in the order of the instances, each once: what is there already is numbered.
-pub(super) fn names(scene: &Scene) -> Vec<String> {
-    let mut counts = HashMap::<String, usize>::new();
-    let name = |(index, instance): (usize, &Instance)| {
-        let name = match instance.name.as_str() {
-            "" => format!("object {}", index + 1),
-            name => name.to_owned(),
-        };
-        let count = counts.entry(name.clone()).or_default();
-        *count += 1;
-        if *count == 1 { name } else { format!("{name} ({count})") }
-    };
-    scene.instances.iter().enumerate().map(name).collect()
-}
-
 impl Opened {
     /// Brings the instances up to date with the edits.
     pub(super) fn apply_edits(&mut self) {
@@ -106,16 +79,7 @@ impl Explorer {
     /// # Errors
     /// [`NotFound`], with names like it.
     pub fn object(&self, name: &str) -> Result<usize, NotFound> {
-        let known = self.object_names();
-        known.iter().position(|other| other == name).ok_or_else(|| {
-            let like = crate::console::suggest::like(name, known.iter().map(String::as_str));
-            let remedy = match (&like, known.is_empty()) {
-                (_, true) => ": the scene is empty".to_owned(),
-                (Some(like), _) => format!("; did you mean \"{like}\"?"),
-                (None, _) => "; `objects` lists them".to_owned(),
-            };
-            NotFound { name: name.to_owned(), known, remedy }
-        })
+        NotFound::or_place("object", name, self.object_names())
     }
 
     /// Where an object stands; `None` beyond the last.
@@ -157,10 +121,38 @@ impl Explorer {
         self.edit(object, |edit| edit.is_static = Some(is_static));
     }
 
+    /// The part of an object's transform that was added to the place which its file or its animation gives it, and
+    /// what it comes before.
+    pub fn local_edit(&self, object: usize) -> Option<Mat4> {
+        let opened = self.opened.as_ref()?;
+        let name = names(&opened.scene).into_iter().nth(object)?;
+        Some(opened.edits.get(&name).map_or(Mat4::IDENTITY, |edit| edit.local))
+    }
+
+    /// Sets it.
+    pub fn set_local_edit(&mut self, object: usize, local: Mat4) {
+        self.edit(object, |edit| edit.local = local);
+    }
+
+    /// Whether an object was hidden or shown, and made static or not, against what its file says.
+    pub fn marks(&self, object: usize) -> (Option<bool>, Option<bool>) {
+        let edit = self
+            .opened
+            .as_ref()
+            .and_then(|opened| opened.edits.get(&names(&opened.scene).into_iter().nth(object)?));
+        edit.map_or((None, None), |edit| (edit.is_hidden, edit.is_static))
+    }
+
     fn edit(&mut self, object: usize, change: impl FnOnce(&mut Edit)) {
         let Some(opened) = &mut self.opened else { return };
         if let Some(name) = names(&opened.scene).into_iter().nth(object) {
-            change(opened.edits.entry(name).or_default());
+            let edit = opened.edits.entry(name).or_default();
+            change(edit);
+            // What rounding left of a projection would shear what it is multiplied with.
+            let last_row = Vec4::W;
+            edit.local = edit.local.transpose();
+            edit.local.w_axis = last_row;
+            edit.local = edit.local.transpose();
             opened.apply_edits();
             self.pending.objects = true;
         }

@@ -6,6 +6,7 @@ use glam::Mat4;
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use super::objects::Edit;
+use super::original::Original;
 use crate::args::camera::{CameraChoice, resolve};
 use crate::args::scene::SceneSource;
 use crate::cli::{ExploreArgs, LoadArgs, SourceArgs};
@@ -40,6 +41,8 @@ pub struct Opened {
     pub(super) posed: Vec<Mat4>,
     /// Changes of objects by their names.
     pub(super) edits: BTreeMap<String, Edit>,
+    /// Lights and materials before they were changed.
+    pub(super) original: Original,
 }
 
 /// Steps of an animation at which the room that it takes is measured.
@@ -63,7 +66,8 @@ pub fn load(opening: Opening, progress: &Progress) -> anyhow::Result<Opened> {
     }
     let grid_bounds = bounds_of_all_poses(&mut scene, progress)?;
     let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
-    Ok(Opened { opening, scene, camera, grid_bounds, posed, edits: BTreeMap::new() })
+    let original = Original::of(&scene);
+    Ok(Opened { opening, scene, camera, grid_bounds, posed, edits: BTreeMap::new(), original })
 }
 
 impl Opening {
@@ -86,6 +90,11 @@ impl Opening {
 }
 
 impl Opened {
+    /// What was noticed while it was read.
+    pub fn warnings(&self) -> &[String] {
+        &self.scene.notes.warnings
+    }
+
     /// The scene's second and third camera: those to come back to.
     pub(super) fn positions(&self) -> [Option<Camera>; 2] {
         [1, 2].map(|number| self.scene.cameras.get(number).cloned())

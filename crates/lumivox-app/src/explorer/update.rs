@@ -54,6 +54,10 @@ impl Explorer {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
         let Some(renderer) = &mut self.renderer else {
+            // What is hidden or moved later must not change the grid: light would flicker.
+            if scene.grid_bounds.is_none() && self.settings.grid_bounds.is_none() {
+                self.settings.grid_bounds = Some(scene.bounds());
+            }
             let (camera, settings) = (Some(&self.camera), self.settings.clone());
             self.renderer = Some(Renderer::new(&self.gpu, scene, camera, settings, tell).await?);
             return Ok(());

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use lumivox_render::parameters::{PARAMETERS, Parameter};
 use serde::{Deserialize, Serialize};
 
-use crate::args::choices;
+use crate::args::choices::PresetChoice;
 use crate::explorer::Explorer;
 
 /// Scenes that are remembered.
@@ -129,11 +129,8 @@ impl Config {
         }
         let old = (explorer.settings().clone(), explorer.preset());
         let mut settings = old.0.clone();
-        let preset = self.preset.as_deref().and_then(|name| {
-            use clap::builder::TypedValueParser as _;
-            let parser = choices::preset();
-            parser.parse_ref(&clap::Command::new(""), None, name.as_ref()).ok()
-        });
+        let preset = self.preset.as_deref();
+        let preset = preset.and_then(|name| PresetChoice::ALL.into_iter().find(|p| p.name() == name));
         if let Some(preset) = preset {
             settings = crate::commands::settings::with_preset(&settings, preset);
         }
@@ -161,7 +158,7 @@ impl Config {
 
     /// Keeps the settings that differ from the preset's.
     pub fn keep_settings(&mut self, model: &super::model::Model) {
-        self.preset = Some(choices::preset_name(model.preset).to_owned());
+        self.preset = Some(model.preset.name().to_owned());
         let differs = |p: &&Parameter| p.get(&model.settings) != p.get(&model.usual);
         let kept = PARAMETERS.iter().filter(differs);
         self.settings =

@@ -14,7 +14,7 @@ use winit::window::{Window, WindowId};
 use super::app::App;
 use super::surface::Surface;
 use super::worker::{self, Order, Wish};
-use super::{Start, terminal, theme};
+use super::{Start, theme};
 use crate::exit::Failure;
 
 /// What wakes the window.
@@ -47,7 +47,6 @@ pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
     };
     let Start { console, opening, options, config } = start;
     let (orders, shared, thread) = worker::start(console, options, opening, wake);
-    terminal::read(orders.clone());
     let context = egui::Context::default();
     theme::apply(&context);
     let app = App::new(config, orders.clone(), shared);

@@ -2,7 +2,7 @@
 
 use lumivox_render::parameters::Parameter;
 
-use crate::console::split;
+use crate::console::{quote, split};
 
 /// Who wrote a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +44,7 @@ const SETTERS: [(&str, usize); 12] = [
 
 /// What a line sets, where it does nothing but that: a later one with the same target makes it superfluous.
 pub fn target(text: &str) -> Option<String> {
-    let words = split(text).ok()?;
+    let words = words(text)?;
     let name = words.first()?;
     let setter = SETTERS.iter().find(|(setter, _)| setter == name);
     let named_by = match setter {
@@ -72,13 +72,16 @@ pub fn coalesce(lines: Vec<Line>) -> Vec<Line> {
     kept.into_iter().map(|(_, line)| line).collect()
 }
 
+/// The words of a line of one command.
+pub fn words(text: &str) -> Option<Vec<String>> {
+    let commands = split(text).ok()?;
+    let [words] = commands.as_slice() else { return None };
+    Some(words.iter().map(|word| word.text.clone()).collect())
+}
+
 /// A word that a line splits into itself again.
 pub fn quoted(word: &str) -> String {
-    match shlex::try_quote(word) {
-        Ok(quoted) => quoted.into_owned(),
-        // Only a NUL cannot be quoted; no name has one.
-        Err(_) => word.replace('\0', ""),
-    }
+    quote(word)
 }
 
 #[cfg(test)]
@@ -135,7 +138,7 @@ mod tests {
     #[test]
     fn quoted_names_come_back() {
         for name in ["plain", "with space", "a \"quoted\" one", "it's", "#5", "back\\slash", ""] {
-            assert_eq!(split(&quoted(name)).unwrap(), [name]);
+            assert_eq!(words(&quoted(name)).unwrap(), [name]);
         }
     }
 }

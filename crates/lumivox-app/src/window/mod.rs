@@ -19,7 +19,6 @@
 //! | `jobs.rs`, `reload.rs` | what runs beside: reading scenes, references, watching files |
 //! | `camera.rs`, `gizmo.rs` | moving the camera, and objects |
 //! | `config.rs` | what is kept between runs |
-//! | `terminal.rs` | lines from the terminal |
 
 mod app;
 mod camera;
@@ -32,7 +31,6 @@ mod model;
 mod panels;
 mod reload;
 mod surface;
-mod terminal;
 mod theme;
 mod worker;
 

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use glam::{Mat4, UVec2, Vec3};
-use lumivox::Preset;
 use lumivox_render::{MemoryUse, RenderSettings};
 use lumivox_scene::{Bounds, Camera, Light, Material};
 
+use crate::args::choices::PresetChoice;
+use crate::console::Names;
 use crate::explorer::{Explorer, Placement, Playback, Revoxelize};
 
 /// The stages whose times are shown, as the renderer names them; what is none of these is added to the last.
@@ -26,7 +27,7 @@ pub struct Model {
     /// What the preset would have.
     pub usual: RenderSettings,
     /// The preset that the settings started from.
-    pub preset: Preset,
+    pub preset: PresetChoice,
     /// Where the picture is taken from.
     pub camera: Camera,
     /// Which positions to come back to there are.
@@ -61,6 +62,8 @@ pub struct Model {
     pub log: Arc<Vec<LogLine>>,
     /// The device.
     pub gpu: String,
+    /// What can be completed.
+    pub names: Names,
     /// The newest of the window's lines that was done.
     pub lines_done: u64,
     /// The command line that reproduces the picture, and its number, once somebody has asked.
@@ -239,18 +242,6 @@ pub fn mesh_bounds(explorer: &Explorer) -> Vec<Bounds> {
     scene.meshes.iter().map(|mesh| Bounds::from_points(mesh.positions.iter().copied())).collect()
 }
 
-/// Names, each once: what is there already is numbered, and what has none is called by its kind.
-pub fn unique<'a>(names: impl IntoIterator<Item = &'a str>, kind: &str) -> Vec<String> {
-    let mut counts = std::collections::HashMap::<String, usize>::new();
-    let number = |(index, name): (usize, &str)| {
-        let name = if name.is_empty() { format!("{kind} {}", index + 1) } else { name.to_owned() };
-        let count = counts.entry(name.clone()).or_default();
-        *count += 1;
-        if *count == 1 { name } else { format!("{name} ({count})") }
-    };
-    names.into_iter().enumerate().map(number).collect()
-}
-
 /// The scene as it is.
 pub fn scene_model(explorer: &Explorer, mesh_bounds: &[Bounds]) -> Option<SceneModel> {
     let scene = explorer.scene()?;
@@ -269,8 +260,7 @@ pub fn scene_model(explorer: &Explorer, mesh_bounds: &[Bounds]) -> Option<SceneM
     let shown = objects.iter().filter(|object| !object.is_hidden);
     let bounds = shown.clone().map(ObjectModel::bounds).fold(Bounds::EMPTY, Bounds::union);
     let triangles = shown.map(|object| object.triangles).sum();
-    let material_names = unique(scene.materials.iter().map(|m| m.name.as_str()), "material");
-    let light_names = unique(scene.lights.iter().map(|l| l.name.as_str()), "light");
+    let (material_names, light_names) = (explorer.material_names(), explorer.light_names());
     let animations = scene.animations();
     Some(SceneModel {
         name: scene.name.clone(),
@@ -304,12 +294,6 @@ pub fn voxel_model(explorer: &Explorer) -> VoxelModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_are_told_apart() {
-        let names = unique(["wall", "", "wall", "lamp", "wall"], "light");
-        assert_eq!(names, ["wall", "light 2", "wall (2)", "lamp", "wall (3)"]);
-    }
 
     #[test]
     fn times_go_to_their_stages() {

@@ -7,6 +7,7 @@
 mod names;
 mod table;
 mod value;
+mod vxct;
 
 use std::fmt;
 
@@ -44,20 +45,34 @@ pub enum Group {
     Light,
     /// The cones of the physical look.
     Cones,
+    /// What is drawn over the picture.
+    Overlay,
+    /// Which look, and all of VXCT's.
+    Vxct,
 }
 
 impl Group {
     /// All groups, in the order of the table.
-    pub const ALL: [Self; 5] = [Self::Picture, Self::View, Self::Volume, Self::Light, Self::Cones];
+    pub const ALL: [Self; 7] = [
+        Self::Picture,
+        Self::View,
+        Self::Overlay,
+        Self::Volume,
+        Self::Light,
+        Self::Cones,
+        Self::Vxct,
+    ];
 
     /// The group's name in lower case.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Picture => "picture",
             Self::View => "view",
             Self::Volume => "volume",
             Self::Light => "light",
             Self::Cones => "cones",
+            Self::Overlay => "overlay",
+            Self::Vxct => "vxct",
         }
     }
 }

@@ -5,7 +5,9 @@ use lumivox::{
     TraceResolution, VolumeKind,
 };
 
-use crate::{RenderSettings, ShadowMethod};
+use crate::{
+    Components, Injected, Look, RenderSettings, ShadowMethod, VxctSettings, Wireframe, Wires,
+};
 
 /// A type with a few values, each with a name.
 pub(super) trait Named: Copy + PartialEq + 'static {
@@ -51,6 +53,39 @@ impl Named for Duplication {
 impl Named for Mipmapping {
     const NAMED: &'static [(&'static str, Self)] =
         &[("occupied", Self::Occupied), ("every", Self::Every)];
+}
+
+impl Named for Wireframe {
+    const NAMED: &'static [(&'static str, Self)] =
+        &[("off", Self::Off), ("over", Self::Over), ("through", Self::Through)];
+}
+
+impl Named for Wires {
+    const NAMED: &'static [(&'static str, Self)] =
+        &[("off", Self::Off), ("over", Self::Over), ("through", Self::Through)];
+}
+
+impl Named for Components {
+    const NAMED: &'static [(&'static str, Self)] = &[
+        ("all", Self::All),
+        ("phong", Self::Phong),
+        ("shadows", Self::Shadows),
+        ("specular", Self::Specular),
+        ("diffuse", Self::Diffuse),
+    ];
+}
+
+impl Named for Injected {
+    const NAMED: &'static [(&'static str, Self)] =
+        &[("vxct", Self::Vxct), ("shadowed", Self::Shadowed)];
+}
+
+/// What VXCT's look is made with, or would be.
+pub(super) fn vxct(settings: &RenderSettings) -> VxctSettings {
+    match settings.look {
+        Look::Vxct(vxct) => vxct,
+        Look::Physical => VxctSettings::for_resolution(settings.resolution),
+    }
 }
 
 /// What an octree is made with, or would be.

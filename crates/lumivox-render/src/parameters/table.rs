@@ -6,8 +6,8 @@ use lumivox::{
 };
 
 use super::names::{Named, octree};
-use super::{Group, Kind, Parameter, Value};
-use crate::{Exposure, ShadowMethod, ToneMap, View};
+use super::{Group, Kind, Parameter, Value, vxct};
+use crate::{Exposure, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 /// The word for a reach or a memory without end.
 const UNLIMITED: &str = "unlimited";
@@ -101,7 +101,19 @@ macro_rules! octree_option {
 }
 
 /// All parameters, group by group.
-pub static PARAMETERS: &[Parameter] = &[
+pub static PARAMETERS: &[Parameter] = &{
+    let mut all = [OWN[0]; OWN.len() + vxct::PARAMETERS.len()];
+    let mut index = 0;
+    while index < all.len() {
+        all[index] =
+            if index < OWN.len() { OWN[index] } else { vxct::PARAMETERS[index - OWN.len()] };
+        index += 1;
+    }
+    all
+};
+
+/// All but those of VXCT's look.
+const OWN: &[Parameter] = &[
     whole!("frames", Picture, "frames", "Frames that are averaged", Kind::whole(1, 65_536), frames),
     parameter!(
         "exposure",
@@ -143,6 +155,29 @@ pub static PARAMETERS: &[Parameter] = &[
         "Level of the voxels that are shown; 0 is the finest",
         Kind::whole(0, MAX_RESOLUTION.ilog2()),
         voxel_level
+    ),
+    choice!(
+        "wireframe",
+        Overlay,
+        "Edges of triangles over the picture: those that are visible, or all through surfaces",
+        &["off", "over", "through"],
+        Wireframe,
+        overlay.wireframe
+    ),
+    choice!(
+        "wire_voxels",
+        Overlay,
+        "Voxels as wire cubes over the picture: those that are visible, or all through surfaces",
+        &["off", "over", "through"],
+        Wires,
+        overlay.wire_voxels
+    ),
+    switch!("show_grid", Overlay, "The box that the voxels lie in", overlay.grid_box),
+    switch!(
+        "hide_surfaces",
+        Overlay,
+        "A plain background instead of the picture under the overlay",
+        overlay.hides_surfaces
     ),
     whole!(
         "resolution",

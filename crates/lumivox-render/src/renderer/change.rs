@@ -11,7 +11,7 @@ use super::passes::Passes;
 use super::prepare::{bind_lights, environment_map, global_illumination, upload};
 use super::{Progress, Renderer, validate, validate_level};
 use crate::upload::{Lighting, radiance_unit_within};
-use crate::{Exposure, RenderError, RenderSettings, View};
+use crate::{Exposure, Look, RenderError, RenderSettings, View};
 
 /// What a change of settings asks for, the more costly things first.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that is redone.
@@ -40,12 +40,14 @@ impl Redo {
             volume || old.size != new.size || old.trace.resolution != new.trace.resolution;
         let light = volume
             || old.trace != new.trace
+            || old.look.injected_light() != new.look.injected_light()
             || old.voxel_bounces() != new.voxel_bounces()
             || old.shadows != new.shadows
             || old.shadow_resolution != new.shadow_resolution;
         let shown = (old.view, old.voxel_level, old.bounces, old.frames)
             != (new.view, new.voxel_level, new.bounces, new.frames);
-        Self { volume, targets, light, mean: targets || light || shown }
+        let look = old.look != new.look;
+        Self { volume, targets, light, mean: targets || light || shown || look }
     }
 }
 
@@ -81,6 +83,7 @@ impl Renderer {
             (self.gi, self.voxels, self.passes) = (gi, voxelized.stats, passes);
             self.targets = targets;
             self.scene.bounds = bounds;
+            self.vxct.relink(bounds);
             progress(Progress { stage: "voxelize", done: 1, total: 1 });
         } else {
             if settings.shadows != self.settings.shadows {
@@ -229,10 +232,28 @@ impl Renderer {
         let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
         settings.validate(&self.gpu.device.limits())?;
         let was = std::mem::replace(&mut self.settings, settings);
-        let bounces = self.settings.voxel_bounces();
-        if bounces != was.voxel_bounces() {
+        if self.settings.voxel_bounces() != was.voxel_bounces() {
             let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
-            self.gi.light(&mut recorder, &self.lights, bounces, &self.settings.trace)?;
+            let Self { gpu, settings, gi, lights, vxct, .. } = self;
+            vxct.light(gpu, &mut recorder, gi, lights, settings)?;
+            recorder.submit();
+        }
+        self.targets.accumulate.reset();
+        Ok(())
+    }
+
+    /// Changes how the picture comes about; the mean starts anew. The voxels are lit again where the look wants
+    /// another light in them.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] when a value is out of range, and when the device fails.
+    pub fn set_look(&mut self, look: Look) -> Result<(), RenderError> {
+        look.validate()?;
+        let was = std::mem::replace(&mut self.settings.look, look);
+        if look.injected_light() != was.injected_light() {
+            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
+            let Self { gpu, settings, gi, lights, vxct, .. } = self;
+            vxct.light(gpu, &mut recorder, gi, lights, settings)?;
             recorder.submit();
         }
         self.targets.accumulate.reset();
@@ -260,6 +281,7 @@ impl Renderer {
             self.environment = environment_map(&self.gpu, &lighting)?;
         }
         self.lighting = lighting;
+        self.vxct.set_scene(scene, self.scene.radiance_unit);
         Ok(())
     }
 
@@ -286,9 +308,9 @@ impl Renderer {
         progress(Progress { stage: "light", done: 0, total: 1 });
         let mut recorder = self.recorder();
         self.bind_lights(&mut recorder);
-        let Self { gpu, settings, gi, .. } = self;
+        let Self { gpu, settings, gi, vxct, .. } = self;
         recorder.stage("light");
-        gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
+        vxct.light(gpu, &mut recorder, gi, &self.lights, settings)?;
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -303,7 +325,7 @@ impl Renderer {
             self.passes.shadows.as_ref(),
             &self.scene,
             (&self.lighting, self.environment.as_ref()),
-            &self.gi,
+            (&self.gi, &mut self.vxct),
             &self.settings,
         );
     }

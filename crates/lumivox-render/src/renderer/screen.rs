@@ -45,7 +45,7 @@ impl Renderer {
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
         recorder.stage("picture");
-        self.targets.tone_map.record(&mut recorder, self.targets.accumulate.mean(), encoding);
+        self.record_screen(&mut recorder, encoding);
         self.times.add(recorder.finish().await?);
         let ldr = read_texture(&self.gpu, self.targets.tone_map.screen()).await?;
         self.gpu.check("reading the picture back")?;

@@ -8,15 +8,16 @@ use crate::srgb::srgb_encode;
 
 impl ToneMap {
     /// Brings a linear colour, already exposed, to a screen: bent by the curve, limited to 0..1,
-    /// sRGB-encoded. What is below 0 counts as 0.
+    /// sRGB-encoded unless it is [`ToneMap::Raw`]. What is below 0 counts as 0.
     pub fn encode(self, exposed: Vec3) -> Vec3 {
         let color = exposed.max(Vec3::ZERO);
         let bent = match self {
             Self::Neutral => neutral(color),
             Self::Aces => aces(color),
-            Self::Linear => color,
+            Self::Linear | Self::Raw => color,
         };
-        bent.clamp(Vec3::ZERO, Vec3::ONE).map(srgb_encode)
+        let bounded = bent.clamp(Vec3::ZERO, Vec3::ONE);
+        if self == Self::Raw { bounded } else { bounded.map(srgb_encode) }
     }
 }
 

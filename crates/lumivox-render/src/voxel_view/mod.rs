@@ -4,6 +4,9 @@
 //! without the cell's opacity, and faint outlines tell cubes apart. *Lit*: which of them the lights reach. Of an
 //! octree besides: *nodes*, the boxes that hold the cells of a level, and *bricks*, their texels with the layer that
 //! they have from their neighbours.
+//!
+//! *Wire voxels*: the cubes' outlines, found in the occupancy bits of the voxel list; the overlay's wire cubes are the
+//! same walk. *Lod*: what the volume holds at the visible surfaces. Both are compiled when they are first shown.
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
@@ -20,8 +23,11 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("voxel_view::cell_walk", include_str!("cell_walk.wgsl")),
     ("voxel_view::cubes", include_str!("cubes.wgsl")),
     ("voxel_view::first_cube", include_str!("first_cube.wgsl")),
+    ("voxel_view::lod", include_str!("lod.wgsl")),
     ("voxel_view::nodes", include_str!("nodes.wgsl")),
     ("voxel_view::view", include_str!("view.wgsl")),
+    ("voxel_view::wire_walk", include_str!("wire_walk.wgsl")),
+    ("voxel_view::wires", include_str!("wires.wgsl")),
 ];
 
 /// `VoxelViewSettings` of `view.wgsl`.
@@ -39,8 +45,13 @@ pub struct VoxelViewPass {
     cubes: Kernel,
     lit: Kernel,
     octree: Option<OctreeKernels>,
+    lod: Option<Kernel>,
+    wires: Option<Kernel>,
+    wires_layout: wgpu::BindGroupLayout,
+    layout: wgpu::BindGroupLayout,
     settings: wgpu::Buffer,
     group: wgpu::BindGroup,
+    picture: wgpu::TextureView,
 }
 
 /// What only an octree can show.
@@ -61,10 +72,11 @@ impl VoxelViewPass {
         gi: &Gi,
         targets: &CompositeTargets,
     ) -> Result<Self, ShaderError> {
-        let layout = LayoutBuilder::compute()
+        let base = LayoutBuilder::compute()
             .uniform()
-            .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
-            .build(device, "voxel view");
+            .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT);
+        let layout = base.clone().build(device, "voxel view");
+        let wires_layout = base.storage().build(device, "wire voxels");
         let groups = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
         let kernel = |module: &str, entry: &str| {
             let module = format!("render::voxel_view::{module}");
@@ -83,31 +95,74 @@ impl VoxelViewPass {
             .view(&targets.picture)
             .build(device, "voxel view");
         let (cubes, lit) = (kernel("cubes", "main")?, kernel("cubes", "lit")?);
-        Ok(Self { cubes, lit, octree, settings, group })
+        Ok(Self {
+            cubes,
+            lit,
+            octree,
+            lod: None,
+            wires: None,
+            wires_layout,
+            layout,
+            settings,
+            group,
+            picture: targets.picture.clone(),
+        })
     }
 
     /// Shows a level to a camera of the given vertical field of view. Both take effect at the next
     /// submission: one frame per recorder. A view that is not one of the voxels, or that the volume cannot show, is
-    /// shown as [`View::Voxels`].
+    /// shown as [`View::Voxels`]. [`View::Lod`] needs the G-buffer of this frame.
+    ///
+    /// # Errors
+    /// When a shader does not link.
     pub fn record(
-        &self,
+        &mut self,
         recorder: &mut Recorder,
         gi: &Gi,
         lights: &Lights,
         gbuffer: &GBuffer,
         (view, level): (View, u32),
         vertical_fov_rad: f32,
-    ) {
+    ) -> Result<(), ShaderError> {
+        self.prepare(recorder.device(), gi, view)?;
         let pixel_slope = 2.0 * (0.5 * vertical_fov_rad).tan() / gbuffer.size.y as f32;
         let settings = VoxelViewSettings { level, pixel_slope, padding: [0; 2] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
-        let groups = [gi.globals(), &self.group, &lights.group, &gbuffer.group];
-        let kernel = match (view, &self.octree) {
-            (View::Lit, _) => &self.lit,
-            (View::Nodes, Some(octree)) => &octree.nodes,
-            (View::Bricks, Some(octree)) => &octree.bricks,
+        let wires = self.wires.as_ref().zip(gi.voxels()).filter(|_| view == View::WireVoxels);
+        let own = wires.map(|(_, voxels)| {
+            BindGroupBuilder::new(&self.wires_layout)
+                .buffer(&self.settings)
+                .view(&self.picture)
+                .buffer(&voxels.occupancy)
+                .build(recorder.device(), "wire voxels")
+        });
+        let own = own.as_ref().unwrap_or(&self.group);
+        let groups = [gi.globals(), own, &lights.group, &gbuffer.group];
+        let kernel = match (view, &self.octree, &self.lod, wires) {
+            (View::Lit, ..) => &self.lit,
+            (View::Nodes, Some(octree), ..) => &octree.nodes,
+            (View::Bricks, Some(octree), ..) => &octree.bricks,
+            (View::Lod, _, Some(lod), _) => lod,
+            (.., Some((wires, _))) => wires,
             _ => &self.cubes,
         };
         kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
+        Ok(())
+    }
+
+    /// Compiles what a view needs and is not there yet.
+    fn prepare(&mut self, device: &wgpu::Device, gi: &Gi, view: View) -> Result<(), ShaderError> {
+        let (slot, name, own) = match view {
+            View::Lod => (&mut self.lod, "lod", &self.layout),
+            View::WireVoxels => (&mut self.wires, "wires", &self.wires_layout),
+            _ => return Ok(()),
+        };
+        if slot.is_none() {
+            let shaders = crate::shaders::library(gi.shaders());
+            let groups = [gi.globals_layout(), own, gi.lights_layout(), gi.gbuffer_layout()];
+            let module = format!("render::voxel_view::{name}");
+            *slot = Some(Kernel::new(device, &shaders, &module, "main", &groups)?);
+        }
+        Ok(())
     }
 }

@@ -22,6 +22,7 @@ mod tangents;
 mod text;
 mod textures;
 mod units;
+mod vxct;
 
 use std::path::Path;
 
@@ -191,6 +192,7 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
         "obj" => obj::load(path, options)?,
         "ply" => ply::load(path, options)?,
         "stl" => stl::load(path, options)?,
+        "scene" | "vxct" | "txt" => vxct::load(path, options)?,
         _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
     };
     units::apply(&mut scene, path, options)?;

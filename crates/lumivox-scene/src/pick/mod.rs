@@ -62,8 +62,7 @@ impl Picker {
     pub fn new(scene: &Scene) -> Self {
         let mut is_shown = vec![false; scene.meshes.len()];
         let mut parts = Vec::new();
-        // What is not to be met at all is left out here.
-        let pickable = scene.instances.iter().enumerate();
+        let pickable = scene.instances.iter().enumerate().filter(|(_, placed)| !placed.is_hidden);
         for (instance, placed) in pickable {
             let Some(is_shown) = is_shown.get_mut(placed.mesh) else { continue };
             *is_shown = true;

@@ -55,6 +55,7 @@ fn seeds_load() {
             "obj" => "seed.obj",
             "ply" => "seed.ply",
             "stl" => "seed.stl",
+            "vxct" => "seed.scene",
             _ => continue,
         };
         let mut options = lumivox_scene::LoadOptions::default();

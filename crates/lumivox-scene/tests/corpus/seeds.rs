@@ -26,6 +26,8 @@ pub fn all() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         ("ply", "strip.ply", shapes::STRIP_PLY.to_vec()),
         ("stl", "ascii.stl", shapes::ASCII_STL.to_vec()),
         ("stl", "binary.stl", shapes::binary_stl()),
+        ("vxct", "everything.scene", shapes::VXCT.to_vec()),
+        ("vxct", "empty.scene", b"scene { }\n".to_vec()),
         ("environment", "sky.hdr", hdr()),
         ("environment", "rle.hdr", RUN_LENGTHS.to_vec()),
         ("environment", "half.exr", exr(exr::prelude::Encoding::FAST_LOSSLESS)),

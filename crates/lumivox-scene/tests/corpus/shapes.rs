@@ -62,3 +62,17 @@ pub fn binary_stl() -> Vec<u8> {
     }
     stl
 }
+
+/// A scene of VXCT with all of its keys, and what is passed over.
+pub const VXCT: &[u8] = b"scene { name = all
+model { name = Box active = true static = false path = models/box.obj primitive = cube
+position { x = -0.5f, y = .25f, z = 1e-1 } rotation { x = 90 y = 45.5f z = 0 } scale = 0.5f
+scale_x = 1 scale_y = -2f scale_z = 3 shader = COLOR
+material { shininess = 32 specular_str = 0.5f diffuse_str = 1 ambient_str = 0.08f
+color { r = 1 g = 0.5f b = 0 } } }
+model { name = Hidden active = false primitive = cube shader = EMIT material { color { r = 2 } } }
+model = { primitive = cube static = true shader = EMITRGBA position { y = 2 } color { } }
+model { path = b.obj shader = VOX name = twice name = again } stray
+light { position { x = 0 y = 1 z = 0 } color { r = 1 g = 1 b = 1 }
+att_constant = 1 att_linear = 0.15f att_quadratic = 0.45f } } scene { } }
+";

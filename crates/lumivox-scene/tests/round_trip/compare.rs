@@ -13,6 +13,8 @@ struct Resolved {
     textures: Vec<Texture>,
     world_from_local: [f32; 16],
     is_static: bool,
+    is_voxelized: bool,
+    is_hidden: bool,
 }
 
 fn resolve(scene: &Scene) -> Vec<Resolved> {
@@ -35,6 +37,8 @@ fn resolve(scene: &Scene) -> Vec<Resolved> {
             textures,
             world_from_local: instance.world_from_local.to_cols_array(),
             is_static: instance.is_static,
+            is_voxelized: instance.is_voxelized,
+            is_hidden: instance.is_hidden,
         }
     };
     scene.instances.iter().map(resolved).collect()
@@ -82,6 +86,7 @@ pub fn assert_same(saved: &Scene, loaded: &Scene) {
     }
     assert_eq!(saved.lights, loaded.lights);
     assert_eq!(saved.environment, loaded.environment);
+    assert_eq!(saved.grid_bounds, loaded.grid_bounds);
     assert_eq!(saved.cameras.len(), loaded.cameras.len());
     for (saved, loaded) in saved.cameras.iter().zip(&loaded.cameras) {
         assert_same_camera(saved, loaded);

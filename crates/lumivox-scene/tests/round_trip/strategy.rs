@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::{Affine2, EulerRot, Mat4, Quat, Vec2, Vec3, Vec4};
 use lumivox_scene::{
-    AlphaMode, Camera, Clearcoat, Environment, EnvironmentMap, Filter, Instance, Light, LightKind,
-    LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen, Texture,
-    TextureRef, Transmission, Unlit, Wrap,
+    AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,
+    Instance, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler,
+    Scene, Shading, Sheen, Texture, TextureRef, Transmission, Unlit, Wrap,
 };
 use proptest::collection::vec;
 use proptest::option;
@@ -19,7 +19,7 @@ pub fn scene() -> impl Strategy<Value = Scene> {
         vec(texture(), 0..4),
         vec(light(), 0..4),
         vec(camera(), 0..3),
-        environment(),
+        (environment(), option::of(grid())),
     );
     things
         .prop_flat_map(|(meshes, textures, lights, cameras, environment)| {
@@ -39,7 +39,8 @@ pub fn scene() -> impl Strategy<Value = Scene> {
                 textures,
                 lights,
                 cameras,
-                environment,
+                environment: environment.0,
+                grid_bounds: environment.1,
                 ..Scene::default()
             }
         })
@@ -194,8 +195,8 @@ fn shading(textures: usize) -> impl Strategy<Value = Shading> {
                 ior,
             })
         });
-    let phong = (rgb(UNIT), map(), unit(), rgb(UNIT), map(), amount()).prop_map(
-        |(diffuse, diffuse_texture, opacity, specular, specular_texture, shininess)| {
+    let phong = (rgb(UNIT), map(), unit(), rgb(UNIT), map(), [amount(), amount()]).prop_map(
+        |(diffuse, diffuse_texture, opacity, specular, specular_texture, [shininess, ambient])| {
             Shading::Phong(Phong {
                 diffuse,
                 diffuse_texture,
@@ -203,6 +204,7 @@ fn shading(textures: usize) -> impl Strategy<Value = Shading> {
                 specular,
                 specular_texture,
                 shininess,
+                ambient,
             })
         },
     );
@@ -275,13 +277,15 @@ fn transform() -> impl Strategy<Value = Mat4> {
 }
 
 fn instance(meshes: usize, materials: usize) -> impl Strategy<Value = Instance> {
-    (name(), 0..meshes, 0..materials, transform(), any::<bool>()).prop_map(
-        |(name, mesh, material, world_from_local, is_static)| Instance {
+    (name(), 0..meshes, 0..materials, transform(), any::<[bool; 4]>()).prop_map(
+        |(name, mesh, material, world_from_local, [is_static, is_voxelized, a, b])| Instance {
             name,
             mesh,
             material,
             world_from_local,
             is_static,
+            is_voxelized,
+            is_hidden: a && b,
         },
     )
 }
@@ -303,16 +307,22 @@ fn light() -> impl Strategy<Value = Light> {
             }
         ),
     ];
-    (name(), kind, rgb(0.0..20.0_f32), point(), direction(), unit()).prop_map(
-        |(name, kind, color, position, direction, radius_m)| Light {
+    let attenuation = (amount(), amount(), 0.1..1.0_f32);
+    let attenuation = attenuation.prop_map(|(constant, linear, quadratic)| Attenuation {
+        constant,
+        linear,
+        quadratic,
+    });
+    (name(), kind, rgb(0.0..20.0_f32), point(), direction(), unit(), option::of(attenuation))
+        .prop_map(|(name, kind, color, position, direction, radius_m, attenuation)| Light {
             name,
             kind,
             color,
             position,
             direction,
             radius_m,
-        },
-    )
+            attenuation,
+        })
 }
 
 fn camera() -> impl Strategy<Value = Camera> {
@@ -323,6 +333,11 @@ fn camera() -> impl Strategy<Value = Camera> {
             let up = if upright { towards } else { level.as_vec3().normalize_or(Vec3::Y) };
             Camera { name, position, forward, up, vertical_fov_rad, near_m }
         })
+}
+
+fn grid() -> impl Strategy<Value = Bounds> {
+    (point(), amount(), amount(), 0.1..9.0_f32)
+        .prop_map(|(min, x, y, z)| Bounds { min, max: min + Vec3::new(x, y, z) })
 }
 
 fn environment() -> impl Strategy<Value = Environment> {

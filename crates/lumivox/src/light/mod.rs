@@ -48,6 +48,22 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
 
 pub(crate) use photons::MODULES as PHOTON_MODULES;
 
+/// Where the light of the voxels is written, for a caller whose direct light is not [`Lights`]' (`Gi::light_with`).
+#[derive(Clone, Copy, Debug)]
+pub struct FaceLight<'a> {
+    /// The faces: `array<Face>` of `package::voxels::list`.
+    pub faces: &'a wgpu::Buffer,
+    /// How many there are.
+    pub count: u64,
+    /// To be written for each: the radiance that it sends out before any bounce (`array<vec4f>`, 1 in w).
+    pub direct: &'a wgpu::Buffer,
+    /// The same again, where bounces are added.
+    pub radiance: &'a wgpu::Buffer,
+}
+
+/// A caller's own direct light.
+pub(crate) type DirectLight<'a> = &'a mut dyn FnMut(&mut Recorder, FaceLight<'_>);
+
 /// `BounceSettings` of `bounce.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -74,6 +90,8 @@ pub(crate) struct Lighting {
 #[derive(Debug)]
 pub(crate) struct Faces {
     count: u64,
+    /// The faces (`array<Face>`).
+    list: wgpu::Buffer,
     /// Radiance without bounces (`array<vec4f>`).
     direct: wgpu::Buffer,
     /// Radiance with the bounces so far (`array<vec4f>`).
@@ -144,7 +162,8 @@ impl Lighting {
             .buffer(&direct)
             .buffer(&radiance)
             .build(device, "bounce");
-        Faces { count, direct, radiance, direct_group, bounce_group }
+        let list = voxels.faces.clone();
+        Faces { count, list, direct, radiance, direct_group, bounce_group }
     }
 
     /// Lights this list from now on.
@@ -166,6 +185,7 @@ impl Lighting {
         lights: &Lights,
         gathers: u32,
         settings: &TraceSettings,
+        own: Option<DirectLight<'_>>,
     ) {
         let Some(faces) = &self.faces else {
             return;
@@ -181,17 +201,22 @@ impl Lighting {
         recorder.stage("light");
         let is_direct = gathers == 0;
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
-        if lights.has_cone_shadows {
+        if lights.has_cone_shadows && own.is_none() {
             recorder.stage("filter");
             if let Some(changed) = changes.surfaces(recorder) {
                 volume.update(recorder, changed);
             }
             recorder.stage("light");
         }
-        let groups = [volume.globals(), &faces.direct_group, &lights.group];
-        self.direct.run_linear(recorder, &groups, faces.count);
-        if let Some(photons) = &self.photons {
-            photons.run(recorder, lights, &faces.direct, &faces.radiance);
+        if let Some(own) = own {
+            let Faces { count, list, direct, radiance, .. } = faces;
+            own(recorder, FaceLight { faces: list, count: *count, direct, radiance });
+        } else {
+            let groups = [volume.globals(), &faces.direct_group, &lights.group];
+            self.direct.run_linear(recorder, &groups, faces.count);
+            if let Some(photons) = &self.photons {
+                photons.run(recorder, lights, &faces.direct, &faces.radiance);
+            }
         }
         recorder.stage("filter");
         let changed = if is_direct { changes.find(recorder) } else { changes.all(recorder) };

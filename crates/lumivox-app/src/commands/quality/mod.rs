@@ -17,6 +17,7 @@ use lumivox_scene::{Scene, builtin};
 
 use super::compare::write_strip;
 use super::open_gpu;
+use crate::args::choices::PresetChoice;
 use crate::args::output;
 use crate::cli::QualityArgs;
 use crate::commands::settings::Companions;
@@ -149,7 +150,7 @@ impl Work<'_> {
             truths.insert(case.scene.clone(), truth);
         }
         let truth = &truths[&case.scene];
-        let companions = Companions::of(case.preset);
+        let companions = Companions::of(PresetChoice::Cones(case.preset));
         let settings = RenderSettings {
             directionality: companions.directionality,
             volume: companions.volume.usual(),

@@ -78,6 +78,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
         let camera = schedule.camera(&scene, schedule.start_s(), 0.0);
         light::add_default(&mut scene, &camera, &progress);
     }
+    settings::expose_for_look(&mut settings, args, &scene);
     clock.seconds.loading = clock.lap();
 
     let is_verbose = verbosity > 0;

@@ -12,7 +12,7 @@ use super::report::{CameraReport, RendererReport};
 use super::{Stage, light};
 use crate::args::number::ExposureChoice;
 use crate::cli::RenderArgs;
-use crate::commands::settings::SettingsReport;
+use crate::commands::settings::{self, SettingsReport};
 use crate::motion::{Moments, PathFile, When};
 use crate::progress::Progress;
 use crate::progress::words;
@@ -46,7 +46,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     index.adapter = lumivox_render::describe(&stage.gpu.adapter_info);
 
     let mut renderer: Option<Renderer> = None;
-    let is_shared = stage.args.exposure == ExposureChoice::Auto && files.are_exposed();
+    let is_shared = settings::exposure(stage.args) == ExposureChoice::Auto && files.are_exposed();
     if is_shared && stage.settings.view.is_light() && !missing.is_empty() {
         if index.exposure.is_none() {
             let (metered, stops) = meter(&mut stage, &moments)?;
@@ -195,7 +195,7 @@ fn settings_of(
         "version": env!("CARGO_PKG_VERSION"),
         "scene": scene_settings(args),
         "size": args.size.to_array(),
-        "exposure": args.exposure.to_string(),
+        "exposure": settings::exposure(args).to_string(),
         "light": light::settings(&args.light.sources),
         "time": [moments.range_s.start, moments.range_s.end],
         "fps": moments.fps,

@@ -1,8 +1,103 @@
 //! The program itself.
 
-use crate::console::{Console, Effect, Reply};
+use std::path::Path;
 
-/// `quit`
-pub fn quit(_: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
-    Ok(Reply::ask(Effect::Quit))
+use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
+use crate::console::{Console, Effect, Line, Reply, help, script};
+use crate::exit::Failure;
+
+pub const TABLE: &[Command] = &[
+    Command {
+        name: "help",
+        aliases: &["?"],
+        usage: "[COMMAND|SETTING]",
+        count: (0, 1),
+        takes: &[Takes::Command],
+        summary: "Tell about a command or a setting, or list all of them",
+        example: "help translate",
+        run: |_, arguments| help::tell(arguments.first().copied()),
+        ..PROGRAM
+    },
+    Command {
+        name: "commands",
+        usage: "[TEXT]",
+        count: (0, 1),
+        takes: &[Takes::Anything],
+        summary: "List the commands with a line on each, or those that a text occurs in",
+        example: "commands cone",
+        run: |_, arguments| Ok(Reply::say(help::list(arguments.first().copied()))),
+        ..PROGRAM
+    },
+    Command {
+        name: "echo",
+        usage: "[TEXT...]",
+        count: (0, MANY),
+        takes: &[Takes::Anything],
+        summary: "Print words",
+        example: "echo 'two lamps'",
+        run: |_, arguments| Ok(Reply::say(arguments.join(" "))),
+        ..PROGRAM
+    },
+    Command {
+        name: "run",
+        usage: "FILE",
+        count: (1, 1),
+        takes: &[Takes::File],
+        summary: "Do the commands of a file",
+        details: "One or more a line, with ; between them; # begins a comment. It stops at the first error. Scripts may \
+                  run scripts, 16 deep. A relative path is relative to the folder that the program was started in.",
+        example: "run evening.txt",
+        run,
+        ..PROGRAM
+    },
+    Command {
+        name: "script",
+        usage: "[FILE]",
+        count: (0, 1),
+        takes: &[Takes::File],
+        summary: "Print the commands that lead from a fresh start to the present picture, or write them to a file",
+        details: "`lumivox run` with them gives the same picture to the bit: scene, settings that differ from the \
+                  preset's, camera, changes of objects, materials and lights. What is left out is said in comments.",
+        example: "script evening.txt",
+        run: super::script::run,
+        ..PROGRAM
+    },
+    Command {
+        name: "quit",
+        aliases: &["exit", "q"],
+        summary: "End the program",
+        example: "quit",
+        vxct: Some(""),
+        run: |_, _| Ok(Reply::ask(Effect::Quit)),
+        ..PROGRAM
+    },
+];
+
+const PROGRAM: Command = Command { group: Group::Program, ..PLAIN };
+
+/// `run FILE`
+fn run(_: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let file = arguments.first().copied().unwrap_or_default();
+    Ok(Reply::ask(Effect::Run(read(Path::new(file))?)))
+}
+
+/// The commands of a script's file.
+///
+/// # Errors
+/// When it cannot be read or is no text, and when a quotation mark is open at the end of a line.
+pub fn read(file: &Path) -> Result<Vec<Line>, Failure> {
+    let name = file.display().to_string();
+    let bytes = std::fs::read(file).map_err(|error| {
+        Failure::input(format!("{name}: cannot read the script: {error}; check the path"))
+    })?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let line = 1 + error
+            .as_bytes()
+            .iter()
+            .take(error.utf8_error().valid_up_to())
+            .filter(|b| **b == b'\n')
+            .count();
+        Failure::input(format!("{name}:{line}: this is no text in UTF-8; give a file of commands"))
+    })?;
+    script(&text, &name)
 }

@@ -2,6 +2,7 @@
 
 use egui::{Event, EventFilter, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 
+use crate::console::complete::{complete, files};
 use crate::window::app::App;
 use crate::window::model::{LogKind, Model};
 use crate::window::theme;
@@ -88,8 +89,9 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             focus = true;
         }
         if pressed(Key::Tab) {
-            let (start, candidates) = candidates(&app.console.text, model);
-            app.console.complete(start, candidates);
+            let text = &app.console.text;
+            let found = complete(&model.names, &files, text, text.len());
+            app.console.complete(found.start, found.candidates);
             focus = true;
         }
     }
@@ -145,41 +147,6 @@ fn has_pressed(events: &[Event], wanted: Key) -> bool {
     events.iter().any(|event| matches!(event, Event::Key { key, pressed: true, .. } if *key == wanted))
 }
 
-/// Where the last word begins, and what it may become.
-fn candidates(text: &str, model: &Model) -> (usize, Vec<String>) {
-    use crate::console::COMMANDS;
-    use crate::window::worker::commands::OWN;
-    use lumivox_render::parameters::{Kind, PARAMETERS, Parameter};
-
-    let start = text.rfind(' ').map_or(0, |space| space + 1);
-    let (before, word) = text.split_at(start);
-    let mut known: Vec<String> = Vec::new();
-    match before.split_whitespace().next() {
-        None => {
-            known.extend(COMMANDS.iter().map(|command| command.name.to_owned()));
-            known.extend(PARAMETERS.iter().map(|parameter| parameter.name.to_owned()));
-            known.extend(OWN.iter().filter(|name| **name != "lose_device").map(|name| (*name).to_owned()));
-        }
-        Some(name) => match Parameter::find(name).map(|parameter| parameter.kind) {
-            Some(Kind::Choice(names)) => known.extend(names.iter().map(|name| (*name).to_owned())),
-            Some(Kind::Switch) => known.extend(["on".to_owned(), "off".to_owned()]),
-            Some(_) => {}
-            None => {
-                let names = model.scene.iter().flat_map(|scene| {
-                    let objects = scene.objects.iter().map(|object| &object.name);
-                    let lights = scene.lights.iter().map(|(name, _)| name);
-                    objects.chain(lights).chain(scene.materials.iter().map(|(name, _)| name))
-                });
-                known.extend(names.map(|name| crate::window::lines::quoted(name)));
-            }
-        },
-    }
-    known.retain(|name| name.starts_with(word));
-    known.sort();
-    known.dedup();
-    (start, known)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,16 +175,14 @@ mod tests {
 
     #[test]
     fn tab_completes_what_is_clear() {
+        let list = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
         let mut state = State { text: "bou".to_owned(), ..State::default() };
-        let (start, found) = candidates(&state.text, &Model::default());
-        state.complete(start, found);
+        state.complete(0, list(&["bounces"]));
         assert_eq!(state.text, "bounces ");
-        state.text = "shadow".to_owned();
-        let (start, found) = candidates(&state.text, &Model::default());
-        assert!(found.len() > 1, "{found:?}");
-        state.complete(start, found);
-        assert!(state.text.starts_with("shadow") && !state.candidates.is_empty());
-        let (start, found) = candidates("view dif", &Model::default());
-        assert_eq!((start, found), (5, vec!["diffuse".to_owned()]));
+        let mut state = State { text: "view d".to_owned(), ..State::default() };
+        state.complete(5, list(&["diffuse", "direct"]));
+        assert_eq!((state.text.as_str(), state.candidates.len()), ("view di", 2));
+        state.complete(5, Vec::new());
+        assert_eq!((state.text.as_str(), state.candidates.len()), ("view di", 0));
     }
 }

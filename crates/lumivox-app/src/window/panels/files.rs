@@ -15,7 +15,7 @@ pub struct Dialogs {
 impl Dialogs {
     /// Asks for a scene to open.
     pub fn open(&mut self) {
-        let mut extensions = lumivox_scene::extensions().to_vec();
+        let mut extensions = lumivox_scene::EXTENSIONS.to_vec();
         extensions.sort_unstable();
         self.ask("load", move || {
             rfd::FileDialog::new().add_filter("Scenes", &extensions).set_title("Open a scene").pick_file()

@@ -1,26 +1,22 @@
 //! What is shown: view, level, what it is compared with, cameras; presets and cones.
 
 use egui::{ComboBox, Ui};
-use lumivox_render::View;
-use lumivox_render::parameters::{Group, PARAMETERS};
+use lumivox_render::parameters::Group;
+use lumivox_render::{Look, View};
 
 use super::parameters;
 use super::widgets::{rest_width, row, weak};
+use crate::args::choices::PresetChoice;
 use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model};
-
-/// The presets' names, as `preset` takes them.
-const PRESETS: [&str; 4] = ["fast", "balanced", "high", "report"];
 
 /// View, comparison, camera.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     parameters::named(ui, "view", model, app);
     parameters::named(ui, "level", model, app);
     compare(ui, model, app);
-    for parameter in PARAMETERS.iter().filter(|p| p.group.name() == "overlay") {
-        parameters::named(ui, parameter.name, model, app);
-    }
+    parameters::group(ui, Group::Overlay, model, app);
     let Some(scene) = &model.scene else { return };
     row(ui, "Camera", "One of the scene's cameras", |ui| {
         let width = rest_width(ui);
@@ -82,13 +78,13 @@ fn compare(ui: &mut Ui, model: &Model, app: &mut App) {
 
 /// Presets and cones.
 pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
-    let name = crate::args::choices::preset_name(model.preset);
+    let name = model.preset.name();
     row(ui, "Preset", "Cones, and what goes with them", |ui| {
         let width = rest_width(ui);
         let combo = ComboBox::from_id_salt("preset").width(width).selected_text(name);
         combo
             .show_ui(ui, |ui| {
-                for preset in PRESETS {
+                for preset in PresetChoice::ALL.map(PresetChoice::name) {
                     if ui.selectable_label(preset == name, preset).clicked() {
                         app.line(format!("preset {preset}"));
                     }
@@ -97,14 +93,9 @@ pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
             .response
             .accessible_name("Preset");
     });
-    // Those of another look come with it.
-    let others = |group: Group| !["picture", "view", "volume", "light", "overlay"].contains(&group.name());
-    for group in Group::ALL.into_iter().filter(|group| others(*group)) {
-        if group.name() != "cones" {
-            weak(ui, group.name());
-        }
-        parameters::group(ui, group, model, app);
-    }
+    // The looks have cones of their own.
+    let group = if model.settings.look == Look::Physical { Group::Cones } else { Group::Vxct };
+    parameters::group(ui, group, model, app);
 }
 
 /// Frames, exposure, curve, size.

@@ -6,16 +6,16 @@ use lumivox_render::View;
 use lumivox_scene::Picker;
 
 use super::{Wish, Worker};
-use crate::console::{split, suggest};
+use crate::console::suggest;
 use crate::exit::Failure;
-use crate::window::lines::quoted;
+use crate::window::lines::{self, quoted};
 use crate::window::model::{Comparand, LogKind, Selected};
 
 /// Samples of a reference where nobody says otherwise.
 const SAMPLES: u32 = 256;
 
 /// The names of the window's own commands, for completion.
-pub const OWN: [&str; 5] = ["compare_with", "lose_device", "reload", "select", "cancel"];
+pub const OWN: [&str; 3] = ["cancel", "compare_with", "select"];
 
 /// Commands that change what a scene that is read again does not keep.
 const DROPPED: [&str; 8] = [
@@ -25,7 +25,7 @@ const DROPPED: [&str; 8] = [
 impl Worker {
     /// Runs a command of the window; `None` where it is none.
     pub(super) fn run_own(&mut self, line: &str) -> Option<anyhow::Result<String>> {
-        let words = split(line).ok()?;
+        let words = lines::words(line)?;
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let (name, arguments) = words.split_first()?;
         let done = match *name {

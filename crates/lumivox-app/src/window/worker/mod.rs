@@ -22,7 +22,8 @@ use super::lines::{Line, Origin, coalesce};
 use super::model::{Comparand, FrameTime, JobModel, LogKind, Model, SceneModel, Selected, Shown};
 use super::reload::{self, Watched};
 use crate::args::scene::SceneSource;
-use crate::console::{Console, Effect};
+use crate::console::terminal::{self, Terminal};
+use crate::console::{Console, Effect, Names, Queue};
 use crate::explorer::{Opening, Revoxelize};
 use model::Log;
 use pictures::{Pace, Turn};
@@ -136,6 +137,10 @@ struct Worker {
 
     /// Lines that are still to be run.
     lines: VecDeque<Line>,
+    /// Lines of scripts, which go before those.
+    script: Queue,
+    script_goes_on: bool,
+    names: Names,
     /// Frames that are rendered before the next line.
     frames_to_wait: u32,
     lines_done: u64,
@@ -165,7 +170,6 @@ struct Worker {
     /// Rendering failed: nothing more is tried until something changes.
     has_failed: bool,
     last_tick: Instant,
-    last_voxels: Instant,
     frame_times: VecDeque<FrameTime>,
     is_over: bool,
 }
@@ -188,6 +192,9 @@ impl Worker {
             shared,
             wake,
             lines: VecDeque::new(),
+            script: Queue::default(),
+            script_goes_on: false,
+            names: Names::default(),
             frames_to_wait: 0,
             lines_done: 0,
             loading: None,
@@ -210,13 +217,13 @@ impl Worker {
             turn: Turn::default(),
             has_failed: false,
             last_tick: Instant::now(),
-            last_voxels: Instant::now(),
             frame_times: VecDeque::new(),
             is_over: false,
         }
     }
 
     fn run(mut self, opening: Option<Opening>) {
+        self.log.terminal = hear_terminal(self.sender.clone());
         if let Some(opening) = opening {
             self.open(opening, false);
         }
@@ -234,7 +241,7 @@ impl Worker {
                 break;
             }
             is_busy = match self.render_some() {
-                Ok(is_busy) => is_busy || (!self.lines.is_empty() && self.loading.is_none()),
+                Ok(is_busy) => is_busy || (self.has_lines() && self.loading.is_none()),
                 Err(error) => self.mend(&error),
             };
         }
@@ -317,7 +324,10 @@ impl Worker {
             if is_held && !self.lines.front().is_some_and(is_choice) {
                 break;
             }
-            let Some(line) = self.lines.pop_front() else { break };
+            let of_script = self.script.next();
+            self.script_goes_on = of_script.is_some();
+            let of_script = of_script.map(|line| Line { text: line.text, origin: Origin::Terminal, serial: 0 });
+            let Some(line) = of_script.or_else(|| self.lines.pop_front()) else { break };
             if !has_run {
                 self.set_size(self.full_size);
             }
@@ -334,7 +344,7 @@ impl Worker {
         }
         self.log.add_command(line);
         let reply = match self.run_own(&line.text) {
-            Some(done) => done.map(|text| crate::console::Reply::say(text)),
+            Some(done) => done.map(crate::console::Reply::say),
             None => self.console.run(&line.text),
         };
         match reply {
@@ -342,7 +352,10 @@ impl Worker {
                 self.log.add(LogKind::Reply, &reply.text);
                 self.follow(reply.effect);
             }
-            Err(error) => self.fail(&error),
+            Err(error) => {
+                self.fail(&error);
+                self.script.abandon();
+            }
         }
         let size = self.console.explorer.size();
         if size != self.full_size {
@@ -357,6 +370,11 @@ impl Worker {
             Effect::Nothing => {}
             Effect::Open(opening) => self.open(*opening, false),
             Effect::Wait(frames) => self.frames_to_wait = frames,
+            Effect::Run(lines) => {
+                if let Err(error) = self.script.interpose(lines) {
+                    self.fail(&error.into());
+                }
+            }
             Effect::Quit => self.is_over = true,
         }
     }
@@ -496,6 +514,11 @@ impl Worker {
         }
     }
 
+    /// Whether there are lines to be run.
+    fn has_lines(&self) -> bool {
+        self.script_goes_on || !self.lines.is_empty()
+    }
+
     /// What is under way, for the window.
     fn jobs(&self) -> Vec<JobModel> {
         let loading = self.loading.as_ref().map(|loading| JobModel {
@@ -511,4 +534,20 @@ impl Worker {
         });
         loading.into_iter().chain(tracing).collect()
     }
+}
+
+/// Forwards lines of the terminal, until the window is closed or there are no more. The end of them is not the end of the
+/// window.
+fn hear_terminal(orders: Sender<Order>) -> Option<Terminal> {
+    let (sender, lines) = mpsc::channel();
+    let terminal = terminal::spawn(sender).ok()?;
+    std::thread::spawn(move || {
+        for text in lines {
+            let line = Line { text, origin: Origin::Terminal, serial: 0 };
+            if orders.send(Order::Line(line)).is_err() {
+                break;
+            }
+        }
+    });
+    Some(terminal)
 }

@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::sync::Arc;
 
 use super::Worker;
+use crate::console::terminal::Terminal;
 use crate::window::lines::{self, Line, Origin};
 use crate::window::model::{LogKind, LogLine, Model, SceneModel, scene_model, voxel_model};
 
@@ -18,6 +19,8 @@ pub struct Log {
     snapshot: Option<Arc<Vec<LogLine>>>,
     /// What the last line sets, if it is a panel's command; and whether stdout has it already.
     last: Option<(Option<String>, bool)>,
+    /// Where they go besides.
+    pub terminal: Option<Terminal>,
 }
 
 impl Log {
@@ -63,8 +66,12 @@ impl Log {
                 LogKind::Error => "error: ",
                 LogKind::Reply | LogKind::Note => "",
             };
-            // Nobody has to listen.
-            let _ = writeln!(std::io::stdout(), "{mark}{}", line.text);
+            let text = format!("{mark}{}", line.text);
+            match &mut self.terminal {
+                Some(terminal) => terminal.print(&text),
+                // Nobody has to listen.
+                None => _ = writeln!(std::io::stdout(), "{text}"),
+            }
         }
     }
 
@@ -99,6 +106,7 @@ impl Worker {
 
     /// Lets the window know how things are.
     pub(super) fn publish(&mut self) {
+        let scene_is_new = self.scene_model.is_none();
         let scene = self.scene();
         // Objects and lights may be gone.
         let is_there = |name: &str| {
@@ -110,6 +118,12 @@ impl Worker {
         if self.selected.as_ref().is_some_and(|selected| !is_there(selected.name())) {
             self.selected = None;
             self.selections += 1;
+        }
+        if scene_is_new {
+            self.names = self.console.names();
+            if let Some(terminal) = &self.log.terminal {
+                terminal.set_names(self.names.clone());
+            }
         }
         let log = self.log.snapshot();
         let explorer = &self.console.explorer;
@@ -138,6 +152,7 @@ impl Worker {
             error: self.error.clone(),
             log,
             gpu: lumivox_render::describe(&explorer.gpu().adapter_info),
+            names: self.names.clone(),
             lines_done: self.lines_done,
             command_line: self.command_line.clone(),
         };

@@ -180,21 +180,14 @@ impl Worker {
         let now = Instant::now();
         let passed = now - std::mem::replace(&mut self.last_tick, now);
         let explorer = &mut self.console.explorer;
+        // After a long sleep an animation goes on where it was.
+        let passed_s = passed.as_secs_f32();
+        explorer.tick(if explorer.playback().is_playing { passed_s.min(1.0) } else { passed_s })?;
         if explorer.playback().is_playing {
-            // After a long sleep it goes on where it was.
-            explorer.advance(passed.as_secs_f32().min(1.0))?;
             self.turn = Turn::First;
             self.forget_scene();
         }
-        let explorer = &mut self.console.explorer;
-        let is_due = match explorer.revoxelize {
-            Revoxelize::Every(seconds) => self.last_voxels.elapsed().as_secs_f32() >= seconds,
-            Revoxelize::EveryFrame => true,
-            Revoxelize::WhenMoved | Revoxelize::WhenAsked => false,
-        };
-        if is_due {
-            self.last_voxels = now;
-            explorer.ask_for_voxels();
+        if matches!(self.console.explorer.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame) {
             self.turn = Turn::First;
         }
         Ok(())

@@ -1,0 +1,211 @@
+//! `lumivox run`: commands from a file, from stdin, from the command line, or from a prompt.
+
+use std::io::{IsTerminal as _, Read as _, Write as _};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use indicatif::MultiProgress;
+
+use super::open_gpu;
+use super::settings::of_explore;
+use crate::cli::RunArgs;
+use crate::console::{COMMANDS, Console, Effect, Queue, page, program, script, terminal};
+use crate::exit::{self, Failure, Located};
+use crate::explorer::{self, Explorer, Opening};
+use crate::progress::{Progress, words};
+use crate::report::print;
+
+/// What a frame that a script waits for stands for, s.
+const FRAME_S: f32 = 1.0 / 30.0;
+
+/// Runs commands.
+///
+/// # Errors
+/// The first error of a command, or a summary of all where it goes on after them.
+pub fn run(args: &RunArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+    let is_terminal = std::io::stdin().is_terminal();
+    let is_stdin = args.script.as_deref() == Some(Path::new("-"));
+    let is_prompt = args.script.is_none() && args.commands.is_empty() && is_terminal;
+    let mut queue = Queue::default();
+    if let Some(file) = args.script.as_ref().filter(|_| !is_stdin) {
+        queue.extend(program::read(file)?);
+    } else if !args.commands.is_empty() {
+        for (index, commands) in args.commands.iter().enumerate() {
+            queue.extend(script(commands, &format!("-c {}", index + 1))?);
+        }
+    } else if !is_prompt {
+        // A pipe is read to its end first: what is wrong in a line is known before anything runs.
+        queue.extend(script(&read_stdin()?, "stdin")?);
+    }
+    let mut runner = Runner::new(args, bars)?;
+    if let Some(opening) = Opening::of_args(&args.explore) {
+        runner.open(opening)?;
+    }
+    if is_prompt { runner.prompt() } else { runner.run(queue, args.keep_going) }
+}
+
+/// `lumivox commands`
+///
+/// # Errors
+/// When stdout cannot be written.
+pub fn list(is_markdown: bool) -> anyhow::Result<()> {
+    if is_markdown {
+        return print(&page::markdown());
+    }
+    let line =
+        |command: &crate::console::Command| format!("{}: {}\n", command.form(), command.summary);
+    print(&COMMANDS.iter().map(line).collect::<String>())
+}
+
+fn read_stdin() -> Result<String, Failure> {
+    let mut bytes = Vec::new();
+    let read = std::io::stdin().lock().read_to_end(&mut bytes);
+    read.map_err(|error| Failure::input(format!("stdin cannot be read: {error}")))?;
+    String::from_utf8(bytes).map_err(|_| Failure::input("stdin is no text in UTF-8; give commands"))
+}
+
+/// A console without a window.
+struct Runner {
+    console: Console,
+    bars: MultiProgress,
+    progress: std::sync::Arc<std::sync::Mutex<Option<Progress>>>,
+    is_over: bool,
+}
+
+impl Runner {
+    fn new(args: &RunArgs, bars: &MultiProgress) -> anyhow::Result<Self> {
+        let settings = of_explore(&args.explore);
+        settings.trace.validate()?;
+        let gpu = open_gpu(&args.explore.gpu)?;
+        let explorer = Explorer::new(gpu, settings.clone(), args.explore.cones.preset());
+        let mut console = Console::new(explorer)
+            .with_defaults(args.explore.load.clone(), args.explore.light.sources.clone());
+        console.explorer.set_settings(settings)?;
+        let progress = std::sync::Arc::new(std::sync::Mutex::new(None::<Progress>));
+        let shown = progress.clone();
+        console.on_progress(Box::new(move |step| {
+            if let Ok(shown) = shown.lock()
+                && let Some(progress) = shown.as_ref()
+            {
+                progress.set(words(step.stage), step.done, step.total);
+            }
+            ControlFlow::Continue(())
+        }));
+        Ok(Self { console, bars: bars.clone(), progress, is_over: false })
+    }
+
+    /// Runs all lines, and those that they bring.
+    fn run(&mut self, mut queue: Queue, keeps_going: bool) -> anyhow::Result<()> {
+        let mut first = None;
+        let mut failed = 0_u32;
+        while let Some(line) = queue.next() {
+            let Err(error) = self.line(&line.text, &mut queue) else {
+                if self.is_over {
+                    break;
+                }
+                continue;
+            };
+            let error = Located::new(line.place, error);
+            if !keeps_going {
+                return Err(error.into());
+            }
+            failed += 1;
+            let code = exit::with_error(&error.into());
+            first.get_or_insert(code);
+        }
+        let Some(code) = first else { return Ok(()) };
+        let commands =
+            if failed == 1 { "1 command".to_owned() } else { format!("{failed} commands") };
+        Err(Failure::with_code(
+            code,
+            format!("{commands} failed; the first one gives the exit code"),
+        )
+        .into())
+    }
+
+    /// Does what a line says, and what it leaves to do.
+    fn line(&mut self, line: &str, queue: &mut Queue) -> anyhow::Result<()> {
+        self.show(Some(Progress::start(&self.bars, "working")));
+        let reply = self.console.run(line);
+        let done = reply.and_then(|reply| {
+            if !reply.text.is_empty() {
+                self.bars.suspend(|| print(&format!("{}\n", reply.text)))?;
+            }
+            match reply.effect {
+                Effect::Nothing => Ok(()),
+                Effect::Quit => {
+                    self.is_over = true;
+                    Ok(())
+                }
+                Effect::Run(lines) => Ok(queue.interpose(lines)?),
+                Effect::Wait(frames) => self.wait(frames),
+                Effect::Open(opening) => {
+                    self.show(None);
+                    self.open(*opening)
+                }
+            }
+        });
+        self.show(None);
+        done
+    }
+
+    fn show(&self, progress: Option<Progress>) {
+        // The one before is dropped outside of the lock: it waits for its thread.
+        let before = self
+            .progress
+            .lock()
+            .ok()
+            .and_then(|mut shown| std::mem::replace(&mut *shown, progress));
+        drop(before);
+    }
+
+    fn open(&mut self, opening: Opening) -> anyhow::Result<()> {
+        let progress = Progress::start(&self.bars, "loading");
+        let opened = explorer::load(opening, &progress)?;
+        drop(progress);
+        for warning in opened.warnings() {
+            tracing::warn!("{warning}");
+        }
+        self.console.explorer.open(opened);
+        Ok(())
+    }
+
+    fn wait(&mut self, frames: u32) -> anyhow::Result<()> {
+        let shown = self.progress.clone();
+        let mut tell = move |step: lumivox_render::Progress| {
+            if let Ok(shown) = shown.lock()
+                && let Some(progress) = shown.as_ref()
+            {
+                progress.set(words(step.stage), step.done, step.total);
+            }
+        };
+        for done in 0..frames {
+            self.console.explorer.tick(FRAME_S)?;
+            self.console.explorer.frame(&mut tell)?;
+            tell(lumivox_render::Progress { stage: "render", done: done + 1, total: frames });
+        }
+        Ok(())
+    }
+
+    /// Asks for lines until the end.
+    fn prompt(&mut self) -> anyhow::Result<()> {
+        let mut terminal = terminal::Prompt::new()?;
+        while !self.is_over {
+            terminal.set_names(self.console.names());
+            let Some(line) = terminal.read()? else { break };
+            let mut queue = Queue::default();
+            queue.add(line, "");
+            while let Some(line) = queue.next() {
+                if let Err(error) = self.line(&line.text, &mut queue) {
+                    exit::with_error(&Located::new(line.place, error).into());
+                    queue.abandon();
+                }
+                if self.is_over {
+                    break;
+                }
+            }
+            let _ = std::io::stdout().flush();
+        }
+        Ok(())
+    }
+}

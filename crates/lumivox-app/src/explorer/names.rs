@@ -1,0 +1,88 @@
+//! Names by which objects, materials and lights are found.
+
+use std::collections::HashSet;
+
+use lumivox_scene::Scene;
+
+use super::Explorer;
+use crate::console::suggest;
+
+/// There is nothing of a name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no {kind} \"{name}\"{remedy}")]
+pub struct NotFound {
+    /// Of what kind it would be.
+    pub kind: &'static str,
+    /// What was asked for.
+    pub name: String,
+    /// Those that there are.
+    pub known: Vec<String>,
+    remedy: String,
+}
+
+impl NotFound {
+    /// The place of a name among those that there are.
+    ///
+    /// # Errors
+    /// When it is not among them.
+    pub fn or_place(kind: &'static str, name: &str, known: Vec<String>) -> Result<usize, Self> {
+        if let Some(place) = known.iter().position(|other| other == name) {
+            return Ok(place);
+        }
+        let remedy = if known.is_empty() {
+            format!(": the scene has no {kind}s")
+        } else {
+            suggest::remedy(name, known.iter().map(String::as_str), &format!("{kind}s"))
+        };
+        Err(Self { kind, name: name.to_owned(), known, remedy })
+    }
+}
+
+/// The names of things of a kind, each once: what has none is called by its place, what is there already is numbered.
+fn unique<'a>(kind: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut used = HashSet::new();
+    let name = |(index, name): (usize, &str)| {
+        let name = if name.is_empty() { format!("{kind} {}", index + 1) } else { name.to_owned() };
+        let numbered = (2..).map(|number| format!("{name} ({number})"));
+        let free = [name.clone()].into_iter().chain(numbered).find(|name| !used.contains(name));
+        let free = free.unwrap_or(name);
+        used.insert(free.clone());
+        free
+    };
+    names.enumerate().map(name).collect()
+}
+
+/// The objects' names in the order of the instances.
+pub(super) fn names_of_objects(scene: &Scene) -> Vec<String> {
+    unique("object", scene.instances.iter().map(|instance| instance.name.as_str()))
+}
+
+impl Explorer {
+    /// The materials' names, in the order of the scene's materials, each once.
+    pub fn material_names(&self) -> Vec<String> {
+        let materials = self.scene().into_iter().flat_map(|scene| &scene.materials);
+        unique("material", materials.map(|material| material.name.as_str()))
+    }
+
+    /// The number of the material of a name.
+    ///
+    /// # Errors
+    /// [`NotFound`], with names like it.
+    pub fn material(&self, name: &str) -> Result<usize, NotFound> {
+        NotFound::or_place("material", name, self.material_names())
+    }
+
+    /// The lights' names, in the order of the scene's lights, each once.
+    pub fn light_names(&self) -> Vec<String> {
+        let lights = self.scene().into_iter().flat_map(|scene| &scene.lights);
+        unique("light", lights.map(|light| light.name.as_str()))
+    }
+
+    /// The number of the light of a name.
+    ///
+    /// # Errors
+    /// [`NotFound`], with names like it.
+    pub fn light(&self, name: &str) -> Result<usize, NotFound> {
+        NotFound::or_place("light", name, self.light_names())
+    }
+}

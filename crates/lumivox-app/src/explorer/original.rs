@@ -1,0 +1,43 @@
+//! What a scene was before it was changed: what scripts that repeat the changes start from.
+
+use lumivox_scene::{Camera, Environment, Light, Material, Scene};
+
+use super::Explorer;
+
+/// Lights and materials as they were opened.
+#[derive(Clone, Debug)]
+pub struct Original {
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// The surroundings.
+    pub environment: Environment,
+    /// The materials.
+    pub materials: Vec<Material>,
+}
+
+impl Original {
+    pub(super) fn of(scene: &Scene) -> Self {
+        Self {
+            lights: scene.lights.clone(),
+            environment: scene.environment.clone(),
+            materials: scene.materials.clone(),
+        }
+    }
+}
+
+impl Explorer {
+    /// Lights and materials as they were opened.
+    pub fn original(&self) -> Option<&Original> {
+        self.opened.as_ref().map(|opened| &opened.original)
+    }
+
+    /// The camera that the scene was opened with.
+    pub fn original_camera(&self) -> Option<&Camera> {
+        self.opened.as_ref().map(|opened| &opened.camera)
+    }
+
+    /// Camera 0 or 1 of those to come back to, as the scene has it.
+    pub fn original_position(&self, number: usize) -> Option<Camera> {
+        self.opened.as_ref().and_then(|opened| opened.positions().into_iter().nth(number)?)
+    }
+}

@@ -1,0 +1,97 @@
+//! What edges and lines share: the camera, the G-buffer that hides them, and the pipeline.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec4, Vec4Swizzles as _};
+use lumivox::View;
+use lumivox::gpu::LayoutBuilder;
+
+use super::{Overlay, WIREFRAME_COLOR, WIREFRAME_WIDTH, Wireframe};
+
+/// Of the texture that an overlay's frames are drawn in: it can be blended.
+pub(crate) const FRAME_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// `SegmentView` of `segment.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct SegmentView {
+    pub(crate) clip_from_world: Mat4,
+    pub(crate) ray_middle: [f32; 3],
+    pub(crate) wire_is_tested: u32,
+    pub(crate) ray_across: [f32; 3],
+    pub(crate) wire_width: f32,
+    pub(crate) ray_up: [f32; 3],
+    padding_0: u32,
+    pub(crate) size: [f32; 2],
+    padding_1: [u32; 2],
+    pub(crate) wire_color: [f32; 4],
+}
+
+impl SegmentView {
+    pub(super) fn new(view: &View, overlay: &Overlay) -> Self {
+        // Infinitely far, clip space is made of directions; w is not quite 0 where the matrix is rounded.
+        let world_from_clip = view.clip_from_world.inverse();
+        let ray = |column: Vec4| (column.xyz() - column.w * view.position).to_array();
+        Self {
+            clip_from_world: view.clip_from_world,
+            ray_middle: ray(world_from_clip.w_axis),
+            wire_is_tested: u32::from(overlay.wireframe == Wireframe::Over),
+            ray_across: ray(world_from_clip.x_axis),
+            wire_width: WIREFRAME_WIDTH,
+            ray_up: ray(world_from_clip.y_axis),
+            padding_0: 0,
+            size: view.size.as_vec2().to_array(),
+            padding_1: [0; 2],
+            wire_color: WIREFRAME_COLOR,
+        }
+    }
+}
+
+/// Bindings 0 to 4 of group 0: the view, the draws, depth and normals of surfaces, the draws' triangles.
+pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    LayoutBuilder::new(wgpu::ShaderStages::VERTEX_FRAGMENT)
+        .uniform()
+        .storage()
+        .depth_2d()
+        .texture_2d_unfilterable()
+        .storage()
+        .build(device, "segments")
+}
+
+/// A pipeline that draws quads over what is there, without a depth buffer: fragments test for themselves.
+pub(super) fn pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    (vertex, fragment): (&str, &str),
+    groups: [&wgpu::BindGroupLayout; 2],
+) -> wgpu::RenderPipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(vertex),
+        bind_group_layouts: &groups.map(Some),
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(vertex),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: FRAME_FORMAT,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

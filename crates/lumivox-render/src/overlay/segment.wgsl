@@ -1,0 +1,158 @@
+// Lines as quads of a width in pixels, hidden behind the surfaces of the G-buffer or not.
+//
+// A quad is a little larger than the line; its fragments measure their distance from it. All numbers are in pixels of
+// the picture, and depths those of the G-buffer, near / distance, which goes linearly along a line on the screen.
+
+import package::trace::gbuffer::octahedral_decode;
+
+struct SegmentView {
+    clip_from_world: mat4x4f,
+    // The ray through a place in clip space is middle + x across + y up, all of the same depth.
+    ray_middle: vec3f,
+    wire_is_tested: u32,
+    ray_across: vec3f,
+    wire_width: f32,
+    ray_up: vec3f,
+    padding_0: u32,
+    size: vec2f,
+    padding_1: u32,
+    padding_2: u32,
+    wire_color: vec4f,
+}
+
+@group(0) @binding(0) var<uniform> segment_view: SegmentView;
+@group(0) @binding(2) var surface_depth: texture_depth_2d;
+@group(0) @binding(3) var surface_normals: texture_2d<f32>;
+
+struct SegmentVertex {
+    @builtin(position) position: vec4f,
+    // Both ends, in pixels.
+    @location(0) @interpolate(flat) ends: vec4f,
+    @location(1) @interpolate(flat) depths: vec2f,
+    // Half the width, and above 0 if surfaces hide it.
+    @location(2) @interpolate(flat) half_width_and_test: vec2f,
+    @location(3) @interpolate(flat) color: vec4f,
+}
+
+struct SegmentFragment {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) ends: vec4f,
+    @location(1) @interpolate(flat) depths: vec2f,
+    @location(2) @interpolate(flat) half_width_and_test: vec2f,
+    @location(3) @interpolate(flat) color: vec4f,
+}
+
+// How far beyond the picture's edge a line is cut, as a share of the picture: more than any width.
+const BEYOND: f32 = 1.1;
+// What rounding makes of depths: the rasterizer's of large triangles lie off by some 1e-5 of themselves, and half
+// floats of the normal turn a plane by 5e-4, seen a pixel away.
+const DEPTH_PRECISION: f32 = 1e-4;
+// A line may lie this many pixels' slope behind the surface: the steps of a curved surface within a pixel.
+const SLOPE_PIXELS: f32 = 0.5;
+// Beyond this steepness the slope is no longer trusted.
+const MIN_COS: f32 = 0.05;
+
+fn to_pixels(clip: vec4f) -> vec2f {
+    return (vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5) * segment_view.size;
+}
+
+// The six corners of two triangles: the end in x, the side in y, from -1 to 1.
+fn quad_corner(vertex: u32) -> vec2f {
+    let corner = array<u32, 6>(0u, 1u, 2u, 2u, 1u, 3u)[vertex % 6u];
+    return vec2f(f32(corner >> 1u), f32(corner & 1u)) * 2.0 - 1.0;
+}
+
+// What nothing is drawn of.
+fn nowhere() -> SegmentVertex {
+    return SegmentVertex(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(0.0), vec2f(0.0), vec2f(0.0), vec4f(0.0));
+}
+
+// A corner of the quad of a line between two places in clip space.
+fn segment_corner(
+    tail: vec4f,
+    head: vec4f,
+    corner: vec2f,
+    width: f32,
+    is_tested: bool,
+    color: vec4f,
+) -> SegmentVertex {
+    // The part of it before the near plane and not far out of the picture (Liang and Barsky 1984, "A new concept
+    // and method for line clipping", in homogeneous coordinates).
+    var start = 0.0;
+    var end = 1.0;
+    for (var plane = 0u; plane < 5u; plane++) {
+        let axis = (max(plane, 1u) - 1u) >> 1u;
+        let side = select(1.0, -1.0, (plane & 1u) == 0u);
+        var inside = vec2f(tail.w - tail.z, head.w - head.z);
+        if plane > 0u {
+            inside = BEYOND * vec2f(tail.w, head.w) + side * vec2f(tail[axis], head[axis]);
+        }
+        let share = inside.x / (inside.x - inside.y);
+        if inside.x < 0.0 {
+            start = max(start, share);
+        }
+        if inside.y < 0.0 {
+            end = min(end, share);
+        }
+        if inside.x < 0.0 && inside.y < 0.0 {
+            end = -1.0;
+        }
+    }
+    // Not a number is not less either.
+    if !(start <= end) {
+        return nowhere();
+    }
+    let near = mix(tail, head, start);
+    let far = mix(tail, head, end);
+    let a = to_pixels(near);
+    let b = to_pixels(far);
+    let pixels = distance(a, b);
+    var along = vec2f(1.0, 0.0);
+    if pixels > 1e-4 {
+        along = (b - a) / pixels;
+    }
+    // The ends are round; a hair is left for the rasterizer's own grid.
+    let reach = 0.5 * width + 0.1;
+    let tip = select(a, b, corner.x > 0.0) + reach * (corner.x * along + corner.y * vec2f(-along.y, along.x));
+    let ndc = (tip / segment_view.size - 0.5) * vec2f(2.0, -2.0);
+    return SegmentVertex(
+        vec4f(ndc, 0.5, 1.0),
+        vec4f(a, b),
+        vec2f(near.z / near.w, far.z / far.w),
+        vec2f(0.5 * width, select(0.0, 1.0, is_tested)),
+        color,
+    );
+}
+
+fn ray_through(pixel: vec2f) -> vec3f {
+    let ndc = (pixel / segment_view.size - 0.5) * vec2f(2.0, -2.0);
+    return segment_view.ray_middle + ndc.x * segment_view.ray_across + ndc.y * segment_view.ray_up;
+}
+
+// Whether the surface of a pixel hides a point of that depth, which is seen at `place`, within a line's width. The
+// point is compared with the surface's plane right there: the edge of a surface lies in it however steep it is.
+fn is_hidden(pixel: vec2u, place: vec2f, depth: f32) -> bool {
+    let surface = textureLoad(surface_depth, pixel, 0);
+    let normal = octahedral_decode(textureLoad(surface_normals, pixel, 0).zw);
+    let here = ray_through(vec2f(pixel) + 0.5);
+    let facing = min(dot(normal, here), -MIN_COS * length(here));
+    let plane = surface * (1.0 + dot(normal, ray_through(place) - here) / facing);
+    let across = abs(dot(normal, segment_view.ray_across)) / segment_view.size.x
+        + abs(dot(normal, segment_view.ray_up)) / segment_view.size.y;
+    let slope = surface * 2.0 * across / -facing;
+    return depth < plane * (1.0 - DEPTH_PRECISION) - SLOPE_PIXELS * slope;
+}
+
+// The colour of a pixel of a line, multiplied by its coverage; 0 where it is not.
+fn segment_color(fragment: SegmentFragment) -> vec4f {
+    let a = fragment.ends.xy;
+    let along = fragment.ends.zw - a;
+    let share = saturate(dot(fragment.position.xy - a, along) / max(dot(along, along), 1e-8));
+    let nearest = a + share * along;
+    let is_on = distance(fragment.position.xy, nearest) <= fragment.half_width_and_test.x;
+    let depth = mix(fragment.depths.x, fragment.depths.y, share);
+    let is_behind = fragment.half_width_and_test.y > 0.0
+        && is_hidden(vec2u(fragment.position.xy), nearest, depth);
+    let coverage = select(0.0, fragment.color.a, is_on && !is_behind);
+    return vec4f(fragment.color.rgb * coverage, coverage);
+}

@@ -1,0 +1,127 @@
+//! What is drawn over the picture, frame by frame and at the end.
+
+use lumivox::View;
+use lumivox::gpu::Recorder;
+
+use super::Renderer;
+use crate::RenderError;
+use crate::gbuffer_pass;
+use crate::overlay::{Overlay, OverlayPass, OverlayView, Shown};
+use crate::tone_map::Encoding;
+
+impl Renderer {
+    /// Changes what is drawn over the picture. The picture's frames stay; the overlay's start anew and come with
+    /// the picture's next ones, or alone by [`Self::render_overlay_frame`].
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] when there are more lines than a buffer holds.
+    pub fn set_overlay(&mut self, overlay: Overlay) -> Result<(), RenderError> {
+        let settings = crate::RenderSettings { overlay, ..self.settings.clone() };
+        settings.validate(&self.gpu.device.limits())?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Frames of the overlay as it is set. Without frames of the picture that it is drawn over there are none.
+    pub fn overlay_frame_count(&self) -> u32 {
+        if self.frame_count() == 0 {
+            return 0;
+        }
+        self.targets.overlay.as_ref().map_or(0, |pass| pass.frames(&self.shown()))
+    }
+
+    /// Renders one frame more of the overlay alone, for a picture that has all of its frames. Nothing happens
+    /// while it is off, and before the picture's first frame.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render_overlay_frame(&mut self) -> Result<(), RenderError> {
+        if !self.settings.overlay.is_on() || self.frame_count() == 0 {
+            return Ok(());
+        }
+        let frame = self.overlay_frame_count();
+        let size = self.settings.size;
+        let jitter = gbuffer_pass::jitter(frame, self.settings.frames);
+        let clip_from_world = gbuffer_pass::clip_from_world(&self.camera, size, jitter);
+        let view = View { clip_from_world, position: self.camera.position, size, frame };
+        self.targets.gbuffer.set_view(&self.gpu.queue, view);
+        let timing = self.settings.timing;
+        let mut recorder = Recorder::with_timing(&self.gpu.device, &self.gpu.queue, timing);
+        if self.settings.overlay.needs_depth() {
+            self.record_surfaces(&mut recorder, &view);
+        }
+        self.draw_overlay(&mut recorder, &view)?;
+        self.times.add(recorder.finish().await?);
+        self.gpu.check("drawing the overlay")
+    }
+
+    /// Renders the frames of the overlay that the picture is ahead by.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn complete_overlay(&mut self) -> Result<(), RenderError> {
+        let is_on = self.settings.overlay.is_on();
+        while is_on && self.overlay_frame_count() < self.settings.frames {
+            self.render_overlay_frame().await?;
+            self.gpu.wait("drawing the overlay")?;
+        }
+        Ok(())
+    }
+
+    /// Adds the overlay's part to a frame of the picture, whose view it has.
+    pub(super) fn record_overlay(
+        &mut self,
+        recorder: &mut Recorder,
+        view: &View,
+    ) -> Result<(), RenderError> {
+        // What starts the picture anew does so with the overlay.
+        if let Some(pass) = self.targets.overlay.as_mut().filter(|_| view.frame == 0) {
+            pass.reset();
+        }
+        if !self.settings.overlay.is_on() {
+            return Ok(());
+        }
+        // Views of voxels have no G-buffer of their own.
+        if self.settings.view.is_of_voxels() && self.settings.overlay.needs_depth() {
+            self.record_surfaces(recorder, view);
+        }
+        self.draw_overlay(recorder, view)
+    }
+
+    /// Brings the mean to the screen, with the overlay if it has frames.
+    pub(super) fn record_screen(&self, recorder: &mut Recorder, encoding: Encoding) {
+        let picture = self.targets.accumulate.mean();
+        let tone_map = &self.targets.tone_map;
+        let is_on = self.settings.overlay.is_on() && self.overlay_frame_count() > 0;
+        match self.targets.overlay.as_ref().filter(|_| is_on) {
+            Some(pass) => pass.blend(recorder, tone_map, picture, encoding),
+            None => tone_map.record(recorder, picture, encoding),
+        }
+    }
+
+    fn record_surfaces(&self, recorder: &mut Recorder, view: &View) {
+        recorder.stage("G-buffer");
+        self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, view);
+    }
+
+    fn draw_overlay(&mut self, recorder: &mut Recorder, view: &View) -> Result<(), RenderError> {
+        let shown = self.shown();
+        let Self { gpu, gi, scene, settings, targets, .. } = self;
+        let pass = match &mut targets.overlay {
+            Some(pass) => pass,
+            slot => {
+                let pass = OverlayPass::new(&gpu.device, gi, settings.size)?;
+                targets.bytes += pass.bytes;
+                slot.insert(pass)
+            }
+        };
+        let (gbuffer, surfaces) = (&targets.gbuffer, &targets.gbuffer_textures);
+        let seen = OverlayView { view, scene, gi, gbuffer, surfaces };
+        Ok(pass.record(recorder, &shown, seen)?)
+    }
+
+    fn shown(&self) -> Shown {
+        let Self { settings, .. } = self;
+        Shown { overlay: settings.overlay.clone(), voxel_level: settings.voxel_level }
+    }
+}

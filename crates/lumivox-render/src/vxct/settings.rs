@@ -1,0 +1,248 @@
+//! Everything that can be set about the look of VXCT: units, ranges, defaults.
+
+use crate::RenderError;
+
+/// How a picture comes about.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Look {
+    /// By the physics: direct light with shadow maps, and cones that gather radiance.
+    #[default]
+    Physical,
+    /// As the program VXCT made it: Phong's light and a few fixed cones (docs/vxct-look.md). It is made for exposure
+    /// 0 and [`ToneMap::Raw`](crate::ToneMap::Raw), isotropic voxels and one bounce.
+    Vxct(VxctSettings),
+}
+
+/// What of the picture is shown: VXCT's `all`, `phong_only` and so on. The parts of light add up to all of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Components {
+    /// Everything that is switched on.
+    #[default]
+    All,
+    /// Emission and Phong's terms, where no shadow falls on them.
+    Phong,
+    /// The share of the lights' light that arrives, as grey.
+    Shadows,
+    /// What the specular cones bring.
+    Specular,
+    /// What the diffuse cones bring.
+    Diffuse,
+}
+
+/// The light that the voxels hold and the cones bring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Injected {
+    /// VXCT's: of each light (ambient + n l) times its colour, without attenuation or shadow, in the sum at most the
+    /// screen's white; and what the surface emits. Lights without an attenuation polynomial come in physically, shadows
+    /// included.
+    #[default]
+    Vxct,
+    /// Physical direct light, with shadows and the inverse square.
+    Shadowed,
+}
+
+/// The shape of a kind of cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConeShape {
+    /// The whole angle, radians, 0.001 to 2. Wider: blurrier, and cheaper.
+    pub aperture_rad: f32,
+    /// Where sampling starts, along the cone, in VXCT's units (half the longest edge of the scene's bounds), 0 to 4.
+    /// Higher passes over what is near; lower lets surfaces see themselves.
+    pub offset: f32,
+    /// Step as a share of the cone's diameter, 0.001 to 4; at least half a voxel of the level at hand is taken, and
+    /// at most a whole one. Opacity is corrected for it: it changes the cost, not the brightness.
+    pub distance_factor: f32,
+}
+
+/// Parameters of the look. [`VxctSettings::for_resolution`] has the defaults; each field tells that of 128 voxels.
+// The switches are those of VXCT's console.
+#[allow(clippy::struct_excessive_bools)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VxctSettings {
+    /// What is shown. Default: all.
+    pub components: Components,
+    /// Whether Phong's terms are there at all. Default: yes.
+    pub phong: bool,
+    /// Phong's ambient term. Default: yes.
+    pub phong_ambient: bool,
+    /// Phong's diffuse term. Default: yes.
+    pub phong_diffuse: bool,
+    /// Phong's specular term, the highlights. Default: no.
+    pub phong_specular: bool,
+    /// Light by diffuse cones (`vox_diffuse`). Default: yes.
+    pub diffuse: bool,
+    /// Reflections by specular cones (`vox_specular`). Default: yes.
+    pub specular: bool,
+    /// Shadows by cones towards the lights (`vox_shadows`). Default: yes.
+    pub shadows: bool,
+    /// The diffuse cone along the normal. Default: yes.
+    pub front_cone: bool,
+    /// Four diffuse cones along the surface. Default: no. More light from beside, and a darker middle: what the set
+    /// brings is the mean of its cones.
+    pub side_cones: bool,
+    /// Four diffuse cones half-way between the normal and the sides. Default: yes.
+    pub intermediate_cones: bool,
+    /// Default: 0.55 rad, from 0.19, steps of 0.01.
+    pub diffuse_cone: ConeShape,
+    /// Default: 0.4 rad, from 0.08, steps of 0.35.
+    pub occlusion_cone: ConeShape,
+    /// Default: 0.02 rad, from 0.15, steps of 0.3.
+    pub specular_cone: ConeShape,
+    /// How far above the surface, along its normal, diffuse cones begin, in VXCT's units, 0 to 1. Default: 0.05.
+    pub diffuse_origin_offset: f32,
+    /// How fast what lies in the way of light becomes a full shadow, 0 to 16. Default: 1.5. At the distance d from the
+    /// surface, of D to the light, a voxel counts smoothstep(0, D, strength sqrt(d)) of its opacity (VXCT's units).
+    /// Higher: harder near contacts. 0: no shadows.
+    pub shadow_strength: f32,
+    /// How fast reflections fade with the distance d of what is reflected: by (1 + d)^-falloff (VXCT's units), 0 to
+    /// 16. Default: 3. 0, as light does: not at all.
+    pub shininess_falloff: f32,
+    /// What the voxels hold. Default: as in VXCT.
+    pub injected_light: Injected,
+}
+
+impl Default for VxctSettings {
+    /// Those of 128 voxels, the renderer's default.
+    fn default() -> Self {
+        Self::for_resolution(128)
+    }
+}
+
+impl VxctSettings {
+    /// The defaults for voxels along the longest axis.
+    ///
+    /// VXCT was three programs, of 64, 128 and 256 voxels, each with its own constants; other resolutions take those of
+    /// the nearest one by ratio (below 91: 64; from 182 on: 256).
+    pub fn for_resolution(resolution: u32) -> Self {
+        let cone = |aperture_rad, offset, distance_factor| ConeShape {
+            aperture_rad,
+            offset,
+            distance_factor,
+        };
+        let program = match resolution {
+            0..=90 => 0,
+            91..=181 => 1,
+            _ => 2,
+        };
+        Self {
+            components: Components::All,
+            phong: true,
+            phong_ambient: true,
+            phong_diffuse: true,
+            phong_specular: false,
+            diffuse: true,
+            specular: true,
+            shadows: true,
+            front_cone: true,
+            side_cones: false,
+            intermediate_cones: true,
+            diffuse_cone: cone(0.55, 0.19, [0.1, 0.01, 0.1][program]),
+            occlusion_cone: cone(0.4, 0.08, [0.35, 0.35, 0.1][program]),
+            specular_cone: cone(
+                [0.04, 0.02, 0.01][program],
+                [0.15, 0.15, 0.05][program],
+                [0.8, 0.3, 0.15][program],
+            ),
+            diffuse_origin_offset: 0.05,
+            shadow_strength: 1.5,
+            shininess_falloff: [3.0, 3.0, 2.0][program],
+            injected_light: Injected::Vxct,
+        }
+    }
+
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`], naming the first one that is out of range.
+    pub fn validate(&self) -> Result<(), RenderError> {
+        let check = |name, value: f32, low: f32, high: f32| {
+            if value >= low && value <= high {
+                return Ok(());
+            }
+            let expected = format!("from {low} to {high}");
+            Err(RenderError::Setting { name, value: value.to_string(), expected })
+        };
+        let cone = |names: [&'static str; 3], cone: ConeShape| {
+            check(names[0], cone.aperture_rad, 0.001, 2.0)?;
+            check(names[1], cone.offset, 0.0, 4.0)?;
+            check(names[2], cone.distance_factor, 0.001, 4.0)
+        };
+        cone(["diffuse aperture", "diffuse offset", "diffuse distance factor"], self.diffuse_cone)?;
+        cone(
+            ["occlusion aperture", "occlusion offset", "occlusion distance factor"],
+            self.occlusion_cone,
+        )?;
+        cone(
+            ["specular aperture", "specular offset", "specular distance factor"],
+            self.specular_cone,
+        )?;
+        check("diffuse origin offset", self.diffuse_origin_offset, 0.0, 1.0)?;
+        check("shadow strength", self.shadow_strength, 0.0, 16.0)?;
+        check("shininess falloff", self.shininess_falloff, 0.0, 16.0)
+    }
+}
+
+impl Look {
+    /// What the voxels hold, if the look has a say in it. Where this changes, they must be lit again.
+    pub fn injected_light(&self) -> Injected {
+        match self {
+            Self::Physical => Injected::Shadowed,
+            Self::Vxct(settings) => settings.injected_light,
+        }
+    }
+
+    /// Checks what belongs to the look.
+    ///
+    /// # Errors
+    /// As [`VxctSettings::validate`].
+    pub fn validate(&self) -> Result<(), RenderError> {
+        match self {
+            Self::Physical => Ok(()),
+            Self::Vxct(settings) => settings.validate(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_three_programs_have_their_constants() {
+        let [coarse, middle, fine] = [64, 128, 256].map(VxctSettings::for_resolution);
+        let diffuse =
+            |factor| ConeShape { aperture_rad: 0.55, offset: 0.19, distance_factor: factor };
+        assert_eq!(coarse.diffuse_cone, diffuse(0.1));
+        assert_eq!(middle.diffuse_cone, diffuse(0.01));
+        assert_eq!(fine.diffuse_cone, diffuse(0.1));
+        let apertures = [coarse, middle, fine].map(|s| s.specular_cone.aperture_rad);
+        assert_eq!(apertures, [0.04, 0.02, 0.01]);
+        assert_eq!([coarse, fine].map(|s| s.shininess_falloff), [3.0, 2.0]);
+        assert_eq!(VxctSettings::for_resolution(16), coarse);
+        assert_eq!(VxctSettings::for_resolution(96), middle);
+        assert_eq!(VxctSettings::for_resolution(1024), fine);
+    }
+
+    #[test]
+    fn ranges_are_checked() {
+        type Set = fn(&mut VxctSettings, f32);
+        let cases: [(Set, f32, f32); 6] = [
+            (|s, v| s.diffuse_cone.aperture_rad = v, 0.001, 2.0),
+            (|s, v| s.occlusion_cone.offset = v, 0.0, 4.0),
+            (|s, v| s.specular_cone.distance_factor = v, 0.001, 4.0),
+            (|s, v| s.diffuse_origin_offset = v, 0.0, 1.0),
+            (|s, v| s.shadow_strength = v, 0.0, 16.0),
+            (|s, v| s.shininess_falloff = v, 0.0, 16.0),
+        ];
+        for (set, low, high) in cases {
+            let accepts = |value: f32| {
+                let mut settings = VxctSettings::default();
+                set(&mut settings, value);
+                settings.validate().is_ok()
+            };
+            assert!(accepts(low) && accepts(high), "{low} {high}");
+            assert!(!accepts(low - 1e-3) && !accepts(high + 1e-3) && !accepts(f32::NAN));
+        }
+    }
+}

@@ -1,0 +1,373 @@
+// One frame's picture in the look of VXCT, or one view of it: Phong's light, shadows, reflections and diffuse light by
+// cones, all in one kernel.
+//
+// The picture is emission, plus for each light (Phong + specular) (1 - occlusion), plus diffuse (1 - the least
+// occlusion). With several lights that are not VXCT's the specular part would come once for each; it counts once.
+
+import package::constants::{
+    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_FINAL, VIEW_INDIRECT,
+    VIEW_NORMAL, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR, VXCT_ALL, VXCT_DIFFUSE, VXCT_PHONG,
+    VXCT_SHADOWS, VXCT_SPECULAR, VXCT_TERM_AMBIENT, VXCT_TERM_DIFFUSE, VXCT_TERM_DIFFUSE_CONES,
+    VXCT_TERM_FRONT, VXCT_TERM_HIGHLIGHTS, VXCT_TERM_INTERMEDIATE, VXCT_TERM_OCCLUSION_CONES,
+    VXCT_TERM_SIDES, VXCT_TERM_SPECULAR_CONES,
+};
+import package::grid::{grid, grid_from_world};
+import package::light::environment::{
+    environment_background, environment_radiance, environment_reflection,
+};
+import package::light::lights::{light_globals, lights};
+import package::render::vxct::cone::{trace_vxct, VxctCone, VxctTraced};
+import package::render::vxct::lights::arriving_light;
+import package::render::vxct::material::{load_material, reflectance_towards, VxctMaterial};
+import package::trace::gbuffer::{load_surface, ray_direction, view, Surface};
+
+struct VxctShape {
+    // Diameter per distance.
+    width: f32,
+    // Voxels.
+    offset: f32,
+    step_per_diameter: f32,
+    padding: u32,
+}
+
+struct VxctUniform {
+    diffuse: VxctShape,
+    occlusion: VxctShape,
+    specular: VxctShape,
+    // One of VIEW_...
+    shown: u32,
+    // One of VXCT_...
+    components: u32,
+    // Bits of VXCT_TERM_...
+    terms: u32,
+    // Voxels in VXCT's unit, half the longest edge of the scene.
+    unit_voxels: f32,
+    // Voxels.
+    origin_offset: f32,
+    shadow_strength: f32,
+    shininess_falloff: f32,
+    // The radiance that the screen shows as 1.
+    white: f32,
+}
+
+@group(1) @binding(0) var<uniform> settings: VxctUniform;
+// What coloured glass in front lets through, in rgb; one white texel where the scene has none.
+@group(1) @binding(2) var tint: texture_2d<f32>;
+@group(1) @binding(3) var picture: texture_storage_2d<rgba32float, write>;
+
+// No cell that a cone reads at its start holds its own surface, if it starts this many voxels above: half a voxel from
+// the surface to the middle of its cell, and one that a filtered look-up reaches.
+const CLEAR_VOXELS: f32 = 1.5;
+const FAR: f32 = 3e38;
+
+fn has(term: u32) -> bool {
+    return (settings.terms & term) != 0u;
+}
+
+fn luminance(color: vec3f) -> f32 {
+    // ITU-R BT.709-6, section 3.2.
+    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// A cone that leaves a surface `above` it, in voxels, and starts clear of it.
+fn leaving_cone(
+    surface: Surface,
+    direction: vec3f,
+    shape: VxctShape,
+    width: f32,
+    above: f32,
+) -> VxctCone {
+    let normal = surface.geometric_normal;
+    let cosine = max(dot(direction, normal), 0.0);
+    let height = max(above, CLEAR_VOXELS - shape.offset * cosine);
+    let origin = grid_from_world(surface.position_in_world) + height * normal;
+    return VxctCone(
+        origin,
+        direction,
+        width,
+        shape.offset,
+        FAR,
+        shape.step_per_diameter,
+        height,
+        cosine,
+        0.0,
+        0.0,
+        settings.unit_voxels,
+    );
+}
+
+// Two axes across a unit vector: along the world's where it is, and one of them x and z for y. Frisvad 2012, "Building
+// an orthonormal basis from a 3D unit vector without normalization", with y for the pole.
+fn axes_across(normal: vec3f) -> mat2x3f {
+    let is_pole = normal.y < -0.9999;
+    let a = 1.0 / (1.0 + select(normal.y, 0.0, is_pole));
+    let b = -normal.x * normal.z * a;
+    let first = vec3f(1.0 - normal.x * normal.x * a, -normal.x, b);
+    let second = vec3f(b, -normal.z, 1.0 - normal.z * normal.z * a);
+    let pole_first = vec3f(1.0, 0.0, 0.0);
+    let pole_second = vec3f(0.0, 0.0, -1.0);
+    return mat2x3f(
+        select(first, pole_first, vec3<bool>(is_pole)),
+        select(second, pole_second, vec3<bool>(is_pole)),
+    );
+}
+
+struct DiffuseCones {
+    // The mean over the cones: what a white surface shows.
+    radiance: vec3f,
+    openness: f32,
+    samples: u32,
+}
+
+// The front cone is number 0, the sides are 1 to 4, those between 5 to 8.
+fn diffuse_cones(surface: Surface) -> DiffuseCones {
+    let normal = surface.shading_normal;
+    let across = axes_across(normal);
+    var sum = DiffuseCones(vec3f(0.0), 0.0, 0u);
+    var count = 0.0;
+    for (var i = 0u; i < 9u; i++) {
+        let kind = select(
+            select(VXCT_TERM_INTERMEDIATE, VXCT_TERM_SIDES, i < 5u), VXCT_TERM_FRONT, i == 0u);
+        if !has(kind) {
+            continue;
+        }
+        let number = i - 1u;
+        let sign = select(1.0, -1.0, (number & 1u) != 0u);
+        let side = sign * select(across[0], across[1], vec3<bool>((number & 2u) != 0u));
+        var direction = select(
+            select(normalize(normal + side), side, vec3<bool>(i < 5u)), normal, vec3<bool>(i == 0u));
+        // With interpolated normals a cone may point below the surface; it is folded up.
+        direction -= 2.0 * min(dot(direction, surface.geometric_normal), 0.0)
+            * surface.geometric_normal;
+        let cone = leaving_cone(
+            surface, direction, settings.diffuse, settings.diffuse.width, settings.origin_offset);
+        let traced = trace_vxct(cone);
+        sum.radiance += traced.radiance
+            + traced.transmittance * environment_radiance(direction, cone.width);
+        sum.openness += traced.transmittance;
+        sum.samples += traced.samples;
+        count += 1.0;
+    }
+    sum.radiance /= max(count, 1.0);
+    sum.openness = select(1.0, sum.openness / max(count, 1.0), count > 0.0);
+    return sum;
+}
+
+struct Reflection {
+    radiance: vec3f,
+    samples: u32,
+}
+
+fn specular_cone(surface: Surface, material: VxctMaterial, to_camera: vec3f) -> Reflection {
+    let normal = surface.shading_normal;
+    var direction = reflect(-to_camera, normal);
+    direction -= 2.0 * min(dot(direction, surface.geometric_normal), 0.0)
+        * surface.geometric_normal;
+    // VXCT's materials all reflect alike; others as sharply as they are smooth.
+    let width = max(settings.specular.width, material.lobe_width);
+    var cone = leaving_cone(surface, direction, settings.specular, width, 0.0);
+    cone.fade = select(0.0, settings.shininess_falloff, material.is_vxct);
+    let traced = trace_vxct(cone);
+    let outside = environment_reflection(direction, width, material.alpha)
+        * pow(1.0 + traced.distance / settings.unit_voxels, -cone.fade);
+    return Reflection(traced.radiance + traced.transmittance * outside, traced.samples);
+}
+
+// What lies between a surface and a light, 0 to 1.
+fn occlusion_cone(
+    surface: Surface,
+    to_light: vec3f,
+    distance_m: f32,
+    radius_m: f32,
+    is_parallel: bool,
+) -> VxctTraced {
+    var cone = leaving_cone(
+        surface, to_light, settings.occlusion, settings.occlusion.width, 0.0);
+    // It ends as far before the light as it starts behind the surface. A parallel one is softened as if its light
+    // stood one of VXCT's units away.
+    let light_voxels = select((distance_m - radius_m) / grid.voxel_size_m, FAR, is_parallel);
+    let soft_units = select(distance_m / grid.voxel_size_m / settings.unit_voxels, 1.0, is_parallel);
+    cone.reach = light_voxels - select(settings.occlusion.offset, 0.0, is_parallel);
+    cone.softness = settings.shadow_strength / (soft_units * sqrt(settings.unit_voxels));
+    if settings.shadow_strength <= 0.0 {
+        cone.reach = 0.0;
+    }
+    return trace_vxct(cone);
+}
+
+struct Lit {
+    phong: vec3f,
+    // What the specular cone's light is multiplied by, over all lights.
+    reflected_share: f32,
+    least_occlusion: f32,
+    // The share of the lights' light that arrives.
+    visibility: f32,
+    samples: u32,
+}
+
+fn lit_by_all(surface: Surface, material: VxctMaterial, to_camera: vec3f) -> Lit {
+    let normal = surface.shading_normal;
+    var lit = Lit(vec3f(0.0), 0.0, 1.0, 1.0, 0u);
+    var sent = 0.0;
+    var arrived = 0.0;
+    for (var index = 0u; index < light_globals.light_count; index++) {
+        let arriving = arriving_light(index, surface.position_in_world);
+        let brightness = luminance(arriving.radiance);
+        if brightness <= 0.0 {
+            continue;
+        }
+        let n_dot_l = dot(normal, arriving.direction);
+        // What faces away is dark by its cosine; nothing else needs to shade it.
+        let faces = n_dot_l > 0.0 && dot(surface.geometric_normal, arriving.direction) > 0.0;
+        var occlusion = 0.0;
+        if faces && has(VXCT_TERM_OCCLUSION_CONES) {
+            let light = lights[index];
+            let is_parallel = arriving.distance_m > 1e30;
+            let radius_m = select(light.radius, 0.0, is_parallel);
+            let traced = occlusion_cone(
+                surface, arriving.direction, arriving.distance_m, radius_m, is_parallel);
+            occlusion = 1.0 - traced.transmittance;
+            lit.samples += traced.samples;
+        }
+        var shown = vec3f(0.0);
+        if has(VXCT_TERM_AMBIENT) {
+            shown += material.albedo * material.ambient;
+        }
+        if faces && has(VXCT_TERM_DIFFUSE) {
+            shown += material.albedo * n_dot_l;
+        }
+        if faces && has(VXCT_TERM_HIGHLIGHTS) {
+            let mirrored = reflect(-arriving.direction, normal);
+            let cosine = max(dot(mirrored, to_camera), 0.0);
+            shown += material.specular * pow(max(cosine, 1e-6), material.shininess);
+        }
+        lit.phong += shown * arriving.radiance * (1.0 - occlusion);
+        lit.reflected_share += select(0.0, 1.0 - occlusion, arriving.has_polynomial);
+        lit.least_occlusion = min(lit.least_occlusion, occlusion);
+        sent += brightness;
+        arrived += select(0.0, brightness * (1.0 - occlusion), faces);
+    }
+    lit.least_occlusion = select(0.0, lit.least_occlusion, sent > 0.0);
+    lit.reflected_share = max(lit.reflected_share, 1.0 - lit.least_occlusion);
+    lit.visibility = select(1.0, arrived / sent, sent > 0.0);
+    return lit;
+}
+
+fn is_light(shown: u32) -> bool {
+    return shown == VIEW_FINAL || shown == VIEW_DIRECT || shown == VIEW_INDIRECT
+        || shown == VIEW_SPECULAR;
+}
+
+fn shade(pixel: vec2u, surface: Surface) -> vec3f {
+    let material = load_material(pixel);
+    let shown = settings.shown;
+    switch shown {
+        case VIEW_ALBEDO: {
+            return material.albedo;
+        }
+        case VIEW_NORMAL: {
+            return surface.shading_normal;
+        }
+        case VIEW_DEPTH: {
+            return vec3f(distance(surface.position_in_world, view.position_in_world));
+        }
+        default: {}
+    }
+    let to_camera = normalize(view.position_in_world - surface.position_in_world);
+    let components = settings.components;
+    let is_all = shown == VIEW_COST
+        || (shown == VIEW_FINAL && components == VXCT_ALL) || shown == VIEW_INDIRECT;
+
+    var lit = Lit(vec3f(0.0), 1.0, 0.0, 1.0, 0u);
+    if is_light(shown) || shown == VIEW_SHADOW || shown == VIEW_COST {
+        lit = lit_by_all(surface, material, to_camera);
+    }
+    var reflection = Reflection(vec3f(0.0), 0u);
+    let wants_reflection = is_all || shown == VIEW_SPECULAR
+        || (shown == VIEW_FINAL && components == VXCT_SPECULAR);
+    let reflectance = reflectance_towards(material, dot(surface.shading_normal, to_camera));
+    if wants_reflection && has(VXCT_TERM_SPECULAR_CONES) && any(reflectance > vec3f(0.0)) {
+        reflection = specular_cone(surface, material, to_camera);
+    }
+    var gathered = DiffuseCones(vec3f(0.0), 1.0, 0u);
+    let wants_diffuse = is_all || shown == VIEW_DIFFUSE || shown == VIEW_OCCLUSION
+        || (shown == VIEW_FINAL && components == VXCT_DIFFUSE);
+    if wants_diffuse && has(VXCT_TERM_DIFFUSE_CONES) {
+        gathered = diffuse_cones(surface);
+    }
+
+    let direct = material.emission + lit.phong;
+    let specular = reflectance * reflection.radiance * lit.reflected_share;
+    let diffuse = material.albedo * gathered.radiance * (1.0 - lit.least_occlusion);
+    switch shown {
+        case VIEW_DIRECT: {
+            return direct;
+        }
+        case VIEW_INDIRECT: {
+            return specular + diffuse;
+        }
+        case VIEW_DIFFUSE: {
+            return gathered.radiance;
+        }
+        case VIEW_SPECULAR: {
+            return specular;
+        }
+        case VIEW_OCCLUSION: {
+            return vec3f(gathered.openness);
+        }
+        case VIEW_SHADOW: {
+            return vec3f(lit.visibility);
+        }
+        case VIEW_COST: {
+            return vec3f(f32(lit.samples + reflection.samples + gathered.samples));
+        }
+        default: {}
+    }
+    switch components {
+        case VXCT_PHONG: {
+            return direct;
+        }
+        case VXCT_SHADOWS: {
+            return vec3f(lit.visibility * settings.white);
+        }
+        case VXCT_SPECULAR: {
+            return specular;
+        }
+        case VXCT_DIFFUSE: {
+            return diffuse;
+        }
+        default: {
+            return direct + specular + diffuse;
+        }
+    }
+}
+
+// Whether what is seen is light that comes to the camera, which panes in front of it tint.
+fn is_tinted() -> bool {
+    return is_light(settings.shown)
+        && !(settings.shown == VIEW_FINAL && settings.components == VXCT_SHADOWS);
+}
+
+// The sky is seen wherever emission is.
+fn shows_environment() -> bool {
+    let is_whole = settings.components == VXCT_ALL || settings.components == VXCT_PHONG;
+    return settings.shown == VIEW_DIRECT || (settings.shown == VIEW_FINAL && is_whole);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixel = invocation.xy;
+    if any(pixel >= view.size) {
+        return;
+    }
+    var color = vec4f(0.0);
+    let surface = load_surface(pixel);
+    if surface.depth > 0.0 {
+        color = vec4f(shade(pixel, surface), 1.0);
+    } else if shows_environment() {
+        color = vec4f(environment_background(ray_direction(pixel)), 0.0);
+    }
+    let glass = textureLoad(tint, min(pixel, textureDimensions(tint) - 1u), 0).rgb;
+    color = vec4f(color.rgb * select(vec3f(1.0), glass, vec3<bool>(is_tinted())), color.a);
+    textureStore(picture, pixel, color);
+}

@@ -1,0 +1,199 @@
+//! The syntax tree: names with a value or with a block.
+//!
+//! ```text
+//! block := { NAME '=' VALUE | NAME ['='] '{' block '}' | STRAY }
+//! ```
+//!
+//! A name and a value are any token but the three signs. What is neither name nor value is stray and
+//! passed over.
+
+use std::iter::Peekable;
+use std::path::Path;
+
+use super::token::{Place, Token, Tokens};
+use crate::SceneError;
+use crate::load::Notes;
+use crate::load::files::shorten;
+
+/// Blocks in blocks; real scenes have four.
+const DEEPEST: usize = 32;
+/// Names of a file: more than a hundred thousand models have, and a bound on memory.
+const MOST_ENTRIES: usize = 1 << 20;
+/// Stray tokens that are told one by one.
+const MOST_STRAYS: usize = 20;
+
+/// A name with what it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry<'t> {
+    pub(super) key: Token<'t>,
+    pub(super) value: Value<'t>,
+}
+
+/// What a name is given.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value<'t> {
+    Word(Token<'t>),
+    Block(Block<'t>),
+}
+
+/// What stands between braces; the whole file is one, too.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Block<'t> {
+    /// Of the brace.
+    pub(super) at: Place,
+    pub(super) entries: Vec<Entry<'t>>,
+}
+
+/// The error at a place.
+pub(super) fn fault(
+    file: &Path,
+    at: Place,
+    found: impl Into<String>,
+    expected: impl Into<String>,
+) -> SceneError {
+    SceneError::Syntax {
+        file: file.to_owned(),
+        line: at.line,
+        column: at.column,
+        found: found.into(),
+        expected: expected.into(),
+    }
+}
+
+/// A token in a message.
+pub(super) fn quote(token: &Token<'_>) -> String {
+    // A token may be as long as the file.
+    let head = token.text.char_indices().nth(100).map_or(token.text, |(end, _)| &token.text[..end]);
+    format!("\"{}\"", shorten(head))
+}
+
+/// Reads a whole file's text. The second part of the answer is how many stray tokens there were.
+pub(super) fn read<'t>(
+    file: &Path,
+    text: &'t str,
+    notes: &mut Notes,
+) -> Result<(Block<'t>, usize), SceneError> {
+    let end = {
+        let mut tokens = Tokens::new(text);
+        while tokens.next().is_some() {}
+        tokens.place()
+    };
+    let tokens = Tokens::new(text).peekable();
+    let mut reader = Reader { file, tokens, end, notes, entries: 0, strays: 0 };
+    let root = reader.block(None, 0)?;
+    let strays = reader.strays;
+    if strays > MOST_STRAYS {
+        notes.warn(format!("{} more stray tokens were passed over", strays - MOST_STRAYS));
+    }
+    Ok((root, strays))
+}
+
+struct Reader<'r, 't> {
+    file: &'r Path,
+    tokens: Peekable<Tokens<'t>>,
+    end: Place,
+    notes: &'r mut Notes,
+    entries: usize,
+    strays: usize,
+}
+
+impl<'t> Reader<'_, 't> {
+    /// Reads up to the brace that closes what `open` opens; without one, up to the end of the file.
+    fn block(&mut self, open: Option<Token<'t>>, depth: usize) -> Result<Block<'t>, SceneError> {
+        let at = open.map_or(Place { line: 1, column: 1 }, |brace| brace.at);
+        if depth > DEEPEST {
+            let found = format!("a block within {DEEPEST} others");
+            return Err(self.fault(
+                at,
+                found,
+                "no more than `scene { model { material { color { } } } }`",
+            ));
+        }
+        let mut entries = Vec::new();
+        loop {
+            let Some(token) = self.tokens.next() else {
+                return match open {
+                    None => Ok(Block { at, entries }),
+                    Some(brace) => {
+                        let expected = format!("`}}` for the `{{` at {}", brace.at);
+                        Err(self.fault(self.end, "the end of the file", expected))
+                    }
+                };
+            };
+            match token.text {
+                "}" if open.is_some() => return Ok(Block { at, entries }),
+                "}" => self.stray(&token, "no block is open there"),
+                "{" => {
+                    return Err(self.fault(token.at, "`{`", "a name before it, such as `model {`"));
+                }
+                "=" => {
+                    return Err(self.fault(token.at, "`=`", "a name before it, such as `name =`"));
+                }
+                _ => entries.extend(self.entry(token, depth)?),
+            }
+        }
+    }
+
+    /// What a name is given; `None` where it is no name.
+    fn entry(&mut self, key: Token<'t>, depth: usize) -> Result<Option<Entry<'t>>, SceneError> {
+        let after = self.tokens.next_if(|token| matches!(token.text, "=" | "{"));
+        let brace = match after {
+            None => {
+                let hint = if key.text.contains(['=', '{', '}']) {
+                    "`=`, `{` and `}` need white space around them"
+                } else {
+                    "neither `=` nor `{` follows it"
+                };
+                self.stray(&key, hint);
+                return Ok(None);
+            }
+            Some(sign) if sign.text == "=" => {
+                let expected = || format!("a value for {}", quote(&key));
+                match self.tokens.next() {
+                    None => return Err(self.fault(self.end, "the end of the file", expected())),
+                    Some(token) if token.text == "{" => token,
+                    Some(token) if token.is_sign() => {
+                        return Err(self.fault(token.at, format!("`{}`", token.text), expected()));
+                    }
+                    Some(word) => {
+                        self.count(&key)?;
+                        return Ok(Some(Entry { key, value: Value::Word(word) }));
+                    }
+                }
+            }
+            Some(brace) => brace,
+        };
+        self.count(&key)?;
+        let block = self.block(Some(brace), depth + 1)?;
+        Ok(Some(Entry { key, value: Value::Block(block) }))
+    }
+
+    fn count(&mut self, key: &Token<'t>) -> Result<(), SceneError> {
+        self.entries += 1;
+        if self.entries <= MOST_ENTRIES {
+            return Ok(());
+        }
+        let found = format!("name {} of the file", self.entries);
+        Err(self.fault(key.at, found, format!("at most {MOST_ENTRIES}, split the scene")))
+    }
+
+    fn stray(&mut self, token: &Token<'t>, why: &str) {
+        self.strays += 1;
+        if self.strays <= MOST_STRAYS {
+            self.notes.warn(format!("{}: {} was passed over: {why}", token.at, quote(token)));
+        }
+    }
+
+    fn fault(
+        &self,
+        at: Place,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> SceneError {
+        fault(self.file, at, found, expected)
+    }
+}
+
+#[cfg(test)]
+#[path = "tree_tests.rs"]
+mod tests;
