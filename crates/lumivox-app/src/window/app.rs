@@ -190,7 +190,9 @@ impl App {
     /// Numbers of something, or what they will be.
     pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
         match self.held.get(key) {
-            Some((Held::Numbers(held), _)) => std::array::from_fn(|i| held.get(i).copied().unwrap_or(now[i])),
+            Some((Held::Numbers(held), _)) => {
+                std::array::from_fn(|i| held.get(i).copied().unwrap_or(now[i]))
+            }
             _ => now,
         }
     }
@@ -283,12 +285,14 @@ impl App {
         Panel::bottom("status").frame(bar).show(ui, |ui| panels::status::show(ui, &model, self));
         let side = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(6, 4));
         if self.config.left {
-            let panel = Panel::left("left").frame(side).default_size(230.0).size_range(200.0..=420.0);
+            let panel =
+                Panel::left("left").frame(side).default_size(230.0).size_range(200.0..=420.0);
             panel.show(ui, |ui| panels::left(ui, &model, self));
         }
         let mut is_timed = false;
         if self.config.right {
-            let panel = Panel::right("right").frame(side).default_size(286.0).size_range(260.0..=460.0);
+            let panel =
+                Panel::right("right").frame(side).default_size(286.0).size_range(260.0..=460.0);
             panel.show(ui, |ui| is_timed = panels::right(ui, &model, self));
         }
         self.set_timed(is_timed);
@@ -299,7 +303,9 @@ impl App {
             panel.show(ui, |ui| console::show(ui, &model, self));
         }
         if model.playback.animation.is_some() {
-            Panel::bottom("animation").frame(bar).show(ui, |ui| panels::animation::show(ui, &model, self));
+            Panel::bottom("animation")
+                .frame(bar)
+                .show(ui, |ui| panels::animation::show(ui, &model, self));
         }
         let deep = Frame::new().fill(theme::DEEP);
         CentralPanel::no_frame().frame(deep).show(ui, |ui| match &model.scene {
@@ -353,11 +359,17 @@ impl App {
         if pressed(Modifiers::NONE, Key::Space) {
             self.line(if model.playback.is_playing { "pause" } else { "play" });
         }
+        if !model.jobs.is_empty() && pressed(Modifiers::NONE, Key::Escape) {
+            // Esc goes from what is nearest to what is farthest: work, help, selection.
+            self.order(Order::Cancel);
+        }
         if pressed(Modifiers::NONE, Key::Escape) {
             self.has_help = false;
             self.select(None);
         }
-        for (key, mode) in [(Key::T, gizmo::Mode::Move), (Key::R, gizmo::Mode::Turn), (Key::Z, gizmo::Mode::Size)] {
+        for (key, mode) in
+            [(Key::T, gizmo::Mode::Move), (Key::R, gizmo::Mode::Turn), (Key::Z, gizmo::Mode::Size)]
+        {
             if pressed(Modifiers::NONE, key) {
                 self.gizmo = mode;
             }
@@ -369,7 +381,8 @@ impl App {
         match &selected {
             Selected::Object(name) => {
                 if pressed(Modifiers::NONE, Key::H) {
-                    let object = model.scene.iter().flat_map(|s| &s.objects).find(|o| o.name == *name);
+                    let object =
+                        model.scene.iter().flat_map(|s| &s.objects).find(|o| o.name == *name);
                     let is_hidden = object.is_some_and(|object| object.is_hidden);
                     let verb = if is_hidden { "show" } else { "hide" };
                     self.line(format!("{verb} {}", quoted(name)));

@@ -47,7 +47,8 @@ pub fn pan(camera: &Camera, pivot: Vec3, shares: Vec2) -> Camera {
     let distance = (pivot - camera.position).dot(camera.forward).max(camera.near_m * 4.0);
     let height = 2.0 * distance * (0.5 * camera.vertical_fov_rad).tan();
     let axes = camera.world_from_camera();
-    let by = -axes.x_axis.truncate() * shares.x * height + axes.y_axis.truncate() * shares.y * height;
+    let by =
+        -axes.x_axis.truncate() * shares.x * height + axes.y_axis.truncate() * shares.y * height;
     Camera { position: camera.position + by, ..camera.clone() }
 }
 

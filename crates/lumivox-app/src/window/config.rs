@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use lumivox_render::parameters::{PARAMETERS, Parameter};
+use lumivox_render::parameters::{Group, PARAMETERS, Parameter};
 use serde::{Deserialize, Serialize};
 
 use crate::args::choices::PresetChoice;
@@ -112,7 +112,9 @@ impl Config {
             std::fs::create_dir_all(folder)?;
         }
         let text = serde_json::to_string_pretty(self)? + "\n";
-        lumivox_scene::write_atomically(file, |out| std::io::Write::write_all(out, text.as_bytes()))?;
+        lumivox_scene::write_atomically(file, |out| {
+            std::io::Write::write_all(out, text.as_bytes())
+        })?;
         Ok(())
     }
 
@@ -130,7 +132,8 @@ impl Config {
         let old = (explorer.settings().clone(), explorer.preset());
         let mut settings = old.0.clone();
         let preset = self.preset.as_deref();
-        let preset = preset.and_then(|name| PresetChoice::ALL.into_iter().find(|p| p.name() == name));
+        let preset =
+            preset.and_then(|name| PresetChoice::ALL.into_iter().find(|p| p.name() == name));
         if let Some(preset) = preset {
             settings = crate::commands::settings::with_preset(&settings, preset);
         }
@@ -151,7 +154,9 @@ impl Config {
         match explorer.set_settings(settings) {
             Ok(()) => explorer.note_preset(preset.unwrap_or(old.1)),
             Err(error) => {
-                self.warning = Some(format!("the kept settings do not go together ({error:#}); these are the defaults"));
+                self.warning = Some(format!(
+                    "the kept settings do not go together ({error:#}); these are the defaults"
+                ));
             }
         }
     }
@@ -160,7 +165,10 @@ impl Config {
     pub fn keep_settings(&mut self, model: &super::model::Model) {
         self.preset = Some(model.preset.name().to_owned());
         let differs = |p: &&Parameter| p.get(&model.settings) != p.get(&model.usual);
-        let kept = PARAMETERS.iter().filter(differs);
+        // What VXCT's cones are is no matter to another look.
+        let is_physical = model.settings.look == lumivox_render::Look::Physical;
+        let counts = |p: &&Parameter| !(is_physical && p.group == Group::Vxct);
+        let kept = PARAMETERS.iter().filter(counts).filter(differs);
         self.settings =
             kept.map(|p| (p.name.to_owned(), p.get(&model.settings).to_string())).collect();
     }
@@ -198,7 +206,10 @@ mod tests {
     fn a_broken_file_is_a_warning() {
         for text in ["", "{", "[]", "{\"window\": \"wide\"}", "\u{0}"] {
             let config = Config::read(text, &Some("window.json".into()));
-            assert!(config.warning.is_some_and(|warning| warning.contains("window.json")), "{text}");
+            assert!(
+                config.warning.is_some_and(|warning| warning.contains("window.json")),
+                "{text}"
+            );
             assert_eq!(config.window, Config::default().window);
         }
         // What is missing has its default, what is unknown is passed over, and nonsense is not believed.

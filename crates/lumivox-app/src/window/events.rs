@@ -187,11 +187,15 @@ impl ApplicationHandler<Wake> for Handler {
                 }
             }
             Wake::Access(event) => match event.window_event {
-                accesskit_winit::WindowEvent::InitialTreeRequested => self.context.enable_accesskit(),
+                accesskit_winit::WindowEvent::InitialTreeRequested => {
+                    self.context.enable_accesskit()
+                }
                 accesskit_winit::WindowEvent::ActionRequested(request) => {
                     open.input.on_accesskit_action_request(request);
                 }
-                accesskit_winit::WindowEvent::AccessibilityDeactivated => self.context.disable_accesskit(),
+                accesskit_winit::WindowEvent::AccessibilityDeactivated => {
+                    self.context.disable_accesskit()
+                }
             },
         }
         open.window.request_redraw();

@@ -79,7 +79,8 @@ impl Projection {
 
     /// A segment of the world on the screen, cut off in front of the eye.
     pub fn segment(&self, from: Vec3, to: Vec3) -> Option<[Pos2; 2]> {
-        let near = |p: Vec3| (p - self.camera.position).dot(self.camera.forward) - self.camera.near_m;
+        let near =
+            |p: Vec3| (p - self.camera.position).dot(self.camera.forward) - self.camera.near_m;
         let (a, b) = (near(from), near(to));
         let (from, to) = match (a > 0.0, b > 0.0) {
             (true, true) => (from, to),
@@ -191,7 +192,8 @@ impl Drag {
     pub fn placement(&self, view: &Projection, at: Pos2, snaps: bool) -> Placement {
         let origin = self.start.position;
         let length = view.handle_length(origin);
-        let step = |value: f32, step: f32| if snaps { (value / step).round() * step } else { value };
+        let step =
+            |value: f32, step: f32| if snaps { (value / step).round() * step } else { value };
         match (self.mode, self.handle) {
             (Mode::Move, Handle::Axis(axis)) => {
                 let axis = unit(axis);
@@ -204,7 +206,8 @@ impl Drag {
             (Mode::Turn, Handle::Axis(axis)) => {
                 let axis = unit(axis);
                 let ends = view.around(origin, axis, self.from).zip(view.around(origin, axis, at));
-                let angle = ends.map_or(0.0, |(then, now)| axis.dot(then.cross(now)).atan2(then.dot(now)));
+                let angle =
+                    ends.map_or(0.0, |(then, now)| axis.dot(then.cross(now)).atan2(then.dot(now)));
                 let angle = step(angle.to_degrees(), SNAP_DEG).to_radians();
                 let turned = Quat::from_axis_angle(axis, angle) * rotation(&self.start);
                 let (x, y, z) = turned.to_euler(glam::EulerRot::XYZ);

@@ -45,7 +45,8 @@ pub fn load(number: u64, opening: Opening, is_reload: bool, orders: Sender<Order
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
             explorer::load(opening, &progress)
         }));
-        let result = result.unwrap_or_else(|_| Err(anyhow::anyhow!("the loader failed; see the terminal")));
+        let result =
+            result.unwrap_or_else(|_| Err(anyhow::anyhow!("the loader failed; see the terminal")));
         // Nobody waits when the window is closed.
         let _ = orders.send(Order::Loaded(Box::new(Loaded { number, result })));
     };

@@ -109,9 +109,11 @@ mod tests {
 
     #[test]
     fn objects_are_told_apart() {
-        let lines = ["place a 1 0 0 0 0 0 1", "place \"b c\" 1 0 0 0 0 0 1", "place a 2 0 0 0 0 0 1"];
+        let lines =
+            ["place a 1 0 0 0 0 0 1", "place \"b c\" 1 0 0 0 0 0 1", "place a 2 0 0 0 0 0 1"];
         assert_eq!(of_panels(&lines), [lines[1], lines[2]]);
-        let lines = ["light lamp position 1 2 3", "light lamp color 1 1 1", "light lamp position 4 5 6"];
+        let lines =
+            ["light lamp position 1 2 3", "light lamp color 1 1 1", "light lamp position 4 5 6"];
         assert_eq!(of_panels(&lines), [lines[1], lines[2]]);
     }
 
@@ -131,7 +133,11 @@ mod tests {
             let lines = [("bounces 1", origin), ("bounces 2", origin)];
             assert_eq!(after(&lines), ["bounces 1", "bounces 2"]);
         }
-        let lines = [("bounces 1", Origin::Panel), ("bounces 2", Origin::Pane), ("bounces 3", Origin::Panel)];
+        let lines = [
+            ("bounces 1", Origin::Panel),
+            ("bounces 2", Origin::Pane),
+            ("bounces 3", Origin::Panel),
+        ];
         assert_eq!(after(&lines).len(), 3);
     }
 

@@ -36,8 +36,6 @@ pub struct Model {
     pub playback: Playback,
     /// When voxels are made anew.
     pub revoxelize: Revoxelize,
-    /// Frames are rendered one by one, on demand.
-    pub is_single_frame: bool,
     /// Which object or light is chosen.
     pub selected: Option<Selected>,
     /// Counts changes of the selection.

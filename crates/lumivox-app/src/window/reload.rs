@@ -25,7 +25,8 @@ pub struct Watched {
 /// # Errors
 /// When the system does not watch files.
 pub fn watch(scene: &Path, orders: Sender<Order>) -> notify::Result<Watched> {
-    let files: BTreeSet<PathBuf> = files_of(scene).into_iter().map(|file| canonical(&file)).collect();
+    let files: BTreeSet<PathBuf> =
+        files_of(scene).into_iter().map(|file| canonical(&file)).collect();
     // Folders are watched: programs write another file and rename it, of which a watched file hears nothing.
     let folders: BTreeSet<&Path> = files.iter().filter_map(|file| file.parent()).collect();
     let (sender, changes) = mpsc::channel();
@@ -94,7 +95,8 @@ fn named_in(file: &Path) -> Vec<PathBuf> {
     let quoted = text.split('"').skip(1).step_by(2).map(|name| name.replace("%20", " "));
     let bare = text.split(|c: char| c.is_whitespace() || "={}\",;".contains(c)).map(str::to_owned);
     // VXCT's scenes name models from the folder above theirs.
-    let roots = [folder.to_owned(), folder.join(".."), folder.join("models"), folder.join("../models")];
+    let roots =
+        [folder.to_owned(), folder.join(".."), folder.join("models"), folder.join("../models")];
     let mut found = Vec::new();
     // Names of files have an extension; numbers look the same, and are not there.
     let names = quoted.chain(bare).filter(|name| name.len() < 512 && name.contains('.'));
@@ -120,7 +122,8 @@ mod tests {
         std::fs::write(at("a.obj"), "mtllib a.mtl\nv 0.5 1.5 2\nf 1 1 1\n").unwrap();
         std::fs::write(at("a.mtl"), "newmtl m\nmap_Kd tex/wood.png\nmap_Ks gone.png\n").unwrap();
         std::fs::write(at("tex/wood.png"), [0xff, 0xd8]).unwrap();
-        std::fs::write(at("b.gltf"), r#"{"images":[{"uri":"tex/wood.png"},{"uri":"c%20d.png"}]}"#).unwrap();
+        std::fs::write(at("b.gltf"), r#"{"images":[{"uri":"tex/wood.png"},{"uri":"c%20d.png"}]}"#)
+            .unwrap();
         std::fs::write(at("c d.png"), "").unwrap();
         assert_eq!(files_of(&at("a.obj")), [at("a.obj"), at("a.mtl"), at("tex/wood.png")]);
         assert_eq!(files_of(&at("b.gltf")), [at("b.gltf"), at("c d.png"), at("tex/wood.png")]);

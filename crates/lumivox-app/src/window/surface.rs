@@ -142,10 +142,16 @@ impl Surface {
         Ok(())
     }
 
-    fn draw(&mut self, primitives: &[ClippedPrimitive], pixels_per_point: f32) -> anyhow::Result<()> {
+    fn draw(
+        &mut self,
+        primitives: &[ClippedPrimitive],
+        pixels_per_point: f32,
+    ) -> anyhow::Result<()> {
         let Parts { surface, config, device, queue, painter, .. } = &mut self.parts;
         let frame = match surface.get_current_texture() {
-            CurrentSurfaceTexture::Success(frame) | CurrentSurfaceTexture::Suboptimal(frame) => frame,
+            CurrentSurfaceTexture::Success(frame) | CurrentSurfaceTexture::Suboptimal(frame) => {
+                frame
+            }
             CurrentSurfaceTexture::Outdated => {
                 surface.configure(device, config);
                 self.window.request_redraw();
@@ -209,10 +215,12 @@ impl Surface {
 
 impl Parts {
     fn new(window: &Arc<Window>, display: &OwnedDisplayHandle) -> anyhow::Result<Self> {
-        let mut descriptor = wgpu::InstanceDescriptor::new_with_display_handle(Box::new(display.clone()));
+        let mut descriptor =
+            wgpu::InstanceDescriptor::new_with_display_handle(Box::new(display.clone()));
         descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
         let instance = wgpu::Instance::new(descriptor);
-        let surface = instance.create_surface(window.clone()).context("the window cannot be drawn into")?;
+        let surface =
+            instance.create_surface(window.clone()).context("the window cannot be drawn into")?;
         // Panels are no work: on a machine with two GPUs the thrifty one will do.
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::LowPower,
@@ -257,7 +265,8 @@ impl Parts {
             config.format = *format;
         }
         surface.configure(&device, &config);
-        let painter = egui_wgpu::Renderer::new(&device, config.format, egui_wgpu::RendererOptions::default());
+        let painter =
+            egui_wgpu::Renderer::new(&device, config.format, egui_wgpu::RendererOptions::default());
         let shown = [None, None];
         Ok(Self { surface, config, device, queue, painter, shown, is_lost })
     }

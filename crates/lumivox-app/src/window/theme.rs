@@ -55,6 +55,7 @@ pub fn apply(context: &Context) {
         style.spacing.interact_size.y = 18.0;
         style.spacing.indent = 8.0;
         style.spacing.icon_width = 12.0;
+        style.spacing.icon_spacing = 5.0;
         style.spacing.icon_width_inner = 7.0;
         style.spacing.tooltip_width = 320.0;
         style.spacing.scroll = egui::style::ScrollStyle::solid();

@@ -59,7 +59,8 @@ impl State {
     fn complete(&mut self, start: usize, candidates: Vec<String>) {
         if let Some(first) = candidates.first() {
             let common = candidates.iter().skip(1).fold(first.as_str(), |common, other| {
-                let same = common.char_indices().zip(other.chars()).take_while(|((_, a), b)| a == b);
+                let same =
+                    common.char_indices().zip(other.chars()).take_while(|((_, a), b)| a == b);
                 let end = same.last().map_or(0, |((at, letter), _)| at + letter.len_utf8());
                 &common[..end]
             });
@@ -76,7 +77,7 @@ impl State {
 
 /// The lines, and one to type into.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
-    let id = Id::new("console line");
+    let id = Id::unique("console line");
     let mut focus = false;
     if ui.memory(|memory| memory.has_focus(id)) {
         let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
@@ -134,7 +135,8 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         state.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));
         state.store(ui.ctx(), id);
     }
-    let is_entered = response.lost_focus() && ui.input(|input| has_pressed(&input.events, Key::Enter));
+    let is_entered =
+        response.lost_focus() && ui.input(|input| has_pressed(&input.events, Key::Enter));
     if is_entered {
         if let Some(line) = app.console.submit() {
             app.typed_line(line);
@@ -144,7 +146,9 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
 }
 
 fn has_pressed(events: &[Event], wanted: Key) -> bool {
-    events.iter().any(|event| matches!(event, Event::Key { key, pressed: true, .. } if *key == wanted))
+    events
+        .iter()
+        .any(|event| matches!(event, Event::Key { key, pressed: true, .. } if *key == wanted))
 }
 
 #[cfg(test)]

@@ -18,7 +18,10 @@ impl Dialogs {
         let mut extensions = lumivox_scene::EXTENSIONS.to_vec();
         extensions.sort_unstable();
         self.ask("load", move || {
-            rfd::FileDialog::new().add_filter("Scenes", &extensions).set_title("Open a scene").pick_file()
+            rfd::FileDialog::new()
+                .add_filter("Scenes", &extensions)
+                .set_title("Open a scene")
+                .pick_file()
         });
     }
 
@@ -34,7 +37,11 @@ impl Dialogs {
         });
     }
 
-    fn ask(&mut self, command: &'static str, ask: impl FnOnce() -> Option<PathBuf> + Send + 'static) {
+    fn ask(
+        &mut self,
+        command: &'static str,
+        ask: impl FnOnce() -> Option<PathBuf> + Send + 'static,
+    ) {
         if self.waiting.is_some() {
             return;
         }
@@ -55,7 +62,9 @@ impl Dialogs {
     pub fn chosen(&mut self) -> Option<String> {
         let (command, receiver) = self.waiting.as_ref()?;
         let answer = match receiver.try_recv() {
-            Ok(file) => file.map(|file| format!("{command} {}", quoted(&file.display().to_string()))),
+            Ok(file) => {
+                file.map(|file| format!("{command} {}", quoted(&file.display().to_string())))
+            }
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => None,
         };

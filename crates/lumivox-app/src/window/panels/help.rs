@@ -7,37 +7,46 @@ use crate::window::theme;
 
 /// What does what.
 pub const KEYS: [(&str, &[(&str, &str)]); 4] = [
-    ("Camera", &[
-        ("Left drag", "Orbit about what was clicked, or the scene's middle"),
-        ("Right drag", "Look around"),
-        ("Middle drag, Shift + left drag", "Move sideways"),
-        ("Wheel", "Closer, farther; in flight the speed"),
-        ("W A S D, Q E", "Fly forwards, left, back, right, down, up; Shift: faster"),
-        ("F", "Show all of the chosen object, or of the scene"),
-        ("1, 2", "Go to a stored position; Ctrl stores"),
-    ]),
-    ("Objects and lights", &[
-        ("Click", "Choose; Esc: nothing"),
-        ("T, R, Z", "Handles to move, rotate, scale; Ctrl: in steps"),
-        ("H", "Hide or show the chosen object"),
-        ("Delete", "Remove the chosen light"),
-    ]),
-    ("Console", &[
-        ("Up, Down", "Earlier lines"),
-        ("Tab", "Complete; what else is possible is listed"),
-    ]),
-    ("Window", &[
-        ("Space", "Play or pause"),
-        ("F1, F2", "This help; the console"),
-        ("Ctrl + O, Ctrl + S", "Open a scene; save the picture"),
-        ("Ctrl + Shift + C", "Copy a command line that makes this picture"),
-        ("Ctrl + Q", "Quit"),
-    ]),
+    (
+        "Camera",
+        &[
+            ("Left drag", "Orbit about what was clicked, or the scene's middle"),
+            ("Right drag", "Look around"),
+            ("Middle drag, Shift + left drag", "Move sideways"),
+            ("Wheel", "Closer, farther; in flight the speed"),
+            ("W A S D, Q E", "Fly forwards, left, back, right, down, up; Shift: faster"),
+            ("F", "Show all of the chosen object, or of the scene"),
+            ("1, 2", "Go to a stored position; Ctrl stores"),
+        ],
+    ),
+    (
+        "Objects and lights",
+        &[
+            ("Click", "Choose; Esc: nothing"),
+            ("T, R, Z", "Handles to move, rotate, scale; Ctrl: in steps"),
+            ("H", "Hide or show the chosen object"),
+            ("Delete", "Remove the chosen light"),
+        ],
+    ),
+    (
+        "Console",
+        &[("Up, Down", "Earlier lines"), ("Tab", "Complete; what else is possible is listed")],
+    ),
+    (
+        "Window",
+        &[
+            ("Space", "Play or pause"),
+            ("F1, F2", "This help; the console"),
+            ("Ctrl + O, Ctrl + S", "Open a scene; save the picture"),
+            ("Ctrl + Shift + C", "Copy a command line that makes this picture"),
+            ("Ctrl + Q", "Quit"),
+        ],
+    ),
 ];
 
 /// A window over all else.
 pub fn show(ui: &mut Ui, app: &mut App) {
-    let shown = Modal::new(Id::new("help")).show(ui.ctx(), |ui| {
+    let shown = Modal::new(Id::unique("help")).show(ui.ctx(), |ui| {
         ui.set_max_width(ui.ctx().content_rect().width().min(560.0) - 40.0);
         ui.label(RichText::new("Keys and mouse").size(16.0).strong());
         let height = (ui.ctx().content_rect().height() - 130.0).max(120.0);

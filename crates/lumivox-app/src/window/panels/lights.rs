@@ -4,7 +4,8 @@ use egui::{DragValue, RichText, Ui, vec2};
 use glam::Vec3;
 use lumivox_scene::{Light, LightKind};
 
-use super::widgets::{row, vector, weak};
+use super::icons::{self, Icon};
+use super::widgets::{item, row, vector, weak};
 use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{SceneModel, Selected};
@@ -17,14 +18,11 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
             ui.painter().circle_filled(rect.center(), 5.0, screen_color(light.color));
-            let label = egui::Button::selectable(is_chosen, RichText::new(name)).truncate();
-            let label = ui.add_sized([ui.available_width() - 20.0, 18.0], label);
+            let label = item(ui, is_chosen, RichText::new(name), 22.0);
             if label.on_hover_text(kind_name(light)).clicked() {
                 app.select((!is_chosen).then(|| Selected::Light(name.clone())));
             }
-            let remove = egui::Button::new(RichText::new("\u{2716}").color(theme::WEAK)).frame(false);
-            let remove = ui.add(remove).on_hover_text("Remove").accessible_name(format!("Remove {name}"));
-            if remove.clicked() {
+            if icons::button(ui, Icon::Cross, theme::WEAK, &format!("Remove {name}")).clicked() {
                 app.line(format!("remove_light {}", quoted(name)));
             }
         });
@@ -66,7 +64,9 @@ fn chosen(ui: &mut Ui, name: &str, light: &Light, app: &mut App) {
     });
     let (strength, unit) = match light.kind {
         LightKind::Directional { illuminance_lux, .. } => (illuminance_lux, "lux"),
-        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => (intensity_cd, "cd"),
+        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+            (intensity_cd, "cd")
+        }
     };
     number(ui, app, "Strength", &set("strength"), strength, unit, (0.0, f32::MAX));
     let is_sun = matches!(light.kind, LightKind::Directional { .. });
@@ -93,7 +93,11 @@ fn number(
         let speed = f64::from(value.abs().max(0.01)) * 0.01;
         let drag = DragValue::new(&mut value).range(low..=high).speed(speed).max_decimals(4);
         let width = ui.available_width();
-        if ui.add_sized([width, 18.0], drag.suffix(format!(" {unit}"))).accessible_name(title).changed() {
+        if ui
+            .add_sized([width, 18.0], drag.suffix(format!(" {unit}")))
+            .accessible_name(title)
+            .changed()
+        {
             app.set_numbers(key, [value], format!("{key} {value}"));
         }
     });
@@ -128,7 +132,8 @@ fn surroundings(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
         let speed = f64::from(strength.max(1.0)) * 0.01;
         let drag = DragValue::new(&mut strength).range(0.0..=1e7).speed(speed).max_decimals(2);
         let width = ui.available_width();
-        ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}")).accessible_name("Radiance of the surroundings");
+        ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}"))
+            .accessible_name("Radiance of the surroundings");
         if (color, strength) != before {
             let [r, g, b] = color.map(|c| c * strength);
             app.set_numbers("environment", [r, g, b], format!("environment {r},{g},{b}"));

@@ -38,8 +38,16 @@ fn one(ui: &mut Ui, name: &str, material: &Material, app: &mut App) {
     let key = |property: &str| format!("material {quoted_name} {property}");
     match &material.shading {
         Shading::MetallicRoughness(m) => {
-            let tip = if m.base_color_texture.is_some() { "Multiplies the texture" } else { "Linear" };
-            color(ui, app, "Base colour", tip, &key("base_color"), m.base_color.truncate().to_array());
+            let tip =
+                if m.base_color_texture.is_some() { "Multiplies the texture" } else { "Linear" };
+            color(
+                ui,
+                app,
+                "Base colour",
+                tip,
+                &key("base_color"),
+                m.base_color.truncate().to_array(),
+            );
             slider(ui, app, "Metallic", &key("metallic"), m.metallic, 1.0);
             slider(ui, app, "Roughness", &key("roughness"), m.roughness, 1.0);
             slider(ui, app, "Specular", &key("specular"), m.specular, 1.0);
@@ -73,7 +81,11 @@ fn slider(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: f32, high: f3
     row(ui, title, "", |ui| {
         let [mut value] = app.numbers(key, [now]);
         ui.spacing_mut().slider_width = (ui.available_width() - 50.0).max(30.0);
-        if ui.add(Slider::new(&mut value, 0.0..=high).max_decimals(2)).accessible_name(title).changed() {
+        if ui
+            .add(Slider::new(&mut value, 0.0..=high).max_decimals(2))
+            .accessible_name(title)
+            .changed()
+        {
             app.set_numbers(key, [value], format!("{key} {value}"));
         }
     });
@@ -89,7 +101,8 @@ fn emission(ui: &mut Ui, app: &mut App, key: &str, material: &Material) {
         let before = (color, strength);
         ui.color_edit_button_rgb(&mut color);
         let speed = f64::from(strength.max(1.0)) * 0.01;
-        let drag = egui::DragValue::new(&mut strength).range(0.0..=1e8).speed(speed).max_decimals(2);
+        let drag =
+            egui::DragValue::new(&mut strength).range(0.0..=1e8).speed(speed).max_decimals(2);
         let width = ui.available_width();
         ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}")).accessible_name("Emission");
         if (color, strength) != before {

@@ -59,7 +59,8 @@ fn file(ui: &mut Ui, model: &Model, app: &mut App) {
         app.line("reload");
     }
     ui.separator();
-    if ui.add_enabled(has_scene, Button::new("Save picture ...").shortcut_text("Ctrl+S")).clicked() {
+    if ui.add_enabled(has_scene, Button::new("Save picture ...").shortcut_text("Ctrl+S")).clicked()
+    {
         app.dialogs.save();
     }
     let copy = Button::new("Copy command line").shortcut_text("Ctrl+Shift+C");

@@ -4,6 +4,7 @@ pub mod animation;
 pub mod console;
 pub mod files;
 pub mod help;
+pub mod icons;
 pub mod lights;
 pub mod materials;
 pub mod menu;
@@ -38,7 +39,10 @@ fn section(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut U
 pub fn left(ui: &mut Ui, model: &Model, app: &mut App) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let Some(scene) = model.scene.clone() else {
-            ui.label(RichText::new("No scene yet. Open one with File, or drop a file here.").color(theme::WEAK));
+            ui.label(
+                RichText::new("No scene yet. Open one with File, or drop a file here.")
+                    .color(theme::WEAK),
+            );
             return;
         };
         let objects = format!("Objects ({})", scene.objects.len());

@@ -1,9 +1,10 @@
 //! The scene's objects: a list to choose from, and what can be set of the chosen one.
 
-use egui::{RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{RichText, ScrollArea, Ui};
 use glam::Vec3;
 
-use super::widgets::{count, reset, row, vector, weak};
+use super::icons::{self, Icon};
+use super::widgets::{count, item, reset, row, vector, weak};
 use crate::explorer::Placement;
 use crate::window::app::App;
 use crate::window::gizmo::Mode;
@@ -27,12 +28,15 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
         weak(ui, "No object has that in its name.");
     }
     let height = 18.0;
-    let area = ScrollArea::vertical().id_salt("objects").max_height(ROWS * (height + 2.0)).auto_shrink([false, true]);
+    let area = ScrollArea::vertical()
+        .id_salt("objects")
+        .max_height(ROWS * (height + 2.0))
+        .auto_shrink([false, true]);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         area.show_rows(ui, height, objects.len(), |ui, range| {
             for object in &objects[range] {
-                item(ui, object, app);
+                listed(ui, object, app);
             }
         });
     });
@@ -44,23 +48,21 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
     }
 }
 
-fn item(ui: &mut Ui, object: &ObjectModel, app: &mut App) {
+fn listed(ui: &mut Ui, object: &ObjectModel, app: &mut App) {
     ui.horizontal(|ui| {
         let name = quoted(&object.name);
-        let (eye, tip) = if object.is_hidden { ("\u{25cb}", "Show") } else { ("\u{25cf}", "Hide") };
-        let color = if object.is_hidden { theme::WEAK } else { theme::ACCENT };
-        let button = egui::Button::new(RichText::new(eye).color(color)).frame(false).min_size(vec2(16.0, 16.0));
-        let button = ui.add(button).on_hover_text(tip).accessible_name(format!("{tip} {}", object.name));
-        if button.clicked() {
-            let verb = if object.is_hidden { "show" } else { "hide" };
+        let (icon, verb, color) = match object.is_hidden {
+            true => (Icon::Hidden, "show", theme::WEAK),
+            false => (Icon::Shown, "hide", theme::ACCENT),
+        };
+        if icons::button(ui, icon, color, &format!("{verb} {}", object.name)).clicked() {
             app.line(format!("{verb} {name}"));
         }
-        let is_chosen = matches!(&app.selected, Some(Selected::Object(other)) if *other == object.name);
+        let is_chosen =
+            matches!(&app.selected, Some(Selected::Object(other)) if *other == object.name);
         let text = RichText::new(&object.name);
         let text = if object.is_hidden { text.color(theme::WEAK) } else { text };
-        let label = egui::Button::selectable(is_chosen, text).truncate();
-        let label = ui.add_sized([ui.available_width(), 18.0], label.min_size(vec2(0.0, 18.0)).sense(Sense::click()));
-        if label.clicked() {
+        if item(ui, is_chosen, text, 0.0).clicked() {
             app.select((!is_chosen).then(|| Selected::Object(object.name.clone())));
         }
     });
@@ -101,7 +103,9 @@ fn chosen(ui: &mut Ui, object: &ObjectModel, scene: &SceneModel, app: &mut App) 
         let mut numbers = vector_of.of(&next).to_array();
         let names = axes(what);
         let names = [names[0].as_str(), names[1].as_str(), names[2].as_str()];
-        let changed = ui.push_id(what, |ui| ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, names)).inner);
+        let changed = ui.push_id(what, |ui| {
+            ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, names)).inner
+        });
         if changed.inner {
             *vector_of.of_mut(&mut next) = Vec3::from(numbers);
         }
@@ -145,7 +149,9 @@ impl Part {
 
 /// Where an object stands, or will stand.
 pub fn held(app: &App, key: &str, placement: &Placement) -> Placement {
-    let Placement { position: p, rotation_deg: r, scale: s } = placement;
+    // What comes from a matrix has zeros with signs.
+    let [p, r, s] =
+        [placement.position, placement.rotation_deg, placement.scale].map(|v| v + Vec3::ZERO);
     let n = app.numbers(key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z]);
     Placement {
         position: Vec3::new(n[0], n[1], n[2]),
@@ -158,6 +164,7 @@ pub fn held(app: &App, key: &str, placement: &Placement) -> Placement {
 pub fn place(app: &mut App, name: &str, placement: &Placement) {
     let Placement { position: p, rotation_deg: r, scale: s } = *placement;
     let key = format!("place {}", quoted(name));
-    let command = format!("{key} {} {} {} {} {} {} {} {} {}", p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z);
+    let command =
+        format!("{key} {} {} {} {} {} {} {} {} {}", p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z);
     app.set_numbers(&key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z], command);
 }

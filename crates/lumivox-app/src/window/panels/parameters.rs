@@ -52,12 +52,19 @@ fn title(name: &str) -> String {
 }
 
 fn tip(parameter: &Parameter, usual: Value) -> String {
-    let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
+    let unit =
+        if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
     let values = parameter.kind.in_words();
     format!("{}.\n\n{}: {values}{unit}.\nUsually {usual}.", parameter.summary, parameter.name)
 }
 
-fn field(ui: &mut Ui, parameter: &Parameter, title: &str, tip: &str, value: Value) -> Option<Value> {
+fn field(
+    ui: &mut Ui,
+    parameter: &Parameter,
+    title: &str,
+    tip: &str,
+    value: Value,
+) -> Option<Value> {
     let width = rest_width(ui);
     match (parameter.kind, value) {
         (Kind::Switch, Value::Switch(mut on)) => {
@@ -69,15 +76,26 @@ fn field(ui: &mut Ui, parameter: &Parameter, title: &str, tip: &str, value: Valu
                 ui.spacing_mut().slider_width = width - 44.0;
                 ui.add(Slider::new(&mut number, low..=high))
             } else {
-                let drag = DragValue::new(&mut number).range(low..=high).speed(f64::from(multiple).max(0.2));
+                let drag = DragValue::new(&mut number)
+                    .range(low..=high)
+                    .speed(f64::from(multiple).max(0.2));
                 ui.add_sized([width, 18.0], drag.suffix(unit_suffix(parameter.unit)))
             };
             number = (number / multiple).max(low / multiple) * multiple;
-            response.on_hover_text(tip).accessible_name(title).changed().then_some(Value::Whole(number))
+            response
+                .on_hover_text(tip)
+                .accessible_name(title)
+                .changed()
+                .then_some(Value::Whole(number))
         }
-        (Kind::Number { low, high, word, off }, value) => {
-            number_field(ui, (title, tip), (low, high, word, off), unit_suffix(parameter.unit), value, width)
-        }
+        (Kind::Number { low, high, word, off }, value) => number_field(
+            ui,
+            (title, tip),
+            (low, high, word, off),
+            unit_suffix(parameter.unit),
+            value,
+            width,
+        ),
         (Kind::Vector { low, below }, Value::Vector(vector_now)) => {
             let mut numbers = vector_now.to_array();
             let inner = egui::vec2(width, 18.0);
@@ -172,7 +190,12 @@ mod tests {
                 let value = parameter.get(&settings);
                 let before = ui.cursor();
                 ui.push_id(parameter.name, |ui| {
-                    assert_eq!(field(ui, parameter, "title", "tip", value), None, "{}", parameter.name);
+                    assert_eq!(
+                        field(ui, parameter, "title", "tip", value),
+                        None,
+                        "{}",
+                        parameter.name
+                    );
                 });
                 assert_ne!(ui.cursor(), before, "{} shows nothing", parameter.name);
                 names += 1;

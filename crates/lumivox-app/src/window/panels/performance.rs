@@ -13,9 +13,14 @@ pub fn show(ui: &mut Ui, model: &Model) {
         weak(ui, "No frame yet.");
         return;
     };
-    let shown: Vec<FrameTime> = model.frames.iter().rev().take(KEPT_FRAMES).rev().copied().collect();
+    let shown: Vec<FrameTime> =
+        model.frames.iter().rev().take(KEPT_FRAMES).rev().copied().collect();
     let mean = shown.iter().map(|frame| frame.total_ms).sum::<f32>() / shown.len() as f32;
-    ui.label(format!("{:.1} ms a frame, {mean:.1} ms in the mean of {}", last.total_ms, shown.len()));
+    ui.label(format!(
+        "{:.1} ms a frame, {mean:.1} ms in the mean of {}",
+        last.total_ms,
+        shown.len()
+    ));
     weak(ui, format!("{} of {} frames in the picture", model.frame_count, model.settings.frames));
     plot(ui, &shown);
     for (stage, name) in STAGES.iter().enumerate() {
@@ -43,8 +48,11 @@ fn plot(ui: &mut Ui, shown: &[FrameTime]) {
     let mut low = vec![0.0; shown.len()];
     let mut areas = Vec::new();
     for (stage, name) in STAGES.iter().enumerate() {
-        let high: Vec<f64> =
-            low.iter().zip(shown).map(|(low, frame)| low + f64::from(frame.stages_ms[stage])).collect();
+        let high: Vec<f64> = low
+            .iter()
+            .zip(shown)
+            .map(|(low, frame)| low + f64::from(frame.stages_ms[stage]))
+            .collect();
         if high != low {
             areas.push(FilledArea::new(*name, &xs, &low, &high).fill_color(theme::STAGES[stage]));
         }
@@ -53,7 +61,9 @@ fn plot(ui: &mut Ui, shown: &[FrameTime]) {
     // What no stage accounts for, and everything while stages are not timed.
     let total: Vec<f64> =
         low.iter().zip(shown).map(|(low, frame)| f64::from(frame.total_ms).max(*low)).collect();
-    areas.push(FilledArea::new("rest", &xs, &low, &total).fill_color(egui::Color32::from_gray(0x3a)));
+    areas.push(
+        FilledArea::new("rest", &xs, &low, &total).fill_color(egui::Color32::from_gray(0x3a)),
+    );
     let plot = Plot::new("times")
         .height(110.0)
         .show_x(false)

@@ -1,6 +1,9 @@
 //! The picture: what is rendered, what it is compared with, handles, and the mouse.
 
-use egui::{Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui};
+use egui::{
+    Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke,
+    Ui,
+};
 use egui::{pos2, vec2};
 use glam::{UVec2, Vec2, Vec3};
 use lumivox_scene::{Bounds, Light, LightKind};
@@ -38,16 +41,10 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
     let rect = fitted(area, app);
     let split = images(ui, rect, model, app);
     let view = Projection::new(&app.camera(), rect);
-    decorate(ui, &view, rect, model, scene, app);
+    decorate(ui, &view, rect, scene, app);
     let on_split = split.filter(|_| app.drag.is_none());
     mouse(ui, &response, &view, (rect, on_split), scene, app);
     keys(ui, scene, app);
-    if let Some(shown) = &app.published.picture
-        && model.frame_count == 0
-        && shown.frames == 0
-    {
-        hint(ui, rect, "...");
-    }
     if app.published.picture.is_none() && model.jobs.is_empty() && model.error.is_none() {
         hint(ui, rect, "Preparing the scene ...");
     }
@@ -60,7 +57,8 @@ fn fitted(area: Rect, app: &App) -> Rect {
     let scale = (area.width() / size.x).min(area.height() / size.y);
     let fitted = Rect::from_center_size(area.center(), size * scale);
     // A rounded size is no reason for a rim.
-    if (fitted.width() - area.width()).abs() < 6.0 && (fitted.height() - area.height()).abs() < 6.0 {
+    if (fitted.width() - area.width()).abs() < 6.0 && (fitted.height() - area.height()).abs() < 6.0
+    {
         area
     } else {
         fitted
@@ -94,13 +92,19 @@ fn images(ui: &Ui, rect: Rect, model: &Model, app: &App) -> Option<f32> {
         (Comparand::Reference(_), None) => "reference: tracing ...".to_owned(),
         (Comparand::Nothing, _) => String::new(),
     };
-    label(ui, pos2(rect.left() + 8.0, rect.top() + 8.0), Align2::LEFT_TOP, model.settings.view.name());
+    label(
+        ui,
+        pos2(rect.left() + 8.0, rect.top() + 8.0),
+        Align2::LEFT_TOP,
+        model.settings.view.name(),
+    );
     label(ui, pos2(rect.right() - 8.0, rect.top() + 8.0), Align2::RIGHT_TOP, &right);
     Some(x)
 }
 
 fn label(ui: &Ui, at: Pos2, align: Align2, text: &str) {
-    let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(12.0), Color32::WHITE);
+    let galley =
+        ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(12.0), Color32::WHITE);
     let rect = align.anchor_size(at, galley.size());
     ui.painter().rect_filled(rect.expand(4.0), 3.0, Color32::from_black_alpha(150));
     ui.painter().galley(rect.min, galley, Color32::WHITE);
@@ -112,7 +116,7 @@ fn hint(ui: &Ui, rect: Rect, text: &str) {
 }
 
 /// Box, handles, lamps.
-fn decorate(ui: &Ui, view: &Projection, rect: Rect, model: &Model, scene: &SceneModel, app: &App) {
+fn decorate(ui: &Ui, view: &Projection, rect: Rect, scene: &SceneModel, app: &App) {
     let painter = ui.painter().with_clip_rect(rect);
     for (name, light) in &scene.lights {
         let is_chosen = matches!(&app.selected, Some(Selected::Light(other)) if other == name);
@@ -128,7 +132,6 @@ fn decorate(ui: &Ui, view: &Projection, rect: Rect, model: &Model, scene: &Scene
         outline(&painter, view, object);
     }
     let Some((placement, mode)) = handles(scene, app) else { return };
-    let _ = model;
     let Some(middle) = view.project(placement.position) else { return };
     let length = view.handle_length(placement.position);
     let hovered = match &app.drag {
@@ -148,7 +151,9 @@ fn decorate(ui: &Ui, view: &Projection, rect: Rect, model: &Model, scene: &Scene
             }
             continue;
         }
-        let Some([from, to]) = view.segment(placement.position, placement.position + direction * length) else {
+        let Some([from, to]) =
+            view.segment(placement.position, placement.position + direction * length)
+        else {
             continue;
         };
         if mode == Mode::Move {
@@ -169,7 +174,10 @@ fn outline(painter: &egui::Painter, view: &Projection, object: &ObjectModel) {
     if object.local_bounds.is_empty() {
         return;
     }
-    let corners = object.local_bounds.corners().map(|corner| object.world_from_local.transform_point3(corner));
+    let corners = object
+        .local_bounds
+        .corners()
+        .map(|corner| object.world_from_local.transform_point3(corner));
     for from in 0..8_usize {
         for bit in [1, 2, 4] {
             if from & bit == 0
@@ -200,7 +208,8 @@ fn handles(scene: &SceneModel, app: &App) -> Option<(Placement, Mode)> {
             Some((objects::held(app, &key, &object.placement), app.gizmo))
         }
         Selected::Light(name) => {
-            let (_, light) = scene.lights.iter().find(|(other, light)| other == name && is_lamp(light))?;
+            let (_, light) =
+                scene.lights.iter().find(|(other, light)| other == name && is_lamp(light))?;
             let key = format!("light {} position", quoted(name));
             let position = Vec3::from(app.numbers(&key, light.position.to_array()));
             Some((Placement { position, rotation_deg: Vec3::ZERO, scale: Vec3::ONE }, Mode::Move))
@@ -236,10 +245,12 @@ pub fn frame_selection(app: &mut App, model: &Model) {
     let Some(scene) = &model.scene else { return };
     let bounds = match &app.selected {
         Some(Selected::Object(_)) => chosen_object(scene, app).map(ObjectModel::bounds),
-        Some(Selected::Light(name)) => scene.lights.iter().find(|(other, _)| other == name).map(|(_, light)| {
-            let reach = Vec3::splat(scene.bounds.radius_m() * 0.1);
-            Bounds { min: light.position - reach, max: light.position + reach }
-        }),
+        Some(Selected::Light(name)) => {
+            scene.lights.iter().find(|(other, _)| other == name).map(|(_, light)| {
+                let reach = Vec3::splat(scene.bounds.radius_m() * 0.1);
+                Bounds { min: light.position - reach, max: light.position + reach }
+            })
+        }
         None => None,
     };
     let bounds = bounds.unwrap_or(scene.bounds);
@@ -258,7 +269,7 @@ fn mouse(
     scene: &SceneModel,
     app: &mut App,
 ) {
-    let grip = ui.id().with("split");
+    let grip = ui.scope_id().with("split");
     let at = response.interact_pointer_pos().or_else(|| response.hover_pos());
     let Some(at) = at else {
         if app.drag.take().is_some() {
@@ -336,7 +347,9 @@ fn click(view: &Projection, at: Pos2, rect: Rect, scene: &SceneModel, app: &mut 
 fn is_flying(ui: &Ui) -> bool {
     ui.input(|input| {
         input.pointer.secondary_down()
-            || [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E].into_iter().any(|key| input.key_down(key))
+            || [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E]
+                .into_iter()
+                .any(|key| input.key_down(key))
     })
 }
 

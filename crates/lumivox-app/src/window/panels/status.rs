@@ -2,6 +2,7 @@
 
 use egui::{Align, Layout, RichText, Ui};
 
+use super::icons::{self, Icon};
 use super::widgets::count;
 use crate::window::app::App;
 use crate::window::model::Model;
@@ -12,7 +13,7 @@ use crate::window::worker::Order;
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     if let Some((number, text)) = &model.error {
         ui.horizontal(|ui| {
-            if ui.small_button("\u{2716}").on_hover_text("Close").accessible_name("Close the error").clicked() {
+            if icons::button(ui, Icon::Cross, theme::ERROR, "Close the error").clicked() {
                 app.order(Order::CloseError(*number));
             }
             ui.add(egui::Label::new(RichText::new(text).color(theme::ERROR)).wrap());
@@ -22,21 +23,28 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         for job in &model.jobs {
             ui.add(egui::Spinner::new().size(12.0));
             if let Some(share) = job.share {
-                ui.add(egui::ProgressBar::new(share).desired_width(90.0).desired_height(10.0).corner_radius(2));
+                ui.add(
+                    egui::ProgressBar::new(share)
+                        .desired_width(90.0)
+                        .desired_height(10.0)
+                        .corner_radius(2),
+                );
             }
             ui.label(&job.words);
             if job.can_cancel && ui.small_button("Cancel").clicked() {
-                app.line("cancel");
+                app.order(Order::Cancel);
             }
             ui.separator();
         }
         if let Some(scene) = &model.scene {
             if let Some(frame) = model.frames.last() {
-                ui.label(format!("{:.0} ms", frame.total_ms)).on_hover_text("Time of the last frame");
+                ui.label(format!("{:.0} ms", frame.total_ms))
+                    .on_hover_text("Time of the last frame");
                 ui.separator();
             }
             let (done, all) = (model.frame_count, model.settings.frames);
-            ui.label(format!("{done}/{all} frames")).on_hover_text("Frames in the mean that is shown");
+            ui.label(format!("{done}/{all} frames"))
+                .on_hover_text("Frames in the mean that is shown");
             ui.separator();
             ui.label(format!("{} voxels", count(model.voxels.voxels.into())));
             ui.separator();

@@ -34,18 +34,19 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     });
     row(ui, "Positions", "Two places to come back to: keys 1 and 2; CTRL stores", |ui| {
         for number in [1, 2] {
-            let go = egui::Button::new(format!("Go to {number}"));
+            let go = egui::Button::new(format!("Go {number}"));
             if ui.add_enabled(model.has_position[number - 1], go).clicked() {
                 app.line(format!("pos{number}"));
             }
-            if ui.button("Store").on_hover_text(format!("Keep this view as {number}")).clicked() {
+            if ui.button("Set").on_hover_text(format!("Keep this view as {number}")).clicked() {
                 app.line(format!("store {number}"));
             }
         }
     });
     row(ui, "Speed", "How fast W, A, S, D fly; the wheel changes it in flight", |ui| {
         ui.spacing_mut().slider_width = (rest_width(ui) - 52.0).max(30.0);
-        let slider = egui::Slider::new(&mut app.config.speed, 0.05..=20.0).logarithmic(true).max_decimals(2);
+        let slider =
+            egui::Slider::new(&mut app.config.speed, 0.05..=20.0).logarithmic(true).max_decimals(2);
         ui.add(slider.suffix("x")).accessible_name("Speed of flight");
     });
 }
@@ -104,8 +105,13 @@ pub fn picture(ui: &mut Ui, model: &Model, app: &mut App) {
     row(ui, "Half size", "Half as many pixels along each edge", |ui| {
         ui.checkbox(&mut app.config.half_size, "").accessible_name("Half size");
     });
-    row(ui, "Coarse motion", "Fewer pixels while the camera moves, if a frame takes more than 0.1 s", |ui| {
-        ui.checkbox(&mut app.config.coarse_motion, "").accessible_name("Coarse motion");
-    });
+    row(
+        ui,
+        "Coarse motion",
+        "Fewer pixels while the camera moves, if a frame takes more than 0.1 s",
+        |ui| {
+            ui.checkbox(&mut app.config.coarse_motion, "").accessible_name("Coarse motion");
+        },
+    );
     weak(ui, format!("{} x {} pixels", model.settings.size.x, model.settings.size.y));
 }

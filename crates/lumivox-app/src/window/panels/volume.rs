@@ -18,7 +18,10 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     let voxels = &model.voxels;
     if voxels.voxels > 0 {
         let [x, y, z] = voxels.dimensions;
-        weak(ui, format!("Grid {x} x {y} x {z}, {} levels, edge {:.3} m", voxels.levels, voxels.edge_m));
+        weak(
+            ui,
+            format!("Grid {x} x {y} x {z}, {} levels, edge {:.3} m", voxels.levels, voxels.edge_m),
+        );
         let (voxel_count, faces) = (count(voxels.voxels.into()), count(voxels.faces.into()));
         weak(ui, format!("{voxel_count} voxels, {faces} faces"));
     }
@@ -68,7 +71,8 @@ fn memory(ui: &mut Ui, model: &Model) {
     ui.label(format!("GPU memory: {}", bytes(total)));
     let most = uses.first().map_or(1, |usage| usage.bytes) as f32;
     for usage in uses {
-        let text = egui::RichText::new(format!("{}  {}", usage.name, bytes(usage.bytes))).size(11.0);
+        let text =
+            egui::RichText::new(format!("{}  {}", usage.name, bytes(usage.bytes))).size(11.0);
         let bar = egui::ProgressBar::new(usage.bytes as f32 / most)
             .fill(theme::ACCENT_DARK)
             .corner_radius(2)

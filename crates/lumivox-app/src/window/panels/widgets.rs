@@ -2,6 +2,7 @@
 
 use egui::{Align, Layout, Response, RichText, Ui, vec2};
 
+use super::icons::{self, Icon};
 use crate::window::theme;
 
 /// Width of the names, points.
@@ -36,19 +37,25 @@ pub fn reset(ui: &mut Ui, is_changed: bool, tip: &str) -> bool {
     if !is_changed {
         return false;
     }
-    let button = egui::Button::new(RichText::new("\u{27f2}").color(theme::ACCENT)).frame(false);
-    ui.add(button).on_hover_text(tip).accessible_name("Reset").clicked()
+    icons::button(ui, Icon::Back, theme::ACCENT, tip).clicked()
 }
 
 /// Three numbers in a row; whether one was changed.
-pub fn vector(ui: &mut Ui, numbers: &mut [f32; 3], speed: f64, decimals: usize, names: [&str; 3]) -> bool {
+pub fn vector(
+    ui: &mut Ui,
+    numbers: &mut [f32; 3],
+    speed: f64,
+    decimals: usize,
+    names: [&str; 3],
+) -> bool {
     let width = ((ui.available_width() - 2.0 * 4.0) / 3.0).max(30.0);
     let mut is_changed = false;
     ui.spacing_mut().item_spacing.x = 4.0;
     for (number, (color, name)) in numbers.iter_mut().zip(theme::AXES.into_iter().zip(names)) {
         let response = ui
             .scope(|ui| {
-                ui.visuals_mut().widgets.inactive.fg_stroke.color = color.lerp_to_gamma(theme::TEXT, 0.55);
+                ui.visuals_mut().widgets.inactive.fg_stroke.color =
+                    color.lerp_to_gamma(theme::TEXT, 0.55);
                 let drag = egui::DragValue::new(number).speed(speed).max_decimals(decimals);
                 ui.add_sized([width, 18.0], drag)
             })
@@ -56,6 +63,18 @@ pub fn vector(ui: &mut Ui, numbers: &mut [f32; 3], speed: f64, decimals: usize, 
         is_changed |= response.on_hover_text(name).accessible_name(name).changed();
     }
     is_changed
+}
+
+/// A line of a list, which fills the width that is left but for some of it.
+pub fn item(ui: &mut Ui, is_chosen: bool, text: RichText, spare: f32) -> Response {
+    let size = vec2((ui.available_width() - spare).max(20.0), 18.0);
+    let layout =
+        Layout::left_to_right(Align::Center).with_main_justify(true).with_main_align(Align::LEFT);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        ui.set_max_size(size);
+        ui.add(egui::Button::selectable(is_chosen, text).truncate())
+    })
+    .inner
 }
 
 /// Text that explains.

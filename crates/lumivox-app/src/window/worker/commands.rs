@@ -14,12 +14,16 @@ use crate::window::model::{Comparand, LogKind, Selected};
 /// Samples of a reference where nobody says otherwise.
 const SAMPLES: u32 = 256;
 
-/// The names of the window's own commands, for completion.
-pub const OWN: [&str; 3] = ["cancel", "compare_with", "select"];
-
 /// Commands that change what a scene that is read again does not keep.
 const DROPPED: [&str; 8] = [
-    "material", "light", "add_light", "remove_light", "sky", "environment", "environment_rotation", "setmat",
+    "material",
+    "light",
+    "add_light",
+    "remove_light",
+    "sky",
+    "environment",
+    "environment_rotation",
+    "setmat",
 ];
 
 impl Worker {
@@ -59,7 +63,9 @@ impl Worker {
         let selected = match arguments {
             [] => None,
             [name] => Some(self.find(name)?),
-            _ => bail!(Failure::input("select takes one name of an object or a light; quote it if it has spaces")),
+            _ => bail!(Failure::input(
+                "select takes one name of an object or a light; quote it if it has spaces"
+            )),
         };
         self.selected = selected;
         self.selections += 1;
@@ -68,7 +74,8 @@ impl Worker {
 
     fn find(&mut self, name: &str) -> anyhow::Result<Selected> {
         let model = self.scene();
-        let objects = model.iter().flat_map(|scene| &scene.objects).map(|object| object.name.as_str());
+        let objects =
+            model.iter().flat_map(|scene| &scene.objects).map(|object| object.name.as_str());
         let lights = model.iter().flat_map(|scene| &scene.lights).map(|(name, _)| name.as_str());
         if objects.clone().any(|other| other == name) {
             return Ok(Selected::Object(name.to_owned()));
@@ -87,19 +94,26 @@ impl Worker {
     fn compare_with(&mut self, arguments: &[&str]) -> anyhow::Result<String> {
         let expected = || {
             let views: Vec<&str> = View::ALL.iter().map(|view| view.name()).collect();
-            format!("compare_with takes nothing, reference [SAMPLES] or a view: {}", views.join(", "))
+            format!(
+                "compare_with takes nothing, reference [SAMPLES] or a view: {}",
+                views.join(", ")
+            )
         };
         let comparand = match arguments {
-            [] => return Ok(match self.comparand {
-                Comparand::Nothing => "compare_with nothing".to_owned(),
-                Comparand::View(view) => format!("compare_with {}", view.name()),
-                Comparand::Reference(samples) => format!("compare_with reference {samples}"),
-            }),
+            [] => {
+                return Ok(match self.comparand {
+                    Comparand::Nothing => "compare_with nothing".to_owned(),
+                    Comparand::View(view) => format!("compare_with {}", view.name()),
+                    Comparand::Reference(samples) => format!("compare_with reference {samples}"),
+                });
+            }
             ["nothing"] => Comparand::Nothing,
             ["reference"] => Comparand::Reference(SAMPLES),
             ["reference", samples] => match samples.parse() {
                 Ok(samples) if (1..=65_536).contains(&samples) => Comparand::Reference(samples),
-                _ => bail!(Failure::input(format!("samples are a whole number from 1 to 65536; got \"{samples}\""))),
+                _ => bail!(Failure::input(format!(
+                    "samples are a whole number from 1 to 65536; got \"{samples}\""
+                ))),
             },
             [name] => match View::ALL.into_iter().find(|view| view.name() == *name) {
                 Some(view) => Comparand::View(view),
@@ -125,7 +139,8 @@ impl Worker {
         let pick = picker.pick(origin, direction);
         self.picked_at = pick.map(|pick| pick.position);
         let names = explorer.object_names();
-        let selected = pick.and_then(|pick| names.into_iter().nth(pick.instance)).map(Selected::Object);
+        let selected =
+            pick.and_then(|pick| names.into_iter().nth(pick.instance)).map(Selected::Object);
         let line = match &selected {
             Some(selected) => format!("select {}", quoted(selected.name())),
             None => "select".to_owned(),
@@ -152,7 +167,9 @@ impl Worker {
             Err(error) => return self.fail(&error),
         };
         let mut words = vec!["lumivox".to_owned(), "run".to_owned()];
-        for line in script.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#')) {
+        for line in
+            script.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'))
+        {
             words.extend(["-c".to_owned(), quoted(line)]);
         }
         words.extend(["-c".to_owned(), quoted("screenshot picture.png")]);

@@ -4,7 +4,7 @@
 //! picture, and looks for orders again; once the picture is complete it sleeps until one comes. So a line waits for one
 //! frame at most, and the window for nothing at all.
 
-pub mod commands;
+mod commands;
 mod model;
 mod pictures;
 
@@ -121,7 +121,8 @@ pub fn start(
 ) -> (Sender<Order>, Shared, std::thread::JoinHandle<()>) {
     let (sender, orders) = mpsc::channel();
     let shared = Shared(Arc::new(Mutex::new(Published::default())));
-    let worker = Worker::new(console, options, (sender.clone(), orders), shared.clone(), Box::new(wake));
+    let worker =
+        Worker::new(console, options, (sender.clone(), orders), shared.clone(), Box::new(wake));
     let thread = std::thread::spawn(move || worker.run(opening));
     (sender, shared, thread)
 }
@@ -319,14 +320,16 @@ impl Worker {
         let mut has_run = false;
         while !self.is_over && self.frames_to_wait == 0 {
             // A scene that somebody chooses supersedes the one that is being read; a script waits for it.
-            let is_choice = |line: &Line| line.origin != Origin::Terminal && line.text.starts_with("load ");
+            let is_choice =
+                |line: &Line| line.origin != Origin::Terminal && line.text.starts_with("load ");
             let is_held = self.loading.as_ref().is_some_and(|loading| !loading.is_reload);
             if is_held && !self.lines.front().is_some_and(is_choice) {
                 break;
             }
             let of_script = self.script.next();
             self.script_goes_on = of_script.is_some();
-            let of_script = of_script.map(|line| Line { text: line.text, origin: Origin::Terminal, serial: 0 });
+            let of_script =
+                of_script.map(|line| Line { text: line.text, origin: Origin::Terminal, serial: 0 });
             let Some(line) = of_script.or_else(|| self.lines.pop_front()) else { break };
             if !has_run {
                 self.set_size(self.full_size);
@@ -410,7 +413,8 @@ impl Worker {
             Err(error) => {
                 self.fail(&error);
                 if loading.is_reload {
-                    self.log.add(LogKind::Note, "the scene stays as it was before its file changed");
+                    self.log
+                        .add(LogKind::Note, "the scene stays as it was before its file changed");
                 }
                 return;
             }
@@ -528,7 +532,11 @@ impl Worker {
         });
         let tracing = self.tracing.as_ref().filter(|tracing| !tracing.is_over);
         let tracing = tracing.map(|tracing| JobModel {
-            words: format!("reference: sample {:.0} of {}", tracing.samples().floor(), tracing.total()),
+            words: format!(
+                "reference: sample {:.0} of {}",
+                tracing.samples().floor(),
+                tracing.total()
+            ),
             share: Some(tracing.samples() / tracing.total() as f32),
             can_cancel: true,
         });

@@ -27,7 +27,8 @@ impl Log {
     /// A line that is run. Of a panel's lines that set the same thing, the last stays.
     pub fn add_command(&mut self, line: &Line) {
         let target = if line.origin == Origin::Panel { lines::target(&line.text) } else { None };
-        let replaces = target.is_some() && self.last.as_ref().is_some_and(|(last, _)| *last == target);
+        let replaces =
+            target.is_some() && self.last.as_ref().is_some_and(|(last, _)| *last == target);
         if replaces {
             self.lines.pop_back();
         } else {
@@ -127,9 +128,13 @@ impl Worker {
         }
         let log = self.log.snapshot();
         let explorer = &self.console.explorer;
-        let settings = lumivox_render::RenderSettings { size: self.full_size, ..explorer.settings().clone() };
-        let defaults = lumivox_render::RenderSettings::default();
+        let settings =
+            lumivox_render::RenderSettings { size: self.full_size, ..explorer.settings().clone() };
+        let resolution = explorer.settings().resolution;
+        let defaults = lumivox_render::RenderSettings { resolution, ..Default::default() };
         let usual = crate::commands::settings::with_preset(&defaults, explorer.preset());
+        let resolution = lumivox_render::RenderSettings::default().resolution;
+        let usual = lumivox_render::RenderSettings { resolution, ..usual };
         let model = Model {
             scene,
             settings,
@@ -139,7 +144,6 @@ impl Worker {
             has_position: [0, 1].map(|number| explorer.position(number).is_some()),
             playback: explorer.playback(),
             revoxelize: explorer.revoxelize,
-            is_single_frame: explorer.is_single_frame,
             selected: self.selected.clone(),
             selections: self.selections,
             picked_at: self.picked_at,

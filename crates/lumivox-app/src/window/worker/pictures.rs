@@ -117,7 +117,10 @@ impl Worker {
         let explorer = &mut self.console.explorer;
         if explorer.size() != size {
             let most = explorer.gpu().device.limits().max_texture_dimension_2d;
-            let settings = RenderSettings { size: size.min(UVec2::splat(most)), ..explorer.settings().clone() };
+            let settings = RenderSettings {
+                size: size.min(UVec2::splat(most)),
+                ..explorer.settings().clone()
+            };
             // Sizes within the limit are always allowed.
             let _ = explorer.set_settings(settings);
         }
@@ -187,7 +190,8 @@ impl Worker {
             self.turn = Turn::First;
             self.forget_scene();
         }
-        if matches!(self.console.explorer.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame) {
+        if matches!(self.console.explorer.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame)
+        {
             self.turn = Turn::First;
         }
         Ok(())
@@ -255,7 +259,8 @@ impl Worker {
         let explorer = &mut self.console.explorer;
         let frames = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
         let is_last = frames >= explorer.settings().frames;
-        if explorer.settings().exposure.fixed_stops().is_some() || self.pace.is_due(frames, is_last) {
+        if explorer.settings().exposure.fixed_stops().is_some() || self.pace.is_due(frames, is_last)
+        {
             self.pace.stops = explorer.measure_stops()?;
             self.pace.measured = Some(Instant::now());
         }
