@@ -13,6 +13,7 @@ mod run;
 mod view;
 mod volumes;
 mod voxels;
+mod window;
 
 use std::path::PathBuf;
 
@@ -32,6 +33,7 @@ pub use run::{CommandsArgs, RunArgs};
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
 pub use voxels::{VoxelArgs, VoxelsArgs};
+pub use window::WindowArgs;
 
 use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
@@ -47,6 +49,7 @@ const EXAMPLES: &str = "\
 Examples:
   lumivox render builtin:cornell -o cornell.png
   lumivox render hall.glb -o hall.exr --size 1920x1080 --preset high --frames 64
+  lumivox view hall.glb
   lumivox voxels builtin:atrium --resolution 256
   lumivox info hall.glb
   lumivox scenes
@@ -104,6 +107,9 @@ pub enum Command {
     /// Render a scene to a picture
     #[command(after_long_help = format!("{RENDER_EXAMPLES}\n{}", exit::CODES))]
     Render(Box<RenderArgs>),
+    /// Open a window to look at a scene and to change everything in it while it is rendered
+    #[command(after_long_help = window::EXAMPLES)]
+    View(Box<WindowArgs>),
     /// Path-trace a scene: the truth that renderings are measured by
     #[command(
         after_help = "Examples:\n  lumivox reference builtin:cornell -o cornell.exr --samples \

@@ -22,7 +22,7 @@ pub enum Exit {
     Usage = 2,
     /// A scene is broken, or a value out of range.
     Input = 3,
-    /// No suitable GPU, or one that is too small.
+    /// No suitable GPU, or one that is too small; or no display.
     Gpu = 4,
     /// The output cannot be written.
     Output = 5,
@@ -35,7 +35,7 @@ Exit codes:
   1  the GPU failed, or Lumivox has a defect
   2  the command line cannot be understood
   3  bad input: a scene that cannot be read, or a value out of range
-  4  no suitable GPU, or more asked for than it can hold
+  4  no suitable GPU, no display for a window, or more asked for than the GPU can hold
   5  the output cannot be written";
 
 impl From<Exit> for ExitCode {
@@ -55,6 +55,11 @@ impl Failure {
     /// Bad input.
     pub fn input(message: impl Into<String>) -> Self {
         Self { exit: Exit::Input, message: message.into() }
+    }
+
+    /// No display for a window.
+    pub fn display(message: impl Into<String>) -> Self {
+        Self { exit: Exit::Gpu, message: message.into() }
     }
 
     /// An output that cannot be written.

@@ -1,4 +1,4 @@
-//! The `lumivox` program: voxel cone tracing on the command line, without a window.
+//! The `lumivox` program: voxel cone tracing on the command line and in a window.
 //!
 //! `main` reads the command line and starts the log; each command is a module of its own. All
 //! output of a command goes to stdout at its end, all messages to stderr.
@@ -24,6 +24,7 @@ mod progress;
 mod quality;
 mod report;
 mod sequence;
+mod window;
 
 use std::process::ExitCode;
 
@@ -48,6 +49,7 @@ fn run() -> Exit {
     let done = match &cli.command {
         None => report::print(&format!("{}\n", Cli::command().render_help())),
         Some(Command::Render(args)) => commands::render::run(args, cli.verbose, &bars),
+        Some(Command::View(args)) => commands::view::run(args, &bars),
         Some(Command::Reference(args)) => commands::reference::run(args, &bars),
         Some(Command::Quality(args)) => commands::quality::run(args, &bars),
         Some(Command::Info(args)) => commands::info::run(args, &bars),

@@ -64,6 +64,25 @@ impl Progress {
         Self { shared, thread }
     }
 
+    /// Shows nothing by itself: who has a [`Watch`] looks at it.
+    pub fn silent(stage: &'static str) -> Self {
+        let state = State {
+            stage,
+            done: 0.0,
+            total: 1.0,
+            is_counted: true,
+            stage_start: Instant::now(),
+            is_over: false,
+        };
+        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
+        Self { shared, thread: None }
+    }
+
+    /// Looks at it from elsewhere.
+    pub fn watch(&self) -> Watch {
+        Watch(self.shared.clone())
+    }
+
     /// Tells how far the work is: `done` steps of `total`.
     pub fn set(&self, stage: &'static str, done: u32, total: u32) {
         self.change(stage, f64::from(done), f64::from(total), true);
@@ -96,6 +115,23 @@ impl Drop for Progress {
             // A panic in there has been told by the hook.
             let _ = thread.join();
         }
+    }
+}
+
+/// Looks at how far the work of a [`Progress`] is, from another thread.
+#[derive(Clone, Debug)]
+pub struct Watch(Arc<Shared>);
+
+impl Watch {
+    /// What is done, how far it is, and how long it will take.
+    pub fn words(&self) -> String {
+        self.0.lock().words()
+    }
+
+    /// The share of the stage that is done, from 0 to 1; `None` where there are no steps to count.
+    pub fn share(&self) -> Option<f32> {
+        let state = self.0.lock();
+        state.has_steps().then(|| (state.done / state.total) as f32)
     }
 }
 

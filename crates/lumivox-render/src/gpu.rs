@@ -1,5 +1,6 @@
 //! The GPU: choosing an adapter, and opening a device whose errors are heard.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::RenderError;
@@ -31,6 +32,7 @@ pub struct Gpu {
     pub adapter_info: wgpu::AdapterInfo,
     /// The first error that nobody asked about.
     fault: Arc<Mutex<Option<String>>>,
+    is_lost: Arc<AtomicBool>,
 }
 
 impl Gpu {
@@ -59,14 +61,21 @@ impl Gpu {
             RenderError::NoDevice { adapter: describe(&adapter_info), reason: error.to_string() }
         })?;
         let fault = Arc::new(Mutex::new(None));
-        hear_errors(&device, &fault);
+        let is_lost = Arc::new(AtomicBool::new(false));
+        hear_errors(&device, &fault, &is_lost);
         tracing::debug!("rendering on {}", describe(&adapter_info));
-        Ok(Self { device, queue, adapter_info, fault })
+        Ok(Self { device, queue, adapter_info, fault, is_lost })
     }
 
     /// Whether the adapter is a software driver, running on the CPU.
     pub fn is_software(&self) -> bool {
         self.adapter_info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Whether the device is lost: nothing can be done with it any more, and all that it held is gone. Another one may be
+    /// opened.
+    pub fn is_lost(&self) -> bool {
+        self.is_lost.load(Ordering::Relaxed)
     }
 
     /// Reports what failed on the device since the last call, outside of calls that return errors
@@ -167,15 +176,20 @@ fn limits(offered: &wgpu::Limits, portable: bool) -> wgpu::Limits {
 
 /// Keeps the first error that reaches no error scope, and the reason of a lost device, instead of
 /// wgpu's panic.
-fn hear_errors(device: &wgpu::Device, fault: &Arc<Mutex<Option<String>>>) {
+fn hear_errors(
+    device: &wgpu::Device,
+    fault: &Arc<Mutex<Option<String>>>,
+    is_lost: &Arc<AtomicBool>,
+) {
     let keep = |fault: &Mutex<Option<String>>, message: String| {
         tracing::error!("GPU: {message}");
         fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
     };
     let slot = fault.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| keep(&slot, error.to_string())));
-    let slot = fault.clone();
+    let (slot, is_lost) = (fault.clone(), is_lost.clone());
     device.set_device_lost_callback(move |reason, message| {
+        is_lost.store(true, Ordering::Relaxed);
         if reason != wgpu::DeviceLostReason::Destroyed {
             keep(&slot, format!("the device was lost ({reason:?}): {message}"));
         }

@@ -41,6 +41,10 @@ pub struct Renderer {
     scene: GpuScene,
     /// What the scene itself asks the grid to be fitted to.
     scene_bounds: Bounds,
+    /// What it is fitted to.
+    grid_bounds: Bounds,
+    /// Around all that is shown; shadow maps hold what lies outside of the grid, too.
+    shown_bounds: Bounds,
     lighting: Lighting,
     gi: Gi,
     lights: Lights,
@@ -86,8 +90,8 @@ impl Renderer {
         let unit = radiance_unit_within(bounds, scene, &lighting);
         let mut vxct = VxctLook::new(gpu, scene, bounds, unit);
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
-        // Shadow maps hold what lies outside of the grid, too.
-        scene.bounds = bounds.union(scene.bounds);
+        let shown_bounds = scene.bounds;
+        scene.bounds = bounds.union(shown_bounds);
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
@@ -132,6 +136,8 @@ impl Renderer {
             camera,
             scene,
             scene_bounds,
+            grid_bounds: bounds,
+            shown_bounds,
             lighting,
             gi,
             lights,

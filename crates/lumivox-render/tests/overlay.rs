@@ -47,7 +47,7 @@ fn add(scene: &mut Scene, corners: &[Vec3], material: Material) {
         mesh: scene.meshes.len() - 1,
         material: scene.materials.len() - 1,
         world_from_local: Mat4::IDENTITY,
-        is_static: true,
+        ..Instance::default()
     });
 }
 

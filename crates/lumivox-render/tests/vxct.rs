@@ -100,8 +100,7 @@ fn add_square(scene: &mut Scene, center: Vec3, axes: (Vec3, Vec3), half: f32, ma
         name: format!("square {}", scene.instances.len()),
         mesh: scene.meshes.len() - 1,
         material: scene.materials.len() - 1,
-        world_from_local: Mat4::IDENTITY,
-        is_static: true,
+        ..Instance::default()
     });
 }
 

@@ -11,6 +11,7 @@ pub mod run;
 pub mod scenes;
 pub mod settings;
 mod staged;
+pub mod view;
 pub mod volumes;
 pub mod voxels;
 

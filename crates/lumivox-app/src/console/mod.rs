@@ -46,6 +46,7 @@ use crate::exit::Failure;
 use crate::explorer::{Explorer, Opening};
 pub use command::{COMMANDS, Command, Group, Takes};
 pub use commands::program;
+pub use line::{quote, split};
 pub use names::Names;
 pub use queue::{Line, Queue, script};
 
@@ -151,7 +152,7 @@ impl Console {
     /// When there is no such command, an argument is wrong, or it cannot be done. The message says what would have been
     /// right. Nothing has changed then.
     pub fn run(&mut self, line: &str) -> anyhow::Result<Reply> {
-        let commands = line::split(line).map_err(|error| Failure::input(error.to_string()))?;
+        let commands = split(line).map_err(|error| Failure::input(error.to_string()))?;
         let words = match commands.as_slice() {
             [] => return Ok(Reply::default()),
             [words] => words,

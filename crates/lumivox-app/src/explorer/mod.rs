@@ -17,10 +17,12 @@
 //! | `clock.rs` | what happens as time goes on |
 //! | `update.rs` | bringing the renderer up to date |
 //! | `frames.rs` | rendering frame by frame, and their times |
+//! | `live.rs` | what a window asks besides: reading a scene again, times of stages |
 
 mod animation;
 mod clock;
 mod frames;
+mod live;
 mod names;
 mod objects;
 mod opened;

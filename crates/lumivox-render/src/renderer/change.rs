@@ -86,7 +86,8 @@ impl Renderer {
             let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
             self.took(voxelized);
             (self.gi, self.passes, self.targets) = (gi, passes, targets);
-            self.scene.bounds = bounds;
+            self.grid_bounds = bounds;
+            self.scene.bounds = bounds.union(self.shown_bounds);
             self.vxct.relink(bounds);
             progress(Progress { stage: "voxelize", done: 1, total: 1 });
         } else {
@@ -164,14 +165,12 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
-        let bounds = self.scene.bounds;
-        let unit = radiance_unit_within(bounds, scene, &lighting);
+        let unit = radiance_unit_within(self.grid_bounds, scene, &lighting);
         let is_same_unit = unit.to_bits() == self.scene.radiance_unit.to_bits();
         let was_tinted = self.scene.is_tinted();
         let keeps_textures = is_same_unit && self.scene.set_materials(&self.gpu, scene, &lighting);
         if !keeps_textures {
             self.scene = upload(&self.gpu, scene, &lighting, unit, &self.settings).await?;
-            self.scene.bounds = bounds;
             self.passes = Passes::new(&self.gpu, &self.gi, &self.scene, &self.settings)?;
         }
         if !keeps_textures || was_tinted != self.scene.is_tinted() {
@@ -192,7 +191,7 @@ impl Renderer {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
-        let unit = radiance_unit_within(self.scene.bounds, scene, &lighting);
+        let unit = radiance_unit_within(self.grid_bounds, scene, &lighting);
         if unit.to_bits() != self.scene.radiance_unit.to_bits() {
             return self.set_materials(scene, progress).await;
         }
@@ -285,6 +284,8 @@ impl Renderer {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene);
         self.scene_bounds = scene.voxel_bounds();
+        self.shown_bounds = scene.bounds();
+        self.scene.bounds = self.grid_bounds.union(self.shown_bounds);
         self.take_lighting(scene)?;
         self.gpu.check("uploading the scene")
     }

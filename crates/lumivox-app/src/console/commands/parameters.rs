@@ -103,7 +103,8 @@ pub fn of_preset(console: &Console) -> RenderSettings {
     let preset = console.explorer.preset();
     let resolution = console.explorer.settings().resolution;
     let defaults = RenderSettings { resolution, ..RenderSettings::default() };
-    let settings = crate::commands::settings::with_preset(&defaults, preset);
+    let scene = console.explorer.scene();
+    let settings = crate::commands::settings::with_preset(&defaults, preset, scene);
     RenderSettings { resolution: RenderSettings::default().resolution, ..settings }
 }
 

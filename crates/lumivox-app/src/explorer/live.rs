@@ -1,0 +1,43 @@
+//! What a window asks of an explorer besides.
+
+use lumivox::gpu::{StageTime, Timing};
+
+use super::Explorer;
+use super::opened::Opened;
+
+impl Explorer {
+    /// Shows a scene that was read again: the camera, the stored positions and the changes of objects that are still there
+    /// stay. Returns for how many objects changes were kept.
+    pub fn reopen(&mut self, mut opened: Opened) -> usize {
+        let (camera, positions) = (self.camera.clone(), self.positions.clone());
+        let names = super::names::names_of_objects(&opened.scene);
+        if let Some(old) = &mut self.opened {
+            let edits = std::mem::take(&mut old.edits);
+            opened.edits = edits.into_iter().filter(|(name, _)| names.contains(name)).collect();
+        }
+        opened.apply_edits();
+        let kept = opened.edits.len();
+        self.open(opened);
+        (self.camera, self.positions) = (camera, positions);
+        kept
+    }
+
+    /// Takes note of the preset that the settings started from.
+    pub fn note_preset(&mut self, preset: crate::args::choices::PresetChoice) {
+        self.preset = preset;
+    }
+
+    /// Whether the times of stages are taken. It costs some time itself.
+    pub fn set_timed(&mut self, is_timed: bool) {
+        let timing = if is_timed { Timing::for_device(&self.gpu.device) } else { Timing::Off };
+        self.settings.timing = timing;
+    }
+
+    /// The times of all passes since the last call; empty unless they are taken.
+    pub fn take_stage_times(&mut self) -> Vec<StageTime> {
+        let Some(renderer) = &mut self.renderer else { return Vec::new() };
+        let times = renderer.times();
+        renderer.forget_times();
+        times
+    }
+}

@@ -1,0 +1,398 @@
+//! The window's state, and where everything is.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+use egui::{CentralPanel, Frame, Key, Modifiers, Panel, TextureId, Ui};
+use glam::UVec2;
+use lumivox_render::parameters::{Parameter, Value};
+use lumivox_scene::Camera;
+
+use super::config::Config;
+use super::gizmo;
+use super::lines::{Line, Origin, quoted};
+use super::model::{LogKind, Model, Selected};
+use super::panels::{self, console, files};
+use super::surface::PICTURES;
+use super::worker::{Order, Published, Shared};
+use super::{camera, theme};
+
+/// The camera has come to rest when it has not moved for this long.
+const REST: Duration = Duration::from_millis(250);
+
+/// A value that was sent and that the model does not have yet: what a slider shows in the meantime.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Held {
+    Value(Value),
+    Numbers([f32; 9]),
+}
+
+/// A camera in somebody's hand.
+#[derive(Clone, Debug)]
+struct Motion {
+    camera: Camera,
+    moved: Instant,
+    /// The line that tells where it came to rest, once it was sent.
+    told: Option<u64>,
+}
+
+/// The window's state.
+pub struct App {
+    /// What is kept between runs.
+    pub config: Config,
+    /// The pictures' textures.
+    pub textures: [Option<TextureId>; PICTURES],
+    /// What the worker has published.
+    pub published: Published,
+    orders: Sender<Order>,
+    shared: Shared,
+    lines_sent: u64,
+    held: HashMap<String, (Held, u64)>,
+    motion: Option<Motion>,
+    /// What is chosen, and of which of the worker's selections it follows.
+    pub selected: Option<Selected>,
+    selections: u64,
+    /// What the handles do.
+    pub gizmo: gizmo::Mode,
+    /// A handle in somebody's hand.
+    pub drag: Option<gizmo::Drag>,
+    /// Where the split is, as a share of the picture's width.
+    pub split: f32,
+    /// Objects whose names have this in them are listed.
+    pub filter: String,
+    /// The console.
+    pub console: console::State,
+    /// Whether the help is open.
+    pub has_help: bool,
+    /// Dialogs of the system.
+    pub dialogs: files::Dialogs,
+    size: UVec2,
+    is_timed: bool,
+    is_coarse: bool,
+    command_lines: u64,
+    source: String,
+}
+
+impl App {
+    /// The state at the start.
+    pub fn new(config: Config, orders: Sender<Order>, shared: Shared) -> Self {
+        if let Some(warning) = &config.warning {
+            let _ = orders.send(Order::Say(LogKind::Error, warning.clone()));
+        }
+        Self {
+            config,
+            textures: [None; PICTURES],
+            published: Published::default(),
+            orders,
+            shared,
+            lines_sent: 0,
+            held: HashMap::new(),
+            motion: None,
+            selected: None,
+            selections: 0,
+            gizmo: gizmo::Mode::default(),
+            drag: None,
+            split: 0.5,
+            filter: String::new(),
+            console: console::State::default(),
+            has_help: false,
+            dialogs: files::Dialogs::default(),
+            size: UVec2::ZERO,
+            is_timed: false,
+            is_coarse: true,
+            command_lines: 0,
+            source: String::new(),
+        }
+    }
+
+    /// Fetches what was published.
+    pub fn look(&mut self) -> Published {
+        self.published = self.shared.get();
+        let model = self.published.model.clone();
+        self.held.retain(|_, (_, line)| *line > model.lines_done);
+        if model.selections != self.selections {
+            self.selections = model.selections;
+            self.selected.clone_from(&model.selected);
+        }
+        if self.motion.as_ref().and_then(|m| m.told).is_some_and(|line| line <= model.lines_done) {
+            self.motion = None;
+        }
+        let source = model.scene.as_ref().map(|scene| scene.source.clone()).unwrap_or_default();
+        if !source.is_empty() && source != self.source {
+            self.config.note_recent(&source);
+            self.source = source;
+        }
+        self.published.clone()
+    }
+
+    /// Whether the worker has ended.
+    pub fn has_ended(&self) -> bool {
+        self.shared.has_ended()
+    }
+
+    /// Keeps what is kept between runs.
+    pub fn save(&mut self) {
+        let model = self.published.model.clone();
+        self.config.keep_settings(&model);
+        if let Err(error) = self.config.save() {
+            tracing::warn!("the window's settings cannot be kept: {error:#}");
+        }
+    }
+
+    /// Tells the worker something.
+    pub fn order(&self, order: Order) {
+        // It has ended when nobody listens; the window follows.
+        let _ = self.orders.send(order);
+    }
+
+    /// Sends a line that a button, a slider or a key stands for.
+    pub fn line(&mut self, text: impl Into<String>) -> u64 {
+        self.send(text.into(), Origin::Panel)
+    }
+
+    /// Sends a line that somebody typed.
+    pub fn typed_line(&mut self, text: impl Into<String>) {
+        self.send(text.into(), Origin::Pane);
+    }
+
+    fn send(&mut self, text: String, origin: Origin) -> u64 {
+        self.lines_sent += 1;
+        self.order(Order::Line(Line { text, origin, serial: self.lines_sent }));
+        self.lines_sent
+    }
+
+    /// Opens a scene's file.
+    pub fn open_file(&mut self, file: &Path) {
+        self.open_source(&file.display().to_string());
+    }
+
+    /// Opens a scene, named as on the command line.
+    pub fn open_source(&mut self, source: &str) {
+        self.typed_line(format!("load {}", quoted(source)));
+    }
+
+    /// A parameter's value, or what it will be.
+    pub fn value(&self, parameter: &Parameter, model: &Model) -> Value {
+        match self.held.get(parameter.name) {
+            Some((Held::Value(value), _)) => *value,
+            _ => parameter.get(&model.settings),
+        }
+    }
+
+    /// Sets a parameter.
+    pub fn set_value(&mut self, parameter: &Parameter, value: Value) {
+        let line = self.line(format!("{} {value}", parameter.name));
+        self.held.insert(parameter.name.to_owned(), (Held::Value(value), line));
+    }
+
+    /// Numbers of something, or what they will be.
+    pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
+        match self.held.get(key) {
+            Some((Held::Numbers(held), _)) => {
+                std::array::from_fn(|i| held.get(i).copied().unwrap_or(now[i]))
+            }
+            _ => now,
+        }
+    }
+
+    /// Sets numbers by a command; at most nine of them are shown until it is done.
+    pub fn set_numbers<const N: usize>(&mut self, key: &str, numbers: [f32; N], command: String) {
+        let line = self.line(command);
+        let held = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
+        self.held.insert(key.to_owned(), (Held::Numbers(held), line));
+    }
+
+    /// Chooses something.
+    pub fn select(&mut self, selected: Option<Selected>) {
+        if selected != self.selected {
+            self.line(match &selected {
+                Some(selected) => format!("select {}", quoted(selected.name())),
+                None => "select".to_owned(),
+            });
+            self.selected = selected;
+        }
+    }
+
+    /// The camera, as it is or as it is being moved.
+    pub fn camera(&self) -> Camera {
+        match &self.motion {
+            Some(motion) => motion.camera.clone(),
+            None => self.published.model.camera.clone(),
+        }
+    }
+
+    /// Moves the camera by hand.
+    pub fn move_camera(&mut self, camera: Camera) {
+        self.order(Order::Camera(camera.clone()));
+        self.motion = Some(Motion { camera, moved: Instant::now(), told: None });
+    }
+
+    /// Writes down where the camera has come to rest.
+    fn settle_camera(&mut self, ui: &Ui) {
+        let Some(motion) = &self.motion else { return };
+        if motion.told.is_some() {
+            return;
+        }
+        if motion.moved.elapsed() < REST || ui.input(|input| input.pointer.any_down()) {
+            ui.ctx().request_repaint_after(REST);
+            return;
+        }
+        let camera = motion.camera.clone();
+        let pivot = panels::picture::pivot(self);
+        let distance_m = (pivot - camera.position).dot(camera.forward).max(1.0);
+        let line = self.line(camera::command(&camera, distance_m));
+        if let Some(motion) = &mut self.motion {
+            motion.told = Some(line);
+        }
+    }
+
+    /// Says how much room there is for the picture, px.
+    pub fn set_room(&mut self, size: UVec2) {
+        let size = if self.config.half_size { size / 2 } else { size };
+        let size = size.max(UVec2::ONE);
+        if size != self.size {
+            self.size = size;
+            self.order(Order::Size(size));
+        }
+    }
+
+    /// Takes times of stages where they are shown.
+    pub fn set_timed(&mut self, is_timed: bool) {
+        if is_timed != self.is_timed {
+            self.is_timed = is_timed;
+            self.order(Order::Timed(is_timed));
+        }
+    }
+
+    /// All of the window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let model = self.published.model.clone();
+        if self.is_coarse != self.config.coarse_motion {
+            self.is_coarse = self.config.coarse_motion;
+            self.order(Order::Coarse(self.is_coarse));
+        }
+        if let Some((number, line)) = &model.command_line
+            && *number != self.command_lines
+        {
+            self.command_lines = *number;
+            ui.ctx().copy_text(line.clone());
+        }
+        self.keys(ui, &model);
+        let bar = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 4));
+        Panel::top("menu").frame(bar).show(ui, |ui| panels::menu::show(ui, &model, self));
+        Panel::bottom("status").frame(bar).show(ui, |ui| panels::status::show(ui, &model, self));
+        let side = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(6, 4));
+        if self.config.left {
+            let panel =
+                Panel::left("left").frame(side).default_size(230.0).size_range(200.0..=420.0);
+            panel.show(ui, |ui| panels::left(ui, &model, self));
+        }
+        let mut is_timed = false;
+        if self.config.right {
+            let panel =
+                Panel::right("right").frame(side).default_size(286.0).size_range(260.0..=460.0);
+            panel.show(ui, |ui| is_timed = panels::right(ui, &model, self));
+        }
+        self.set_timed(is_timed);
+        if self.config.console {
+            let deep = Frame::new().fill(theme::DEEP).inner_margin(egui::Margin::symmetric(8, 4));
+            let panel = Panel::bottom("console").frame(deep).resizable(true);
+            let panel = panel.default_size(120.0).size_range(70.0..=400.0);
+            panel.show(ui, |ui| console::show(ui, &model, self));
+        }
+        if model.playback.animation.is_some() {
+            Panel::bottom("animation")
+                .frame(bar)
+                .show(ui, |ui| panels::animation::show(ui, &model, self));
+        }
+        let deep = Frame::new().fill(theme::DEEP);
+        CentralPanel::no_frame().frame(deep).show(ui, |ui| match &model.scene {
+            Some(scene) => panels::picture::show(ui, &model, scene, self),
+            None => panels::welcome::show(ui, &model, self),
+        });
+        if self.has_help {
+            panels::help::show(ui, self);
+        }
+        self.settle_camera(ui);
+        if let Some(line) = self.dialogs.chosen() {
+            self.typed_line(line);
+        }
+        if self.dialogs.are_open() {
+            ui.ctx().request_repaint_after(Duration::from_millis(200));
+        }
+    }
+
+    /// Keys that work anywhere, and those that work while nobody types.
+    fn keys(&mut self, ui: &Ui, model: &Model) {
+        let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
+        let command = Modifiers::COMMAND;
+        if pressed(Modifiers::NONE, Key::F1) {
+            self.has_help = !self.has_help;
+        }
+        if pressed(Modifiers::NONE, Key::F2) {
+            self.config.console = !self.config.console;
+        }
+        if pressed(command, Key::O) {
+            self.dialogs.open();
+        }
+        if pressed(command | Modifiers::SHIFT, Key::C) {
+            self.order(Order::CommandLine);
+        }
+        if pressed(command, Key::S) {
+            self.dialogs.save();
+        }
+        if pressed(command, Key::Q) {
+            self.line("quit");
+        }
+        if ui.ctx().egui_wants_keyboard_input() {
+            return;
+        }
+        for (key, number) in [(Key::Num1, 1), (Key::Num2, 2)] {
+            if pressed(command, key) {
+                self.line(format!("store {number}"));
+            } else if pressed(Modifiers::NONE, key) {
+                self.line(format!("pos{number}"));
+            }
+        }
+        if pressed(Modifiers::NONE, Key::Space) {
+            self.line(if model.playback.is_playing { "pause" } else { "play" });
+        }
+        if !model.jobs.is_empty() && pressed(Modifiers::NONE, Key::Escape) {
+            // Esc goes from what is nearest to what is farthest: work, help, selection.
+            self.order(Order::Cancel);
+        }
+        if pressed(Modifiers::NONE, Key::Escape) {
+            self.has_help = false;
+            self.select(None);
+        }
+        for (key, mode) in
+            [(Key::T, gizmo::Mode::Move), (Key::R, gizmo::Mode::Turn), (Key::Z, gizmo::Mode::Size)]
+        {
+            if pressed(Modifiers::NONE, key) {
+                self.gizmo = mode;
+            }
+        }
+        if pressed(Modifiers::NONE, Key::F) {
+            panels::picture::frame_selection(self, model);
+        }
+        let Some(selected) = self.selected.clone() else { return };
+        match &selected {
+            Selected::Object(name) => {
+                if pressed(Modifiers::NONE, Key::H) {
+                    let object =
+                        model.scene.iter().flat_map(|s| &s.objects).find(|o| o.name == *name);
+                    let is_hidden = object.is_some_and(|object| object.is_hidden);
+                    let verb = if is_hidden { "show" } else { "hide" };
+                    self.line(format!("{verb} {}", quoted(name)));
+                }
+            }
+            Selected::Light(name) => {
+                if pressed(Modifiers::NONE, Key::Delete) {
+                    self.line(format!("remove_light {}", quoted(name)));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! The event loop: input to egui, egui to the screen.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use egui::ViewportId;
+use egui_winit::accesskit_winit;
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+use super::app::App;
+use super::surface::Surface;
+use super::worker::{self, Order, Wish};
+use super::{Start, theme};
+use crate::exit::Failure;
+
+/// What wakes the window.
+#[derive(Debug)]
+pub enum Wake {
+    /// The worker has published something.
+    Published,
+    /// A screen reader asks.
+    Access(accesskit_winit::Event),
+}
+
+impl From<accesskit_winit::Event> for Wake {
+    fn from(event: accesskit_winit::Event) -> Self {
+        Self::Access(event)
+    }
+}
+
+/// The least size of the window, points.
+const LEAST: LogicalSize<f64> = LogicalSize::new(480.0, 320.0);
+
+/// Shows the window until it is closed.
+///
+/// # Errors
+/// When no window can be made, or no device draws into it.
+pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
+    let proxy = event_loop.create_proxy();
+    let wake = move || {
+        // The window may be closed already.
+        let _ = proxy.send_event(Wake::Published);
+    };
+    let Start { console, opening, options, config } = start;
+    let (orders, shared, thread) = worker::start(console, options, opening, wake);
+    let context = egui::Context::default();
+    theme::apply(&context);
+    let app = App::new(config, orders.clone(), shared);
+    let mut handler = Handler {
+        proxy: event_loop.create_proxy(),
+        context,
+        app,
+        open: None,
+        next_paint: None,
+        error: None,
+    };
+    event_loop.run_app(&mut handler)?;
+    handler.app.save();
+    let _ = orders.send(Order::Quit);
+    // A frame takes a moment; a worker that panicked has told so.
+    let _ = thread.join();
+    handler.error.map_or(Ok(()), Err)
+}
+
+struct Handler {
+    proxy: winit::event_loop::EventLoopProxy<Wake>,
+    context: egui::Context,
+    app: App,
+    open: Option<Open>,
+    /// When egui wants to paint again by itself.
+    next_paint: Option<Instant>,
+    error: Option<anyhow::Error>,
+}
+
+/// A window on the screen.
+struct Open {
+    window: Arc<Window>,
+    input: egui_winit::State,
+    surface: Surface,
+}
+
+impl Handler {
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: anyhow::Error) {
+        self.error = Some(error);
+        event_loop.exit();
+    }
+
+    fn open(&self, event_loop: &ActiveEventLoop) -> anyhow::Result<Open> {
+        let [width, height] = self.app.config.window;
+        let attributes = Window::default_attributes()
+            .with_title("Lumivox")
+            .with_inner_size(LogicalSize::new(width, height))
+            .with_min_inner_size(LEAST)
+            // Screen readers must be there before the window is seen.
+            .with_visible(false);
+        let window = event_loop
+            .create_window(attributes)
+            .map_err(|error| Failure::display(format!("the display refuses a window: {error}")))?;
+        let window = Arc::new(window);
+        let mut input = egui_winit::State::new(
+            self.context.clone(),
+            ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            window.theme(),
+            None,
+        );
+        input.init_accesskit(event_loop, &window, self.proxy.clone());
+        let surface = Surface::new(window.clone(), event_loop.owned_display_handle())?;
+        input.set_max_texture_side(surface.max_texture_side());
+        window.set_visible(true);
+        Ok(Open { window, input, surface })
+    }
+
+    fn paint(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(Open { window, input, surface }) = &mut self.open else { return };
+        let published = self.app.look();
+        if published.wish == Some(Wish::LoseDevice) {
+            surface.lose();
+        }
+        if published.has_ended {
+            event_loop.exit();
+            return;
+        }
+        self.app.textures = [
+            surface.set_picture(0, published.picture.clone()),
+            surface.set_picture(1, published.other.clone()),
+        ];
+        let app = &mut self.app;
+        let output = self.context.run_ui(input.take_egui_input(window), |ui| app.show(ui));
+        input.handle_platform_output_with_event_loop(window, event_loop, output.platform_output);
+        let mut is_closing = false;
+        for viewport in output.viewport_output.values() {
+            is_closing |= viewport.commands.contains(&egui::ViewportCommand::Close);
+            self.next_paint = Instant::now().checked_add(viewport.repaint_delay);
+            if viewport.repaint_delay.is_zero() {
+                window.request_redraw();
+            }
+        }
+        let scale = output.pixels_per_point;
+        let primitives = self.context.tessellate(output.shapes, scale);
+        let size = window.inner_size().to_logical::<f32>(window.scale_factor());
+        if size.width > 0.0 && size.height > 0.0 {
+            self.app.config.window = [size.width, size.height];
+        }
+        if let Err(error) = surface.paint(output.textures_delta, &primitives, scale) {
+            self.fail(event_loop, error);
+            return;
+        }
+        if is_closing {
+            event_loop.exit();
+        }
+    }
+}
+
+impl ApplicationHandler<Wake> for Handler {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.open.is_none() {
+            match self.open(event_loop) {
+                Ok(open) => self.open = Some(open),
+                Err(error) => return self.fail(event_loop, error),
+            }
+        }
+        if let Some(open) = &self.open {
+            open.window.request_redraw();
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (StartCause::ResumeTimeReached { .. }, Some(open)) = (cause, &self.open) {
+            self.next_paint = None;
+            open.window.request_redraw();
+        }
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
+        let Some(open) = &mut self.open else { return };
+        match wake {
+            Wake::Published => {
+                // A minimized window is not asked to paint, but may be asked to end.
+                if self.app.has_ended() {
+                    event_loop.exit();
+                }
+            }
+            Wake::Access(event) => match event.window_event {
+                accesskit_winit::WindowEvent::InitialTreeRequested => {
+                    self.context.enable_accesskit()
+                }
+                accesskit_winit::WindowEvent::ActionRequested(request) => {
+                    open.input.on_accesskit_action_request(request);
+                }
+                accesskit_winit::WindowEvent::AccessibilityDeactivated => {
+                    self.context.disable_accesskit()
+                }
+            },
+        }
+        open.window.request_redraw();
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(open) = &mut self.open else { return };
+        let response = open.input.on_window_event(&open.window, &event);
+        match event {
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::RedrawRequested => self.paint(event_loop),
+            WindowEvent::Resized(size) => {
+                open.surface.resize(size.width, size.height);
+                open.window.request_redraw();
+            }
+            WindowEvent::DroppedFile(file) => {
+                self.app.open_file(&file);
+                open.window.request_redraw();
+            }
+            _ if response.repaint => open.window.request_redraw(),
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        event_loop.set_control_flow(match self.next_paint {
+            Some(at) => ControlFlow::WaitUntil(at),
+            None => ControlFlow::Wait,
+        });
+    }
+}

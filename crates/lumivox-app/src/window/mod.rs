@@ -1,0 +1,75 @@
+//! The window: a thin front end on the console.
+//!
+//! Two threads, two devices. This one belongs to the window: it draws the panels by egui on a device of its own, and
+//! sends lines of the console's language to the worker ([`worker`]), which owns the console, the explorer and the
+//! explorer's device. Back come a snapshot for the panels ([`model`]) and pictures in main memory. So the panels never
+//! wait for a frame, and neither device takes the other along when it is lost.
+//!
+//! Whatever is done with the mouse is a line, which is written in the console: it can be read, repeated and put into a
+//! script. Only the camera and the picture's size go as they are while they change.
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `app.rs` | the window's state and its layout; `panels/`: what is in it |
+//! | `events.rs` | the event loop |
+//! | `surface.rs` | the window's device |
+//! | `worker/` | the thread that renders |
+//! | `model.rs` | what the panels show |
+//! | `lines.rs` | lines on their way |
+//! | `jobs.rs`, `reload.rs` | what runs beside: reading scenes, references, watching files |
+//! | `camera.rs`, `gizmo.rs` | moving the camera, and objects |
+//! | `config.rs` | what is kept between runs |
+
+mod app;
+mod camera;
+mod config;
+mod events;
+mod gizmo;
+mod jobs;
+mod lines;
+mod model;
+mod panels;
+mod reload;
+mod surface;
+mod theme;
+mod worker;
+
+use winit::event_loop::EventLoop;
+
+pub use config::Config;
+pub use events::{Wake, run};
+
+use crate::console::Console;
+use crate::exit::Failure;
+use crate::explorer::Opening;
+
+/// What the window starts with.
+#[derive(Debug)]
+pub struct Start {
+    /// The console, with settings but without a scene.
+    pub console: Console,
+    /// The scene to open.
+    pub opening: Option<Opening>,
+    /// How another device is opened if the first is lost.
+    pub options: lumivox_render::GpuOptions,
+    /// What was kept of the last time.
+    pub config: Config,
+}
+
+/// Connects to the display.
+///
+/// # Errors
+/// When there is none, with what to do about it.
+pub fn event_loop() -> anyhow::Result<EventLoop<Wake>> {
+    // Without both variables winit's message speaks of its features.
+    let built = EventLoop::<Wake>::with_user_event().build();
+    built.map_err(|error| {
+        Failure::display(format!(
+            "there is no display for a window ({}); start it in a graphical session (on Linux $DISPLAY or \
+             $WAYLAND_DISPLAY tells where), or use `lumivox render` for pictures and `lumivox run` for scripts, which \
+             need none",
+            error.to_string().trim_end_matches('.')
+        ))
+        .into()
+    })
+}

@@ -1,0 +1,54 @@
+//! What plays: a bar below the picture.
+
+use egui::{ComboBox, Slider, Ui};
+use lumivox_scene::AnimationChoice;
+
+use super::icons::{self, Icon};
+use crate::window::app::App;
+use crate::window::lines::quoted;
+use crate::window::model::Model;
+use crate::window::theme;
+
+/// Play and pause, the moment, which animation.
+pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
+    let playback = &model.playback;
+    let Some(scene) = model.scene.clone() else { return };
+    ui.horizontal(|ui| {
+        let (icon, command) =
+            if playback.is_playing { (Icon::Pause, "pause") } else { (Icon::Play, "play") };
+        if icons::button(ui, icon, theme::ACCENT, command).clicked() {
+            app.line(command);
+        }
+        if scene.animations.len() > 1 {
+            let name = match playback.animation {
+                Some(AnimationChoice::One(number)) => {
+                    scene.animations.get(number).map_or("", |(name, _)| name)
+                }
+                _ => "all",
+            };
+            ComboBox::from_id_salt("animation").width(120.0).selected_text(name).show_ui(
+                ui,
+                |ui| {
+                    for (choice, _) in &scene.animations {
+                        if ui.selectable_label(choice == name, choice).clicked() {
+                            app.line(format!("animation {}", quoted(choice)));
+                        }
+                    }
+                    if ui.selectable_label(name == "all", "all at once").clicked() {
+                        app.line("animation all");
+                    }
+                },
+            );
+        }
+        let [mut time_s] = app.numbers("time", [playback.time_s]);
+        if playback.is_playing {
+            time_s = playback.time_s;
+        }
+        ui.spacing_mut().slider_width = (ui.available_width() - 80.0).max(60.0);
+        let slider =
+            Slider::new(&mut time_s, 0.0..=playback.duration_s).fixed_decimals(2).suffix(" s");
+        if ui.add(slider).accessible_name("Time").changed() {
+            app.set_numbers("time", [time_s], format!("time {time_s}"));
+        }
+    });
+}

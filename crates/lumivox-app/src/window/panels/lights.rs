@@ -1,0 +1,157 @@
+//! The scene's lights and surroundings.
+
+use egui::{DragValue, RichText, Ui, vec2};
+use glam::Vec3;
+use lumivox_scene::{Light, LightKind};
+
+use super::icons::{self, Icon};
+use super::widgets::{item, row, vector, weak};
+use crate::window::app::App;
+use crate::window::lines::quoted;
+use crate::window::model::{SceneModel, Selected};
+use crate::window::theme;
+
+/// All lights, what can be set of the chosen one, and the surroundings.
+pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
+    for (name, light) in &scene.lights {
+        let is_chosen = matches!(&app.selected, Some(Selected::Light(other)) if other == name);
+        ui.horizontal(|ui| {
+            let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
+            ui.painter().circle_filled(rect.center(), 5.0, screen_color(light.color));
+            let label = item(ui, is_chosen, RichText::new(name), 22.0);
+            if label.on_hover_text(kind_name(light)).clicked() {
+                app.select((!is_chosen).then(|| Selected::Light(name.clone())));
+            }
+            if icons::button(ui, Icon::Cross, theme::WEAK, &format!("Remove {name}")).clicked() {
+                app.line(format!("remove_light {}", quoted(name)));
+            }
+        });
+        if is_chosen {
+            chosen(ui, name, light, app);
+            ui.separator();
+        }
+    }
+    if scene.lights.is_empty() {
+        weak(ui, "No lamps; what emits and the surroundings shine.");
+    }
+    ui.horizontal(|ui| {
+        weak(ui, "Add");
+        for (kind, tip) in [
+            ("point", "A lamp that shines to all sides"),
+            ("spot", "A lamp that shines into a cone"),
+            ("sun", "Parallel light from far away"),
+        ] {
+            if ui.button(kind).on_hover_text(tip).clicked() {
+                app.line(format!("add_light {kind}"));
+            }
+        }
+    });
+    surroundings(ui, scene, app);
+}
+
+fn chosen(ui: &mut Ui, name: &str, light: &Light, app: &mut App) {
+    let quoted_name = quoted(name);
+    let set = |property: &str| format!("light {quoted_name} {property}");
+    row(ui, "Colour", "Linear red, green and blue; the strength is apart", |ui| {
+        let key = set("color");
+        let mut color = app.numbers(&key, light.color.to_array());
+        let before = color;
+        ui.color_edit_button_rgb(&mut color);
+        if color != before {
+            let [r, g, b] = color;
+            app.set_numbers(&key, color, format!("{key} {r} {g} {b}"));
+        }
+    });
+    let (strength, unit) = match light.kind {
+        LightKind::Directional { illuminance_lux, .. } => (illuminance_lux, "lux"),
+        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+            (intensity_cd, "cd")
+        }
+    };
+    number(ui, app, "Strength", &set("strength"), strength, unit, (0.0, f32::MAX));
+    let is_sun = matches!(light.kind, LightKind::Directional { .. });
+    if !is_sun {
+        three(ui, app, "Position, m", &set("position"), light.position, 0.01);
+        number(ui, app, "Radius", &set("radius"), light.radius_m, "m", (0.0, f32::MAX));
+    }
+    if !matches!(light.kind, LightKind::Point { .. }) {
+        three(ui, app, "Direction", &set("direction"), light.direction, 0.01);
+    }
+}
+
+fn number(
+    ui: &mut Ui,
+    app: &mut App,
+    title: &str,
+    key: &str,
+    now: f32,
+    unit: &str,
+    (low, high): (f32, f32),
+) {
+    row(ui, title, "", |ui| {
+        let [mut value] = app.numbers(key, [now]);
+        let speed = f64::from(value.abs().max(0.01)) * 0.01;
+        let drag = DragValue::new(&mut value).range(low..=high).speed(speed).max_decimals(4);
+        let width = ui.available_width();
+        if ui
+            .add_sized([width, 18.0], drag.suffix(format!(" {unit}")))
+            .accessible_name(title)
+            .changed()
+        {
+            app.set_numbers(key, [value], format!("{key} {value}"));
+        }
+    });
+}
+
+fn three(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: Vec3, speed: f64) {
+    weak(ui, title);
+    let mut numbers = app.numbers(key, now.to_array());
+    let changed = ui.push_id(key, |ui| {
+        ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, ["x", "y", "z"])).inner
+    });
+    // A direction must be one.
+    if changed.inner && numbers != [0.0; 3] {
+        let [x, y, z] = numbers;
+        app.set_numbers(key, numbers, format!("{key} {x} {y} {z}"));
+    }
+}
+
+fn surroundings(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
+    if let Some(panorama) = &scene.panorama {
+        weak(ui, format!("Surroundings: {panorama}"));
+        return;
+    }
+    // A colour and a strength: fields of cd/m² go far beyond a colour button's range.
+    row(ui, "Surroundings", "Radiance from all around, cd/m\u{b2}", |ui| {
+        let now = app.numbers("environment", scene.environment.to_array());
+        let peak = Vec3::from(now).max_element();
+        let mut color = if peak > 0.0 { now.map(|c| c / peak) } else { [1.0; 3] };
+        let mut strength = peak;
+        let before = (color, strength);
+        ui.color_edit_button_rgb(&mut color);
+        let speed = f64::from(strength.max(1.0)) * 0.01;
+        let drag = DragValue::new(&mut strength).range(0.0..=1e7).speed(speed).max_decimals(2);
+        let width = ui.available_width();
+        ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}"))
+            .accessible_name("Radiance of the surroundings");
+        if (color, strength) != before {
+            let [r, g, b] = color.map(|c| c * strength);
+            app.set_numbers("environment", [r, g, b], format!("environment {r},{g},{b}"));
+        }
+    });
+}
+
+/// What a lamp is.
+fn kind_name(light: &Light) -> &'static str {
+    match light.kind {
+        LightKind::Directional { .. } => "Sun",
+        LightKind::Point { .. } => "Point light",
+        LightKind::Spot { .. } => "Spot light",
+    }
+}
+
+/// A linear colour of any strength as a screen shows it at full brightness.
+pub fn screen_color(color: Vec3) -> egui::Color32 {
+    let peak = color.max_element().max(1e-6);
+    egui::Rgba::from_rgb(color.x / peak, color.y / peak, color.z / peak).into()
+}

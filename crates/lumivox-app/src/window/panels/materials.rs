@@ -1,0 +1,113 @@
+//! The scene's materials.
+
+use egui::{CollapsingHeader, Slider, Ui};
+use lumivox_scene::{Material, Shading};
+
+use super::widgets::{row, weak};
+use crate::window::app::App;
+use crate::window::lines::quoted;
+use crate::window::model::{SceneModel, Selected};
+
+/// Materials beyond this many are only listed for the chosen object.
+const MOST: usize = 60;
+
+/// All materials; that of the chosen object first.
+pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
+    let chosen = match &app.selected {
+        Some(Selected::Object(name)) => scene.objects.iter().find(|object| object.name == *name),
+        _ => None,
+    };
+    let chosen = chosen.map(|object| object.material);
+    if let Some((name, material)) = chosen.and_then(|index| scene.materials.get(index)) {
+        weak(ui, format!("Of the chosen object: {name}"));
+        ui.push_id("chosen", |ui| one(ui, name, material, app));
+        ui.separator();
+    }
+    for (index, (name, material)) in scene.materials.iter().enumerate().take(MOST) {
+        if Some(index) != chosen {
+            CollapsingHeader::new(name).id_salt(index).show(ui, |ui| one(ui, name, material, app));
+        }
+    }
+    if scene.materials.len() > MOST {
+        weak(ui, format!("and {} more: choose an object", scene.materials.len() - MOST));
+    }
+}
+
+fn one(ui: &mut Ui, name: &str, material: &Material, app: &mut App) {
+    let quoted_name = quoted(name);
+    let key = |property: &str| format!("material {quoted_name} {property}");
+    match &material.shading {
+        Shading::MetallicRoughness(m) => {
+            let tip =
+                if m.base_color_texture.is_some() { "Multiplies the texture" } else { "Linear" };
+            color(
+                ui,
+                app,
+                "Base colour",
+                tip,
+                &key("base_color"),
+                m.base_color.truncate().to_array(),
+            );
+            slider(ui, app, "Metallic", &key("metallic"), m.metallic, 1.0);
+            slider(ui, app, "Roughness", &key("roughness"), m.roughness, 1.0);
+            slider(ui, app, "Specular", &key("specular"), m.specular, 1.0);
+        }
+        Shading::Phong(p) => {
+            color(ui, app, "Diffuse", "Linear", &key("diffuse"), p.diffuse.to_array());
+            color(ui, app, "Specular", "Linear", &key("specular_color"), p.specular.to_array());
+            slider(ui, app, "Shininess", &key("shininess"), p.shininess, 256.0);
+            slider(ui, app, "Ambient", &key("ambient"), p.ambient, 1.0);
+        }
+        Shading::Unlit(u) => {
+            color(ui, app, "Colour", "Linear", &key("color"), u.color.truncate().to_array());
+        }
+    }
+    emission(ui, app, &key("emission"), material);
+}
+
+fn color(ui: &mut Ui, app: &mut App, title: &str, tip: &str, key: &str, now: [f32; 3]) {
+    row(ui, title, tip, |ui| {
+        let mut color = app.numbers(key, now);
+        let before = color;
+        ui.color_edit_button_rgb(&mut color);
+        if color != before {
+            let [r, g, b] = color;
+            app.set_numbers(key, color, format!("{key} {r} {g} {b}"));
+        }
+    });
+}
+
+fn slider(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: f32, high: f32) {
+    row(ui, title, "", |ui| {
+        let [mut value] = app.numbers(key, [now]);
+        ui.spacing_mut().slider_width = (ui.available_width() - 50.0).max(30.0);
+        if ui
+            .add(Slider::new(&mut value, 0.0..=high).max_decimals(2))
+            .accessible_name(title)
+            .changed()
+        {
+            app.set_numbers(key, [value], format!("{key} {value}"));
+        }
+    });
+}
+
+/// A colour, and its strength in cd/m².
+fn emission(ui: &mut Ui, app: &mut App, key: &str, material: &Material) {
+    row(ui, "Emission", "Radiance that the surface emits, cd/m\u{b2}", |ui| {
+        let now = app.numbers(key, material.emissive.to_array());
+        let peak = glam::Vec3::from(now).max_element();
+        let mut color = if peak > 0.0 { now.map(|c| c / peak) } else { [1.0; 3] };
+        let mut strength = peak;
+        let before = (color, strength);
+        ui.color_edit_button_rgb(&mut color);
+        let speed = f64::from(strength.max(1.0)) * 0.01;
+        let drag =
+            egui::DragValue::new(&mut strength).range(0.0..=1e8).speed(speed).max_decimals(2);
+        let width = ui.available_width();
+        ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}")).accessible_name("Emission");
+        if (color, strength) != before {
+            let [r, g, b] = color.map(|c| c * strength);
+            app.set_numbers(key, [r, g, b], format!("{key} {r} {g} {b}"));
+        }
+    });
+}

@@ -1,0 +1,87 @@
+//! The bar at the top.
+
+use egui::{Button, MenuBar, RichText, Ui};
+use lumivox_scene::builtin;
+
+use crate::window::app::App;
+use crate::window::model::Model;
+use crate::window::theme;
+use crate::window::worker::Order;
+
+/// Menus, and what is used most.
+pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file(ui, model, app));
+        ui.menu_button("Window", |ui| window(ui, app));
+        ui.menu_button("Help", |ui| {
+            if ui.add(Button::new("Keys and mouse").shortcut_text("F1")).clicked() {
+                app.has_help = true;
+            }
+            if ui.button("List all commands").clicked() {
+                app.config.console = true;
+                app.typed_line("help");
+            }
+        });
+        ui.separator();
+        let name = model.scene.as_ref().map_or("no scene", |scene| scene.name.as_str());
+        ui.add(egui::Label::new(RichText::new(name).color(theme::WEAK)).truncate());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.toggle_value(&mut app.config.right, "Settings");
+            ui.toggle_value(&mut app.config.console, "Console");
+            ui.toggle_value(&mut app.config.left, "Scene");
+        });
+    });
+}
+
+fn file(ui: &mut Ui, model: &Model, app: &mut App) {
+    if ui.add(Button::new("Open ...").shortcut_text("Ctrl+O")).clicked() {
+        app.dialogs.open();
+    }
+    ui.menu_button("Open recent", |ui| {
+        for source in app.config.recent.clone() {
+            if ui.button(&source).clicked() {
+                app.open_source(&source);
+            }
+        }
+        if app.config.recent.is_empty() {
+            ui.label("none yet");
+        }
+    });
+    ui.menu_button("Built-in scenes", |ui| {
+        for name in builtin::names() {
+            if ui.button(*name).clicked() {
+                app.open_source(&format!("builtin:{name}"));
+            }
+        }
+    });
+    let has_scene = model.scene.is_some();
+    if ui.add_enabled(has_scene, Button::new("Read again")).clicked() {
+        app.line("reload");
+    }
+    ui.separator();
+    if ui.add_enabled(has_scene, Button::new("Save picture ...").shortcut_text("Ctrl+S")).clicked()
+    {
+        app.dialogs.save();
+    }
+    let copy = Button::new("Copy command line").shortcut_text("Ctrl+Shift+C");
+    let tip = "A command line that makes this picture without a window";
+    if ui.add_enabled(has_scene, copy).on_hover_text(tip).clicked() {
+        app.order(Order::CommandLine);
+    }
+    ui.separator();
+    if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
+        app.line("quit");
+    }
+}
+
+fn window(ui: &mut Ui, app: &mut App) {
+    ui.checkbox(&mut app.config.left, "Scene");
+    ui.checkbox(&mut app.config.right, "Settings");
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut app.config.console, "Console");
+        ui.weak("F2");
+    });
+    ui.separator();
+    ui.checkbox(&mut app.config.half_size, "Picture of half size");
+    ui.checkbox(&mut app.config.coarse_motion, "Coarser while moving");
+}

@@ -1,0 +1,69 @@
+//! What is in the window.
+
+pub mod animation;
+pub mod console;
+pub mod files;
+pub mod help;
+pub mod icons;
+pub mod lights;
+pub mod materials;
+pub mod menu;
+pub mod objects;
+pub mod parameters;
+pub mod performance;
+pub mod picture;
+pub mod status;
+pub mod view;
+pub mod volume;
+pub mod welcome;
+pub mod widgets;
+
+use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
+use lumivox_render::parameters::Group;
+
+use super::app::App;
+use super::model::Model;
+use super::theme;
+
+/// A part of a side panel that opens and closes; whether it is open.
+fn section(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut Ui)) -> bool {
+    let title = RichText::new(title).size(13.0).strong().color(theme::ACCENT);
+    let header = CollapsingHeader::new(title).default_open(is_open).show_unindented(ui, |ui| {
+        contents(ui);
+        ui.add_space(4.0);
+    });
+    header.openness > 0.0
+}
+
+/// The scene: objects, materials, lights.
+pub fn left(ui: &mut Ui, model: &Model, app: &mut App) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let Some(scene) = model.scene.clone() else {
+            ui.label(
+                RichText::new("No scene yet. Open one with File, or drop a file here.")
+                    .color(theme::WEAK),
+            );
+            return;
+        };
+        let objects = format!("Objects ({})", scene.objects.len());
+        section(ui, &objects, true, |ui| objects::show(ui, &scene, app));
+        let lights = format!("Lights ({})", scene.lights.len());
+        section(ui, &lights, true, |ui| lights::show(ui, &scene, app));
+        let materials = format!("Materials ({})", scene.materials.len());
+        section(ui, &materials, false, |ui| materials::show(ui, &scene, app));
+    });
+}
+
+/// Everything about the picture; whether times of stages are to be taken.
+pub fn right(ui: &mut Ui, model: &Model, app: &mut App) -> bool {
+    let mut is_timed = false;
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        section(ui, "View", true, |ui| view::show(ui, model, app));
+        section(ui, "Light", true, |ui| parameters::group(ui, Group::Light, model, app));
+        section(ui, "Volume", false, |ui| volume::show(ui, model, app));
+        section(ui, "Cones", false, |ui| view::cones(ui, model, app));
+        section(ui, "Picture", false, |ui| view::picture(ui, model, app));
+        is_timed = section(ui, "Performance", false, |ui| performance::show(ui, model));
+    });
+    is_timed
+}

@@ -1,0 +1,207 @@
+//! Rows for the settings of `lumivox_render::parameters`: name, unit, meaning, and a way back.
+
+use egui::{ComboBox, DragValue, Slider, Ui};
+use glam::Vec3;
+use lumivox_render::parameters::{Group, Kind, PARAMETERS, Parameter, Value};
+
+use super::widgets::{reset, rest_width, row, vector};
+use crate::window::app::App;
+use crate::window::model::Model;
+
+/// Numbers in a range at most this wide have a slider.
+const WIDEST_SLIDER: f32 = 64.0;
+
+/// All settings of a group.
+pub fn group(ui: &mut Ui, group: Group, model: &Model, app: &mut App) {
+    for parameter in PARAMETERS.iter().filter(|parameter| parameter.group == group) {
+        show(ui, parameter, model, app);
+    }
+}
+
+/// The setting of a name.
+pub fn named(ui: &mut Ui, name: &str, model: &Model, app: &mut App) {
+    if let Some(parameter) = Parameter::find(name) {
+        show(ui, parameter, model, app);
+    }
+}
+
+fn show(ui: &mut Ui, parameter: &'static Parameter, model: &Model, app: &mut App) {
+    let value = app.value(parameter, model);
+    let usual = parameter.get(&model.usual);
+    let title = title(parameter.name);
+    let tip = tip(parameter, usual);
+    let set = row(ui, &title, &tip, |ui| {
+        ui.push_id(parameter.name, |ui| {
+            let set = field(ui, parameter, &title, &tip, value);
+            if reset(ui, value != usual, &format!("Back to {usual}")) { Some(usual) } else { set }
+        })
+        .inner
+    });
+    if let Some(set) = set
+        && set != value
+    {
+        app.set_value(parameter, set);
+    }
+}
+
+/// A name as a panel has it.
+fn title(name: &str) -> String {
+    let words = name.replace('_', " ");
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn tip(parameter: &Parameter, usual: Value) -> String {
+    let unit =
+        if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
+    let values = parameter.kind.in_words();
+    format!("{}.\n\n{}: {values}{unit}.\nUsually {usual}.", parameter.summary, parameter.name)
+}
+
+fn field(
+    ui: &mut Ui,
+    parameter: &Parameter,
+    title: &str,
+    tip: &str,
+    value: Value,
+) -> Option<Value> {
+    let width = rest_width(ui);
+    match (parameter.kind, value) {
+        (Kind::Switch, Value::Switch(mut on)) => {
+            let response = ui.checkbox(&mut on, "").on_hover_text(tip).accessible_name(title);
+            response.changed().then_some(Value::Switch(on))
+        }
+        (Kind::Whole { low, high, multiple }, Value::Whole(mut number)) => {
+            let response = if high - low <= 32 && multiple == 1 {
+                ui.spacing_mut().slider_width = width - 44.0;
+                ui.add(Slider::new(&mut number, low..=high))
+            } else {
+                let drag = DragValue::new(&mut number)
+                    .range(low..=high)
+                    .speed(f64::from(multiple).max(0.2));
+                ui.add_sized([width, 18.0], drag.suffix(unit_suffix(parameter.unit)))
+            };
+            number = (number / multiple).max(low / multiple) * multiple;
+            response
+                .on_hover_text(tip)
+                .accessible_name(title)
+                .changed()
+                .then_some(Value::Whole(number))
+        }
+        (Kind::Number { low, high, word, off }, value) => number_field(
+            ui,
+            (title, tip),
+            (low, high, word, off),
+            unit_suffix(parameter.unit),
+            value,
+            width,
+        ),
+        (Kind::Vector { low, below }, Value::Vector(vector_now)) => {
+            let mut numbers = vector_now.to_array();
+            let inner = egui::vec2(width, 18.0);
+            let layout = egui::Layout::left_to_right(egui::Align::Center);
+            let response = ui.allocate_ui_with_layout(inner, layout, |ui| {
+                vector(ui, &mut numbers, 0.01, 3, ["x", "y", "z"])
+            });
+            let highest = below - f32::EPSILON * below.abs().max(1.0);
+            let numbers = numbers.map(|number| number.clamp(low, highest));
+            response.inner.then(|| Value::Vector(Vec3::from(numbers)))
+        }
+        (Kind::Choice(names), Value::Choice(mut name)) => {
+            let before = name;
+            let combo = ComboBox::from_id_salt(parameter.name).width(width).selected_text(before);
+            combo
+                .show_ui(ui, |ui| {
+                    for choice in names {
+                        ui.selectable_value(&mut name, *choice, *choice);
+                    }
+                })
+                .response
+                .on_hover_text(tip)
+                .accessible_name(title);
+            (name != before).then_some(Value::Choice(name))
+        }
+        // A kind and a value that do not belong together: the table's tests forbid them.
+        _ => None,
+    }
+}
+
+fn unit_suffix(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
+fn number_field(
+    ui: &mut Ui,
+    (title, tip): (&str, &str),
+    (low, high, word, off): (f32, f32, Option<&'static str>, Option<f32>),
+    unit: String,
+    value: Value,
+    width: f32,
+) -> Option<Value> {
+    let mut set = None;
+    let mut left = width;
+    if let Some(word) = word {
+        let mut is_word = matches!(value, Value::Word(_));
+        let before = ui.available_width();
+        if ui.checkbox(&mut is_word, word).accessible_name(format!("{title}: {word}")).changed() {
+            let number = if (low..=high).contains(&0.0) { 0.0 } else { low.max(1.0).min(high) };
+            set = Some(if is_word { Value::Word(word) } else { Value::Number(number) });
+        }
+        left -= before - ui.available_width();
+    }
+    if let Value::Number(mut number) = value {
+        let low = off.map_or(low, |off| off.min(low));
+        let response = if high - low <= WIDEST_SLIDER && word.is_none() {
+            ui.spacing_mut().slider_width = (left - 52.0).max(30.0);
+            ui.add(Slider::new(&mut number, low..=high).max_decimals(3))
+        } else {
+            let speed = f64::from((high - low).min(10.0) * 0.005).max(0.001);
+            let drag = DragValue::new(&mut number).range(low..=high).speed(speed).max_decimals(3);
+            ui.add_sized([left.max(40.0), 18.0], drag.suffix(unit))
+        };
+        if response.on_hover_text(tip).accessible_name(title).changed() {
+            // Between what stands for "off" and the range there is nothing.
+            let number = match off {
+                Some(off) if number < low.max(0.0) => off,
+                _ => number,
+            };
+            set = set.or(Some(Value::Number(number)));
+        }
+    }
+    set
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn titles_are_words() {
+        assert_eq!(title("voxel_per_diameter"), "Voxel per diameter");
+    }
+
+    #[test]
+    fn every_parameter_has_a_field_for_each_of_its_values() {
+        let context = egui::Context::default();
+        let settings = lumivox_render::RenderSettings::default();
+        let mut names = 0;
+        let output = context.run_ui(egui::RawInput::default(), |ui| {
+            for parameter in PARAMETERS {
+                let value = parameter.get(&settings);
+                let before = ui.cursor();
+                ui.push_id(parameter.name, |ui| {
+                    assert_eq!(
+                        field(ui, parameter, "title", "tip", value),
+                        None,
+                        "{}",
+                        parameter.name
+                    );
+                });
+                assert_ne!(ui.cursor(), before, "{} shows nothing", parameter.name);
+                names += 1;
+            }
+        });
+        output.drop_without_applying_deltas();
+        assert!(names >= PARAMETERS.len());
+    }
+}

@@ -1,0 +1,390 @@
+//! The picture: what is rendered, what it is compared with, handles, and the mouse.
+
+use egui::{
+    Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke,
+    Ui,
+};
+use egui::{pos2, vec2};
+use glam::{UVec2, Vec2, Vec3};
+use lumivox_scene::{Bounds, Light, LightKind};
+
+use super::objects;
+use crate::explorer::Placement;
+use crate::window::app::App;
+use crate::window::gizmo::{self, Handle, Mode, Projection};
+use crate::window::lines::quoted;
+use crate::window::model::{Comparand, Model, ObjectModel, SceneModel, Selected};
+use crate::window::worker::Order;
+use crate::window::{camera, theme};
+
+/// A drag over the picture's height turns by this, rad.
+const TURN_RAD: f32 = std::f32::consts::PI;
+/// A notch of the wheel comes nearer by this factor.
+const DOLLY: f32 = 0.88;
+/// How much of the scene's radius is flown through in a second.
+const FLIGHT: f32 = 0.6;
+/// SHIFT flies this much faster.
+const FAST: f32 = 4.0;
+/// How near the pointer must come to a light or the split, points.
+const REACH: f32 = 9.0;
+
+/// The picture with all that is drawn over it.
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
+    let area = ui.available_rect_before_wrap();
+    let response = ui.allocate_rect(area, Sense::click_and_drag());
+    let response = response.accessible_name("Picture");
+    let scale = ui.ctx().pixels_per_point();
+    let room = area.size() * scale;
+    if room.x >= 1.0 && room.y >= 1.0 {
+        app.set_room(UVec2::new(room.x as u32, room.y as u32));
+    }
+    let rect = fitted(area, app);
+    let split = images(ui, rect, model, app);
+    let view = Projection::new(&app.camera(), rect);
+    decorate(ui, &view, rect, scene, app);
+    let on_split = split.filter(|_| app.drag.is_none());
+    mouse(ui, &response, &view, (rect, on_split), scene, app);
+    keys(ui, scene, app);
+    if app.published.picture.is_none() && model.jobs.is_empty() && model.error.is_none() {
+        hint(ui, rect, "Preparing the scene ...");
+    }
+}
+
+/// The picture's place: as large as there is room for, in its own proportions.
+fn fitted(area: Rect, app: &App) -> Rect {
+    let Some(shown) = &app.published.picture else { return area };
+    let size = vec2(shown.size.x as f32, shown.size.y as f32);
+    let scale = (area.width() / size.x).min(area.height() / size.y);
+    let fitted = Rect::from_center_size(area.center(), size * scale);
+    // A rounded size is no reason for a rim.
+    if (fitted.width() - area.width()).abs() < 6.0 && (fitted.height() - area.height()).abs() < 6.0
+    {
+        area
+    } else {
+        fitted
+    }
+}
+
+/// One picture or two; where the split is.
+fn images(ui: &Ui, rect: Rect, model: &Model, app: &App) -> Option<f32> {
+    let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+    let [first, other] = app.textures;
+    if let Some(texture) = first {
+        ui.painter().image(texture, rect, whole, Color32::WHITE);
+    }
+    if model.comparand == Comparand::Nothing {
+        return None;
+    }
+    let x = rect.left() + rect.width() * app.split;
+    if let Some(texture) = other {
+        let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
+        let shown = Rect::from_min_max(pos2(app.split, 0.0), pos2(1.0, 1.0));
+        ui.painter().image(texture, right, shown, Color32::WHITE);
+    }
+    ui.painter().vline(x, rect.y_range(), Stroke::new(2.0, Color32::from_black_alpha(140)));
+    ui.painter().vline(x, rect.y_range(), Stroke::new(1.0, Color32::WHITE));
+    let grip = pos2(x, rect.center().y);
+    ui.painter().circle(grip, 7.0, theme::PANEL, Stroke::new(1.5, Color32::WHITE));
+    let samples = app.published.other.as_ref().map(|other| other.frames);
+    let right = match (model.comparand, samples) {
+        (Comparand::View(view), _) => view.name().to_owned(),
+        (Comparand::Reference(_), Some(samples)) => format!("reference, {samples} samples"),
+        (Comparand::Reference(_), None) => "reference: tracing ...".to_owned(),
+        (Comparand::Nothing, _) => String::new(),
+    };
+    label(
+        ui,
+        pos2(rect.left() + 8.0, rect.top() + 8.0),
+        Align2::LEFT_TOP,
+        model.settings.view.name(),
+    );
+    label(ui, pos2(rect.right() - 8.0, rect.top() + 8.0), Align2::RIGHT_TOP, &right);
+    Some(x)
+}
+
+fn label(ui: &Ui, at: Pos2, align: Align2, text: &str) {
+    let galley =
+        ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(12.0), Color32::WHITE);
+    let rect = align.anchor_size(at, galley.size());
+    ui.painter().rect_filled(rect.expand(4.0), 3.0, Color32::from_black_alpha(150));
+    ui.painter().galley(rect.min, galley, Color32::WHITE);
+}
+
+fn hint(ui: &Ui, rect: Rect, text: &str) {
+    let font = FontId::proportional(15.0);
+    ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::WEAK);
+}
+
+/// Box, handles, lamps.
+fn decorate(ui: &Ui, view: &Projection, rect: Rect, scene: &SceneModel, app: &App) {
+    let painter = ui.painter().with_clip_rect(rect);
+    for (name, light) in &scene.lights {
+        let is_chosen = matches!(&app.selected, Some(Selected::Light(other)) if other == name);
+        if is_lamp(light)
+            && let Some(at) = view.project(light.position)
+        {
+            let color = super::lights::screen_color(light.color);
+            let rim = if is_chosen { theme::ACCENT } else { Color32::from_black_alpha(180) };
+            painter.circle(at, if is_chosen { 6.0 } else { 4.5 }, color, Stroke::new(1.5, rim));
+        }
+    }
+    if let Some(object) = chosen_object(scene, app) {
+        outline(&painter, view, object);
+    }
+    let Some((placement, mode)) = handles(scene, app) else { return };
+    let Some(middle) = view.project(placement.position) else { return };
+    let length = view.handle_length(placement.position);
+    let hovered = match &app.drag {
+        Some(drag) => Some(drag.handle),
+        None => ui.ctx().pointer_hover_pos().and_then(|at| gizmo::hit(view, mode, &placement, at)),
+    };
+    for (axis, direction) in gizmo::axes(mode, &placement).into_iter().enumerate() {
+        let is_active = hovered == Some(Handle::Axis(axis));
+        let color = if is_active { Color32::WHITE } else { theme::AXES[axis] };
+        let stroke = Stroke::new(if is_active { 3.0 } else { 2.0 }, color);
+        if mode == Mode::Turn {
+            let points = gizmo::ring(placement.position, direction, length);
+            for pair in points.windows(2) {
+                if let Some(segment) = view.segment(pair[0], pair[1]) {
+                    painter.line_segment(segment, stroke);
+                }
+            }
+            continue;
+        }
+        let Some([from, to]) =
+            view.segment(placement.position, placement.position + direction * length)
+        else {
+            continue;
+        };
+        if mode == Mode::Move {
+            painter.arrow(from, to - from, stroke);
+        } else {
+            painter.line_segment([from, to], stroke);
+            painter.rect_filled(Rect::from_center_size(to, vec2(9.0, 9.0)), 1.0, color);
+        }
+    }
+    if mode == Mode::Size {
+        let color = if hovered == Some(Handle::Middle) { Color32::WHITE } else { theme::ACCENT };
+        painter.rect_filled(Rect::from_center_size(middle, vec2(10.0, 10.0)), 1.0, color);
+    }
+}
+
+/// The edges of an object's box.
+fn outline(painter: &egui::Painter, view: &Projection, object: &ObjectModel) {
+    if object.local_bounds.is_empty() {
+        return;
+    }
+    let corners = object
+        .local_bounds
+        .corners()
+        .map(|corner| object.world_from_local.transform_point3(corner));
+    for from in 0..8_usize {
+        for bit in [1, 2, 4] {
+            if from & bit == 0
+                && let Some(segment) = view.segment(corners[from], corners[from | bit])
+            {
+                painter.line_segment(segment, Stroke::new(2.5, Color32::from_black_alpha(110)));
+                painter.line_segment(segment, Stroke::new(1.2, theme::ACCENT));
+            }
+        }
+    }
+}
+
+fn is_lamp(light: &Light) -> bool {
+    !matches!(light.kind, LightKind::Directional { .. })
+}
+
+fn chosen_object<'a>(scene: &'a SceneModel, app: &App) -> Option<&'a ObjectModel> {
+    let Some(Selected::Object(name)) = &app.selected else { return None };
+    scene.objects.iter().find(|object| object.name == *name)
+}
+
+/// What the handles hold, and what they can do with it.
+fn handles(scene: &SceneModel, app: &App) -> Option<(Placement, Mode)> {
+    match app.selected.as_ref()? {
+        Selected::Object(name) => {
+            let object = chosen_object(scene, app)?;
+            let key = format!("place {}", quoted(name));
+            Some((objects::held(app, &key, &object.placement), app.gizmo))
+        }
+        Selected::Light(name) => {
+            let (_, light) =
+                scene.lights.iter().find(|(other, light)| other == name && is_lamp(light))?;
+            let key = format!("light {} position", quoted(name));
+            let position = Vec3::from(app.numbers(&key, light.position.to_array()));
+            Some((Placement { position, rotation_deg: Vec3::ZERO, scale: Vec3::ONE }, Mode::Move))
+        }
+    }
+}
+
+/// Puts what the handles hold somewhere.
+fn put(app: &mut App, placement: &Placement) {
+    match app.selected.clone() {
+        Some(Selected::Object(name)) => objects::place(app, &name, placement),
+        Some(Selected::Light(name)) => {
+            let key = format!("light {} position", quoted(&name));
+            let [x, y, z] = placement.position.to_array();
+            app.set_numbers(&key, [x, y, z], format!("{key} {x} {y} {z}"));
+        }
+        None => {}
+    }
+}
+
+/// What the camera turns about.
+pub fn pivot(app: &App) -> Vec3 {
+    let model = &app.published.model;
+    let middle = model.scene.as_ref().map(|scene| scene.bounds.center()).unwrap_or_default();
+    match (&app.selected, model.picked_at) {
+        (Some(_), Some(at)) => at,
+        _ => middle,
+    }
+}
+
+/// Shows all of what is chosen, or of the scene.
+pub fn frame_selection(app: &mut App, model: &Model) {
+    let Some(scene) = &model.scene else { return };
+    let bounds = match &app.selected {
+        Some(Selected::Object(_)) => chosen_object(scene, app).map(ObjectModel::bounds),
+        Some(Selected::Light(name)) => {
+            scene.lights.iter().find(|(other, _)| other == name).map(|(_, light)| {
+                let reach = Vec3::splat(scene.bounds.radius_m() * 0.1);
+                Bounds { min: light.position - reach, max: light.position + reach }
+            })
+        }
+        None => None,
+    };
+    let bounds = bounds.unwrap_or(scene.bounds);
+    if !bounds.is_empty() {
+        let size = model.settings.size.as_vec2();
+        app.move_camera(camera::frame(&app.camera(), bounds, size.x / size.y));
+    }
+}
+
+/// Orbit, look, pan, dolly, the split, handles, clicks.
+fn mouse(
+    ui: &Ui,
+    response: &Response,
+    view: &Projection,
+    (rect, split): (Rect, Option<f32>),
+    scene: &SceneModel,
+    app: &mut App,
+) {
+    let grip = ui.scope_id().with("split");
+    let at = response.interact_pointer_pos().or_else(|| response.hover_pos());
+    let Some(at) = at else {
+        if app.drag.take().is_some() {
+            ui.ctx().request_repaint();
+        }
+        return;
+    };
+    let pressed_at = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
+    let near_split = |at: Pos2| split.is_some_and(|x| (at.x - x).abs() < REACH);
+    if response.hovered() && near_split(at) && !response.dragged() {
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    if response.drag_started_by(PointerButton::Primary) {
+        let is_split = near_split(pressed_at);
+        ui.data_mut(|data| data.insert_temp(grip, is_split));
+        if !is_split && let Some((placement, mode)) = handles(scene, app) {
+            let handle = gizmo::hit(view, mode, &placement, pressed_at);
+            app.drag = handle.map(|handle| gizmo::Drag::new(mode, handle, placement, pressed_at));
+        }
+    }
+    let delta = response.drag_delta();
+    let turn = Vec2::new(delta.x, delta.y) * (TURN_RAD / rect.height().max(1.0));
+    let shift = ui.input(|input| input.modifiers.shift);
+    if response.dragged_by(PointerButton::Primary) {
+        let is_split = ui.data(|data| data.get_temp::<bool>(grip)).unwrap_or(false);
+        if is_split {
+            app.split = ((at.x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
+        } else if let Some(drag) = app.drag.clone() {
+            let snaps = ui.input(|input| input.modifiers.command);
+            put(app, &drag.placement(view, at, snaps));
+        } else if shift {
+            pan(app, delta, rect);
+        } else if delta != egui::Vec2::ZERO {
+            app.move_camera(camera::orbit(&app.camera(), pivot(app), turn));
+        }
+    } else if response.dragged_by(PointerButton::Secondary) && delta != egui::Vec2::ZERO {
+        // The picture follows the hand.
+        app.move_camera(camera::look(&app.camera(), turn * 0.5));
+    } else if response.dragged_by(PointerButton::Middle) && delta != egui::Vec2::ZERO {
+        pan(app, delta, rect);
+    }
+    if response.drag_stopped() {
+        app.drag = None;
+        ui.data_mut(|data| data.insert_temp(grip, false));
+    }
+    if response.clicked() && !near_split(at) {
+        click(view, at, rect, scene, app);
+    }
+    if response.hovered() {
+        wheel(ui, app);
+    }
+}
+
+fn pan(app: &mut App, delta: egui::Vec2, rect: Rect) {
+    let shares = Vec2::new(delta.x, delta.y) / rect.height().max(1.0);
+    if shares != Vec2::ZERO {
+        app.move_camera(camera::pan(&app.camera(), pivot(app), shares));
+    }
+}
+
+fn click(view: &Projection, at: Pos2, rect: Rect, scene: &SceneModel, app: &mut App) {
+    let lamp = scene.lights.iter().filter(|(_, light)| is_lamp(light)).find(|(_, light)| {
+        view.project(light.position).is_some_and(|there| there.distance(at) < REACH)
+    });
+    if let Some((name, _)) = lamp {
+        app.select(Some(Selected::Light(name.clone())));
+        return;
+    }
+    let share = (at - rect.min) / rect.size();
+    if (0.0..=1.0).contains(&share.x) && (0.0..=1.0).contains(&share.y) {
+        app.order(Order::Pick(Vec2::new(share.x, share.y)));
+    }
+}
+
+fn is_flying(ui: &Ui) -> bool {
+    ui.input(|input| {
+        input.pointer.secondary_down()
+            || [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E]
+                .into_iter()
+                .any(|key| input.key_down(key))
+    })
+}
+
+fn wheel(ui: &Ui, app: &mut App) {
+    let notches = ui.input(|input| input.smooth_scroll_delta().y) / 40.0;
+    if notches == 0.0 {
+        return;
+    }
+    if is_flying(ui) {
+        app.config.speed = (app.config.speed * 1.15_f32.powf(notches)).clamp(0.05, 20.0);
+    } else {
+        app.move_camera(camera::dolly(&app.camera(), pivot(app), DOLLY.powf(notches)));
+    }
+}
+
+/// Flight.
+fn keys(ui: &Ui, scene: &SceneModel, app: &mut App) {
+    if ui.ctx().egui_wants_keyboard_input() {
+        return;
+    }
+    let (way, is_fast, seconds) = ui.input(|input| {
+        if input.modifiers.command || input.modifiers.alt {
+            return (Vec3::ZERO, false, 0.0);
+        }
+        let along = |to: Key, fro: Key| {
+            f32::from(u8::from(input.key_down(to))) - f32::from(u8::from(input.key_down(fro)))
+        };
+        let way = Vec3::new(along(Key::D, Key::A), along(Key::E, Key::Q), along(Key::W, Key::S));
+        (way, input.modifiers.shift, input.stable_dt.min(0.1))
+    });
+    if way == Vec3::ZERO {
+        return;
+    }
+    let fast = if is_fast { FAST } else { 1.0 };
+    let speed = scene.bounds.radius_m().max(1e-3) * FLIGHT * app.config.speed * fast;
+    app.move_camera(camera::fly(&app.camera(), way.normalize_or_zero() * speed * seconds));
+    ui.ctx().request_repaint();
+}

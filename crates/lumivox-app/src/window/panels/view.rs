@@ -1,0 +1,117 @@
+//! What is shown: view, level, what it is compared with, cameras; presets and cones.
+
+use egui::{ComboBox, Ui};
+use lumivox_render::parameters::Group;
+use lumivox_render::{Look, View};
+
+use super::parameters;
+use super::widgets::{rest_width, row, weak};
+use crate::args::choices::PresetChoice;
+use crate::window::app::App;
+use crate::window::lines::quoted;
+use crate::window::model::{Comparand, Model};
+
+/// View, comparison, camera.
+pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
+    parameters::named(ui, "view", model, app);
+    parameters::named(ui, "level", model, app);
+    compare(ui, model, app);
+    parameters::group(ui, Group::Overlay, model, app);
+    let Some(scene) = &model.scene else { return };
+    row(ui, "Camera", "One of the scene's cameras", |ui| {
+        let width = rest_width(ui);
+        let combo = ComboBox::from_id_salt("camera").width(width).selected_text("Choose");
+        combo
+            .show_ui(ui, |ui| {
+                for name in scene.cameras.iter().map(String::as_str).chain(["framing"]) {
+                    if ui.selectable_label(false, name).clicked() {
+                        app.line(format!("camera {}", quoted(name)));
+                    }
+                }
+            })
+            .response
+            .accessible_name("Camera");
+    });
+    row(ui, "Positions", "Two places to come back to: keys 1 and 2; CTRL stores", |ui| {
+        for number in [1, 2] {
+            let go = egui::Button::new(format!("Go {number}"));
+            if ui.add_enabled(model.has_position[number - 1], go).clicked() {
+                app.line(format!("pos{number}"));
+            }
+            if ui.button("Set").on_hover_text(format!("Keep this view as {number}")).clicked() {
+                app.line(format!("store {number}"));
+            }
+        }
+    });
+    row(ui, "Speed", "How fast W, A, S, D fly; the wheel changes it in flight", |ui| {
+        ui.spacing_mut().slider_width = (rest_width(ui) - 52.0).max(30.0);
+        let slider =
+            egui::Slider::new(&mut app.config.speed, 0.05..=20.0).logarithmic(true).max_decimals(2);
+        ui.add(slider.suffix("x")).accessible_name("Speed of flight");
+    });
+}
+
+/// What stands behind the split slider.
+fn compare(ui: &mut Ui, model: &Model, app: &mut App) {
+    let name = match model.comparand {
+        Comparand::Nothing => "nothing",
+        Comparand::View(view) => view.name(),
+        Comparand::Reference(_) => "reference",
+    };
+    let tip = "What the right half of the picture shows, beside the view on the left: another view (direct is the light \
+               without indirect light), or the path-traced truth, which comes while one looks";
+    row(ui, "Compare with", tip, |ui| {
+        let width = rest_width(ui);
+        let combo = ComboBox::from_id_salt("compare").width(width).selected_text(name);
+        combo
+            .show_ui(ui, |ui| {
+                let views = View::ALL.iter().map(|view| view.name());
+                for choice in ["nothing", "reference"].into_iter().chain(views) {
+                    if ui.selectable_label(choice == name, choice).clicked() {
+                        app.line(format!("compare_with {choice}"));
+                    }
+                }
+            })
+            .response
+            .accessible_name("Compare with");
+    });
+}
+
+/// Presets and cones.
+pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
+    let name = model.preset.name();
+    row(ui, "Preset", "Cones, and what goes with them", |ui| {
+        let width = rest_width(ui);
+        let combo = ComboBox::from_id_salt("preset").width(width).selected_text(name);
+        combo
+            .show_ui(ui, |ui| {
+                for preset in PresetChoice::ALL.map(PresetChoice::name) {
+                    if ui.selectable_label(preset == name, preset).clicked() {
+                        app.line(format!("preset {preset}"));
+                    }
+                }
+            })
+            .response
+            .accessible_name("Preset");
+    });
+    // The looks have cones of their own.
+    let group = if model.settings.look == Look::Physical { Group::Cones } else { Group::Vxct };
+    parameters::group(ui, group, model, app);
+}
+
+/// Frames, exposure, curve, size.
+pub fn picture(ui: &mut Ui, model: &Model, app: &mut App) {
+    parameters::group(ui, Group::Picture, model, app);
+    row(ui, "Half size", "Half as many pixels along each edge", |ui| {
+        ui.checkbox(&mut app.config.half_size, "").accessible_name("Half size");
+    });
+    row(
+        ui,
+        "Coarse motion",
+        "Fewer pixels while the camera moves, if a frame takes more than 0.1 s",
+        |ui| {
+            ui.checkbox(&mut app.config.coarse_motion, "").accessible_name("Coarse motion");
+        },
+    );
+    weak(ui, format!("{} x {} pixels", model.settings.size.x, model.settings.size.y));
+}

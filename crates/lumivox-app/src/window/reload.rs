@@ -1,0 +1,154 @@
+//! Reading a scene again when its files change.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::time::Duration;
+
+use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
+
+use super::worker::Order;
+
+/// Changes within this time are one: programs write files in pieces.
+const QUIET: Duration = Duration::from_millis(250);
+/// Longer scene files are not searched for names of others.
+const MOST_BYTES: u64 = 8 << 20;
+
+/// Watches a scene's files until it is dropped.
+#[derive(Debug)]
+pub struct Watched {
+    _watcher: RecommendedWatcher,
+}
+
+/// Tells the worker when the file of a scene changes, or one that it names.
+///
+/// # Errors
+/// When the system does not watch files.
+pub fn watch(scene: &Path, orders: Sender<Order>) -> notify::Result<Watched> {
+    let files: BTreeSet<PathBuf> =
+        files_of(scene).into_iter().map(|file| canonical(&file)).collect();
+    // Folders are watched: programs write another file and rename it, of which a watched file hears nothing.
+    let folders: BTreeSet<&Path> = files.iter().filter_map(|file| file.parent()).collect();
+    let (sender, changes) = mpsc::channel();
+    let seen = files.clone();
+    let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
+        let Ok(event) = event else { return };
+        let is_change = !event.kind.is_access();
+        if is_change && event.paths.iter().any(|path| seen.contains(&canonical(path))) {
+            // Nobody listens when the watching ends.
+            let _ = sender.send(());
+        }
+    })?;
+    for folder in folders {
+        watcher.watch(folder, RecursiveMode::NonRecursive)?;
+    }
+    std::thread::spawn(move || forward(&changes, &orders));
+    Ok(Watched { _watcher: watcher })
+}
+
+/// Ends with the watcher, which holds the other end.
+fn forward(changes: &Receiver<()>, orders: &Sender<Order>) {
+    while changes.recv().is_ok() {
+        loop {
+            match changes.recv_timeout(QUIET) {
+                Ok(()) => {}
+                Err(RecvTimeoutError::Timeout) => break,
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+        }
+        if orders.send(Order::FilesChanged).is_err() {
+            return;
+        }
+    }
+}
+
+/// A file that is renamed away for a moment has a folder still.
+fn canonical(file: &Path) -> PathBuf {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    file.file_name().map_or(folder.clone(), |name| folder.join(name))
+}
+
+/// A scene's file and the files that it names, as far as they are there: words and quoted texts in it are taken for names,
+/// whatever the format. What the named files name counts as well, such as the textures of a material library.
+pub fn files_of(scene: &Path) -> Vec<PathBuf> {
+    let mut files = vec![scene.to_owned()];
+    let mut next = 0;
+    // Scenes that name each other come to an end, too.
+    while next < files.len() && files.len() < 4096 {
+        for file in named_in(&files[next]) {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        next += 1;
+    }
+    files
+}
+
+fn named_in(file: &Path) -> Vec<PathBuf> {
+    let is_short = std::fs::metadata(file).is_ok_and(|m| m.is_file() && m.len() <= MOST_BYTES);
+    let bytes = if is_short { std::fs::read(file).unwrap_or_default() } else { Vec::new() };
+    let Ok(text) = String::from_utf8(bytes) else { return Vec::new() };
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let quoted = text.split('"').skip(1).step_by(2).map(|name| name.replace("%20", " "));
+    let bare = text.split(|c: char| c.is_whitespace() || "={}\",;".contains(c)).map(str::to_owned);
+    // VXCT's scenes name models from the folder above theirs.
+    let roots =
+        [folder.to_owned(), folder.join(".."), folder.join("models"), folder.join("../models")];
+    let mut found = Vec::new();
+    // Names of files have an extension; numbers look the same, and are not there.
+    let names = quoted.chain(bare).filter(|name| name.len() < 512 && name.contains('.'));
+    for name in names.collect::<BTreeSet<String>>() {
+        if name.parse::<f64>().is_ok() {
+            continue;
+        }
+        let there = roots.iter().map(|root| root.join(&name)).find(|path| path.is_file());
+        found.extend(there.filter(|path| path != file));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_found_through_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("tex")).unwrap();
+        std::fs::write(at("a.obj"), "mtllib a.mtl\nv 0.5 1.5 2\nf 1 1 1\n").unwrap();
+        std::fs::write(at("a.mtl"), "newmtl m\nmap_Kd tex/wood.png\nmap_Ks gone.png\n").unwrap();
+        std::fs::write(at("tex/wood.png"), [0xff, 0xd8]).unwrap();
+        std::fs::write(at("b.gltf"), r#"{"images":[{"uri":"tex/wood.png"},{"uri":"c%20d.png"}]}"#)
+            .unwrap();
+        std::fs::write(at("c d.png"), "").unwrap();
+        assert_eq!(files_of(&at("a.obj")), [at("a.obj"), at("a.mtl"), at("tex/wood.png")]);
+        assert_eq!(files_of(&at("b.gltf")), [at("b.gltf"), at("c d.png"), at("tex/wood.png")]);
+        assert_eq!(files_of(&at("gone.glb")), [at("gone.glb")]);
+    }
+
+    #[test]
+    fn a_change_is_told_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.obj");
+        std::fs::write(&file, "v 0 0 0").unwrap();
+        let (sender, orders) = mpsc::channel();
+        let watched = watch(&file, sender).unwrap();
+        // Others in the folder are none of its business.
+        std::fs::write(folder.path().join("b.obj"), "v 0 0 0").unwrap();
+        for text in ["v 1", "v 1 1", "v 1 1 1"] {
+            std::fs::write(&file, text).unwrap();
+        }
+        assert!(matches!(orders.recv_timeout(Duration::from_secs(20)), Ok(Order::FilesChanged)));
+        assert!(orders.recv_timeout(QUIET * 3).is_err());
+        // As editors write.
+        let other = folder.path().join("a.obj.tmp");
+        std::fs::write(&other, "v 2 2 2").unwrap();
+        std::fs::rename(&other, &file).unwrap();
+        assert!(matches!(orders.recv_timeout(Duration::from_secs(20)), Ok(Order::FilesChanged)));
+        drop(watched);
+    }
+}

@@ -1,0 +1,181 @@
+//! Commands that only the window has, and what it does around those of the console.
+
+use anyhow::bail;
+use glam::Vec2;
+use lumivox_render::View;
+use lumivox_scene::Picker;
+
+use super::{Wish, Worker};
+use crate::console::suggest;
+use crate::exit::Failure;
+use crate::window::lines::{self, quoted};
+use crate::window::model::{Comparand, LogKind, Selected};
+
+/// Samples of a reference where nobody says otherwise.
+const SAMPLES: u32 = 256;
+
+/// Commands that change what a scene that is read again does not keep.
+const DROPPED: [&str; 8] = [
+    "material",
+    "light",
+    "add_light",
+    "remove_light",
+    "sky",
+    "environment",
+    "environment_rotation",
+    "setmat",
+];
+
+impl Worker {
+    /// Runs a command of the window; `None` where it is none.
+    pub(super) fn run_own(&mut self, line: &str) -> Option<anyhow::Result<String>> {
+        let words = lines::words(line)?;
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let (name, arguments) = words.split_first()?;
+        let done = match *name {
+            "select" => self.select(arguments),
+            "compare_with" => self.compare_with(arguments),
+            "reload" => {
+                self.reload();
+                Ok(String::new())
+            }
+            "cancel" => {
+                self.cancel();
+                Ok(String::new())
+            }
+            // For tests of what happens when a driver goes.
+            "lose_device" => {
+                if arguments == ["window"] {
+                    self.shared.change(|published| published.wish = Some(Wish::LoseDevice));
+                    (self.wake)();
+                } else {
+                    self.console.explorer.gpu().device.destroy();
+                }
+                Ok(String::new())
+            }
+            _ => return None,
+        };
+        Some(done)
+    }
+
+    /// `select [NAME]`: an object or a light; without a name nothing.
+    fn select(&mut self, arguments: &[&str]) -> anyhow::Result<String> {
+        let selected = match arguments {
+            [] => None,
+            [name] => Some(self.find(name)?),
+            _ => bail!(Failure::input(
+                "select takes one name of an object or a light; quote it if it has spaces"
+            )),
+        };
+        self.selected = selected;
+        self.selections += 1;
+        Ok(String::new())
+    }
+
+    fn find(&mut self, name: &str) -> anyhow::Result<Selected> {
+        let model = self.scene();
+        let objects =
+            model.iter().flat_map(|scene| &scene.objects).map(|object| object.name.as_str());
+        let lights = model.iter().flat_map(|scene| &scene.lights).map(|(name, _)| name.as_str());
+        if objects.clone().any(|other| other == name) {
+            return Ok(Selected::Object(name.to_owned()));
+        }
+        if lights.clone().any(|other| other == name) {
+            return Ok(Selected::Light(name.to_owned()));
+        }
+        let remedy = match suggest::like(name, objects.chain(lights)) {
+            Some(like) => format!("; did you mean \"{like}\"?"),
+            None => String::new(),
+        };
+        bail!(Failure::input(format!("there is no object or light \"{name}\"{remedy}")))
+    }
+
+    /// `compare_with nothing|VIEW|reference [SAMPLES]`
+    fn compare_with(&mut self, arguments: &[&str]) -> anyhow::Result<String> {
+        let expected = || {
+            let views: Vec<&str> = View::ALL.iter().map(|view| view.name()).collect();
+            format!(
+                "compare_with takes nothing, reference [SAMPLES] or a view: {}",
+                views.join(", ")
+            )
+        };
+        let comparand = match arguments {
+            [] => {
+                return Ok(match self.comparand {
+                    Comparand::Nothing => "compare_with nothing".to_owned(),
+                    Comparand::View(view) => format!("compare_with {}", view.name()),
+                    Comparand::Reference(samples) => format!("compare_with reference {samples}"),
+                });
+            }
+            ["nothing"] => Comparand::Nothing,
+            ["reference"] => Comparand::Reference(SAMPLES),
+            ["reference", samples] => match samples.parse() {
+                Ok(samples) if (1..=65_536).contains(&samples) => Comparand::Reference(samples),
+                _ => bail!(Failure::input(format!(
+                    "samples are a whole number from 1 to 65536; got \"{samples}\""
+                ))),
+            },
+            [name] => match View::ALL.into_iter().find(|view| view.name() == *name) {
+                Some(view) => Comparand::View(view),
+                None => bail!(Failure::input(expected())),
+            },
+            _ => bail!(Failure::input(expected())),
+        };
+        if comparand != self.comparand {
+            self.comparand = comparand;
+            self.tracing = None;
+            self.shared.change(|published| published.other = None);
+        }
+        Ok(String::new())
+    }
+
+    /// Chooses what is at a place of the picture.
+    pub(super) fn pick(&mut self, at: Vec2) {
+        let explorer = &self.console.explorer;
+        let Some(scene) = explorer.scene() else { return };
+        let picker = self.picker.get_or_insert_with(|| Picker::new(scene));
+        let size = explorer.size();
+        let (origin, direction) = explorer.camera().ray(at * size.as_vec2(), size);
+        let pick = picker.pick(origin, direction);
+        self.picked_at = pick.map(|pick| pick.position);
+        let names = explorer.object_names();
+        let selected =
+            pick.and_then(|pick| names.into_iter().nth(pick.instance)).map(Selected::Object);
+        let line = match &selected {
+            Some(selected) => format!("select {}", quoted(selected.name())),
+            None => "select".to_owned(),
+        };
+        self.log.add(LogKind::Command, &line);
+        self.selected = selected;
+        self.selections += 1;
+    }
+
+    /// Remembers what a line has made untrue.
+    pub(super) fn note_edits(&mut self, line: &str) {
+        let name = line.split_whitespace().next().unwrap_or_default();
+        if lumivox_render::parameters::Parameter::find(name).is_none() {
+            self.forget_scene();
+        }
+        self.has_edits |= DROPPED.contains(&name);
+    }
+
+    /// The command line that reproduces the picture, from the console's `script`.
+    pub(super) fn tell_command_line(&mut self) {
+        self.set_size(self.full_size);
+        let script = match self.console.run("script") {
+            Ok(reply) => reply.text,
+            Err(error) => return self.fail(&error),
+        };
+        let mut words = vec!["lumivox".to_owned(), "run".to_owned()];
+        for line in
+            script.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'))
+        {
+            words.extend(["-c".to_owned(), quoted(line)]);
+        }
+        words.extend(["-c".to_owned(), quoted("screenshot picture.png")]);
+        let number = self.command_line.as_ref().map_or(0, |(number, _)| *number) + 1;
+        let line = words.join(" ");
+        self.log.add(LogKind::Note, &format!("copied: {line}"));
+        self.command_line = Some((number, line));
+    }
+}

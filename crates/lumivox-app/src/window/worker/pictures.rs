@@ -1,0 +1,392 @@
+//! Rendering frame by frame, and publishing pictures.
+//!
+//! With another view beside the picture the two take turns. After a change each gets one frame, so that both halves show
+//! the same moment, then the first is completed, then the second, and both stand until something changes again. Frames
+//! that alternated all the time would start their means anew each time, and neither picture would get better.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::UVec2;
+use lumivox_render::{Progress, RenderSettings, View};
+
+use super::{REST, Worker};
+use crate::explorer::Revoxelize;
+use crate::window::jobs::{self, ReferenceKey, Traced};
+use crate::window::model::{Comparand, FrameTime, KEPT_FRAMES, Shown};
+
+/// The least time between two measurements of the exposure while the picture changes.
+const MEASURE_EVERY: Duration = Duration::from_millis(250);
+
+/// Whose turn it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turn {
+    /// One frame of the picture.
+    #[default]
+    First,
+    /// One frame of what is beside it.
+    FirstOther,
+    /// The rest of the picture.
+    Rest,
+    /// All of what is beside it.
+    Other,
+    /// Nobody's: all is there.
+    Over,
+}
+
+/// How large pictures are while the camera moves, and when they are exposed anew.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    /// Whether pictures may become coarser.
+    pub is_allowed: bool,
+    moved: Option<Instant>,
+    /// What a frame of full size takes.
+    full_frame: Duration,
+    stops: f32,
+    measured: Option<Instant>,
+    /// A picture of the present state was measured.
+    is_current: bool,
+    /// Counts pictures.
+    serial: u64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            is_allowed: true,
+            moved: None,
+            full_frame: Duration::ZERO,
+            stops: 0.0,
+            measured: None,
+            is_current: false,
+            serial: 0,
+        }
+    }
+}
+
+impl Pace {
+    /// The camera has moved.
+    pub fn move_on(&mut self) {
+        self.moved = Some(Instant::now());
+    }
+
+    /// Whether it has moved a moment ago.
+    pub fn is_moving(&self) -> bool {
+        self.moved.is_some_and(|moved| moved.elapsed() < REST)
+    }
+
+    /// By what the edges of a picture are divided.
+    fn divisor(&self) -> u32 {
+        if !self.is_allowed || !self.is_moving() {
+            return 1;
+        }
+        divisor(self.full_frame)
+    }
+
+    /// Whether the exposure is measured at a picture of this number of frames.
+    fn is_due(&self, frames: u32, is_last: bool) -> bool {
+        let Some(measured) = self.measured else { return true };
+        is_due(frames, is_last, measured.elapsed())
+    }
+}
+
+/// At 100 ms a frame one looks at stills; a quarter of the pixels takes about a quarter of the time.
+fn divisor(full_frame: Duration) -> u32 {
+    match full_frame.as_millis() {
+        0..100 => 1,
+        100..400 => 2,
+        _ => 4,
+    }
+}
+
+/// At 1, 2, 4, 8, ... frames and at the last; while everything moves there is never more than one, and time decides.
+fn is_due(frames: u32, is_last: bool, since: Duration) -> bool {
+    is_last || (frames.is_power_of_two() && (frames > 1 || since >= MEASURE_EVERY))
+}
+
+impl Worker {
+    /// Something has changed: what is shown is no longer true.
+    pub(super) fn start_again(&mut self) {
+        self.turn = Turn::First;
+        self.has_failed = false;
+        self.pace.is_current = false;
+    }
+
+    /// Lets pictures have a size.
+    pub(super) fn set_size(&mut self, size: UVec2) {
+        let explorer = &mut self.console.explorer;
+        if explorer.size() != size {
+            let most = explorer.gpu().device.limits().max_texture_dimension_2d;
+            let settings = RenderSettings {
+                size: size.min(UVec2::splat(most)),
+                ..explorer.settings().clone()
+            };
+            // Sizes within the limit are always allowed.
+            let _ = explorer.set_settings(settings);
+        }
+    }
+
+    /// Renders a frame of what is next; whether there is more to do.
+    pub(super) fn render_some(&mut self) -> anyhow::Result<bool> {
+        if self.has_failed || self.console.explorer.scene().is_none() {
+            self.frames_to_wait = 0;
+            return Ok(false);
+        }
+        self.let_time_go()?;
+        let was_moving = self.pace.divisor();
+        self.set_size((self.full_size / was_moving).max(UVec2::ONE));
+        let other = match self.comparand {
+            Comparand::View(view) => Some(view),
+            Comparand::Nothing | Comparand::Reference(_) => None,
+        };
+        if self.console.explorer.is_single_frame {
+            return self.show_what_is_there();
+        }
+        match (other, self.turn) {
+            (None, _) => {
+                let more = self.render_frame()?;
+                if !more && self.pace.divisor() == 1 {
+                    self.keep_reference()?;
+                }
+                // A coarse picture waits for the camera to come to rest.
+                Ok(more || was_moving > 1 || self.console.explorer.playback().is_playing)
+            }
+            (Some(_), Turn::First) => {
+                self.render_frame()?;
+                self.turn = Turn::FirstOther;
+                Ok(true)
+            }
+            (Some(view), Turn::FirstOther) => {
+                self.render_other(view, 1)?;
+                let goes_on = self.console.explorer.playback().is_playing || was_moving > 1;
+                self.turn = if goes_on { Turn::First } else { Turn::Rest };
+                Ok(true)
+            }
+            (Some(_), Turn::Rest) => {
+                if !self.render_frame()? {
+                    self.turn = Turn::Other;
+                }
+                Ok(true)
+            }
+            (Some(view), Turn::Other) => {
+                if self.render_other(view, u32::MAX)? {
+                    self.turn = Turn::Over;
+                }
+                Ok(self.turn != Turn::Over)
+            }
+            (Some(_), Turn::Over) => Ok(false),
+        }
+    }
+
+    /// Lets animations play and voxels follow.
+    fn let_time_go(&mut self) -> anyhow::Result<()> {
+        let now = Instant::now();
+        let passed = now - std::mem::replace(&mut self.last_tick, now);
+        let explorer = &mut self.console.explorer;
+        // After a long sleep an animation goes on where it was.
+        let passed_s = passed.as_secs_f32();
+        explorer.tick(if explorer.playback().is_playing { passed_s.min(1.0) } else { passed_s })?;
+        if explorer.playback().is_playing {
+            self.turn = Turn::First;
+            self.forget_scene();
+        }
+        if matches!(self.console.explorer.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame)
+        {
+            self.turn = Turn::First;
+        }
+        Ok(())
+    }
+
+    /// One frame more of the picture; whether there was one to render.
+    fn render_frame(&mut self) -> anyhow::Result<bool> {
+        let start = Instant::now();
+        let shared = self.shared.clone();
+        let is_first = self.console.explorer.renderer().is_none();
+        let mut tell = |step: Progress| {
+            // Preparing a scene takes long enough to tell.
+            if is_first {
+                shared.change(|published| published.preparing(step));
+                (self.wake)();
+            }
+        };
+        let has_rendered = self.console.explorer.frame(&mut tell)?;
+        if has_rendered {
+            self.frames_to_wait = self.frames_to_wait.saturating_sub(1);
+            self.note_time(start.elapsed(), is_first);
+        } else {
+            self.frames_to_wait = 0;
+        }
+        if has_rendered || !self.pace.is_current {
+            self.show()?;
+        }
+        Ok(has_rendered)
+    }
+
+    fn note_time(&mut self, elapsed: Duration, is_first: bool) {
+        let explorer = &mut self.console.explorer;
+        if explorer.size() == self.full_size && !is_first {
+            self.pace.full_frame = elapsed;
+        }
+        let mut time = FrameTime { total_ms: elapsed.as_secs_f32() * 1e3, ..FrameTime::default() };
+        for stage in explorer.take_stage_times() {
+            time.add(stage.stage, stage.duration.as_secs_f32() * 1e3);
+        }
+        if self.frame_times.len() == KEPT_FRAMES {
+            self.frame_times.pop_front();
+        }
+        if !is_first {
+            self.frame_times.push_back(time);
+        }
+    }
+
+    /// Shows frames that commands have rendered.
+    fn show_what_is_there(&mut self) -> anyhow::Result<bool> {
+        self.frames_to_wait = 0;
+        let explorer = &mut self.console.explorer;
+        if explorer.renderer().is_none() {
+            self.render_frame()?;
+        } else if !self.pace.is_current {
+            explorer.update(&mut |_| {})?;
+            if self.console.explorer.renderer().is_some_and(|renderer| renderer.frame_count() > 0) {
+                self.show()?;
+            }
+        }
+        Ok(false)
+    }
+
+    /// Publishes the picture of the frames so far.
+    fn show(&mut self) -> anyhow::Result<()> {
+        let explorer = &mut self.console.explorer;
+        let frames = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
+        let is_last = frames >= explorer.settings().frames;
+        if explorer.settings().exposure.fixed_stops().is_some() || self.pace.is_due(frames, is_last)
+        {
+            self.pace.stops = explorer.measure_stops()?;
+            self.pace.measured = Some(Instant::now());
+        }
+        if let Some(tracing) = &self.tracing {
+            tracing.set_stops(self.pace.stops);
+        }
+        self.pace.is_current = true;
+        let shown = self.shown(self.pace.stops)?;
+        self.shared.change(|published| published.picture = shown);
+        self.publish();
+        Ok(())
+    }
+
+    fn shown(&mut self, stops: f32) -> anyhow::Result<Option<Arc<Shown>>> {
+        let explorer = &mut self.console.explorer;
+        self.pace.serial += 1;
+        let (serial, size) = (self.pace.serial, explorer.size());
+        let frames = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
+        let pixels = explorer.screen(stops)?;
+        Ok(pixels.map(|pixels| Arc::new(Shown { serial, size, pixels, frames })))
+    }
+
+    /// Renders frames of another view and publishes them, until all of them are there (which is told) or somebody
+    /// wants something.
+    fn render_other(&mut self, view: View, most: u32) -> anyhow::Result<bool> {
+        let settings = self.console.explorer.settings().clone();
+        let other = RenderSettings { view, ..settings.clone() };
+        self.console.explorer.set_settings(other)?;
+        let done = self.render_frames_of_other(settings.view, most);
+        // Not one that is refused: it was there before.
+        let _ = self.console.explorer.set_settings(settings);
+        done
+    }
+
+    fn render_frames_of_other(&mut self, first: View, most: u32) -> anyhow::Result<bool> {
+        let is_light = |view: View| view.is_light();
+        for _ in 0..most {
+            if !self.console.explorer.frame(&mut |_| {})? {
+                return Ok(true);
+            }
+            let view = self.console.explorer.settings().view;
+            // Both are exposed alike where both are light.
+            let stops = if is_light(first) && is_light(view) {
+                self.pace.stops
+            } else {
+                self.console.explorer.measure_stops()?
+            };
+            let shown = self.shown(stops)?;
+            self.shared.change(|published| published.other = shown);
+            (self.wake)();
+            if self.has_orders() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Starts the reference once the picture is complete, and gives up one of another state.
+    fn keep_reference(&mut self) -> anyhow::Result<()> {
+        let Comparand::Reference(samples) = self.comparand else { return Ok(()) };
+        let explorer = &self.console.explorer;
+        let Some(scene) = explorer.scene() else { return Ok(()) };
+        let key = ReferenceKey::new(scene, explorer.camera(), explorer.settings(), samples);
+        if self.tracing.as_ref().is_some_and(|tracing| tracing.key == key) {
+            return Ok(());
+        }
+        // The old one goes first: its memory and its time are for the new one.
+        self.tracing = None;
+        self.jobs += 1;
+        let look = (self.pace.stops, explorer.settings().tone_map);
+        let tracing = jobs::trace(self.jobs, explorer.gpu(), scene, key, look, self.sender.clone());
+        self.tracing = Some(tracing);
+        Ok(())
+    }
+
+    /// More of the reference is there.
+    pub(super) fn take_reference(&mut self, traced: Traced) {
+        let tracing = self.tracing.as_mut().filter(|tracing| tracing.number == traced.number);
+        let Some(tracing) = tracing else { return };
+        tracing.is_over = traced.is_last;
+        match traced.result {
+            Ok((picture, samples)) => {
+                self.pace.serial += 1;
+                let (serial, size) = (self.pace.serial, picture.size);
+                let shown = Shown { serial, size, pixels: picture.ldr, frames: samples };
+                self.shared.change(|published| published.other = Some(Arc::new(shown)));
+            }
+            Err(error) => {
+                self.fail(&error.context("the reference failed"));
+            }
+        }
+    }
+}
+
+impl super::Published {
+    /// Tells how far a new scene is on the GPU.
+    fn preparing(&mut self, step: Progress) {
+        let words = format!("{} ...", crate::progress::words(step.stage));
+        let mut model = (*self.model).clone();
+        let job = crate::window::model::JobModel { words, share: None, can_cancel: false };
+        model.jobs = vec![job];
+        self.model = Arc::new(model);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slow_pictures_become_coarser_while_the_camera_moves() {
+        assert_eq!([20, 150, 1000].map(|ms| divisor(Duration::from_millis(ms))), [1, 2, 4]);
+        let mut pace = Pace { full_frame: Duration::from_secs(1), ..Pace::default() };
+        assert_eq!(pace.divisor(), 1);
+        pace.move_on();
+        assert_eq!(pace.divisor(), 4);
+        pace.is_allowed = false;
+        assert_eq!(pace.divisor(), 1);
+    }
+
+    #[test]
+    fn the_exposure_is_measured_now_and_then() {
+        let (soon, later) = (Duration::from_millis(10), Duration::from_millis(300));
+        let due: Vec<u32> = (1..=16).filter(|frames| is_due(*frames, false, soon)).collect();
+        assert_eq!(due, [2, 4, 8, 16]);
+        assert!(is_due(1, false, later) && !is_due(3, false, later) && is_due(15, true, soon));
+        assert!(Pace::default().is_due(1, false));
+    }
+}

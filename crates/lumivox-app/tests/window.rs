@@ -1,0 +1,231 @@
+//! The window, worked with as a person would: by mouse and keys, and looked at. Under Xvfb, on whatever Vulkan driver there
+//! is.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")]
+
+mod window_support;
+
+use std::path::Path;
+use std::process::Stdio;
+
+use tempfile::TempDir;
+use window_support::{Display, ESCAPE, F2, RETURN, Seen, Window, command};
+
+/// A folder with settings for a small window without panels, so that the picture is where it is looked for.
+fn home() -> TempDir {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("config/lumivox");
+    std::fs::create_dir_all(&folder).unwrap();
+    let config = r#"{"window": [640, 480], "left": false, "right": false, "console": false}"#;
+    std::fs::write(folder.join("window.json"), config).unwrap();
+    home
+}
+
+/// Small and quick.
+const QUICK: &str = "--resolution 32 --frames 2 --bounces 1";
+
+fn is_red([r, g, b]: [f32; 3]) -> bool {
+    r > 60.0 && r > 1.6 * g && r > 1.6 * b
+}
+
+fn is_green([r, g, b]: [f32; 3]) -> bool {
+    g > 60.0 && g > 1.3 * r && g > 1.3 * b
+}
+
+/// The Cornell box: a red wall on the left, a green one on the right.
+fn is_cornell(seen: &Seen) -> bool {
+    let middle = seen.width / 2;
+    let left = seen.part((0, 0), (middle, seen.height));
+    let right = seen.part((middle, 0), (seen.width, seen.height));
+    left.share(is_red) > 0.03 && right.share(is_green) > 0.03
+}
+
+fn open_cornell(display: &Display, home: &Path) -> Window {
+    let mut window = Window::open(display, home, &format!("builtin:cornell {QUICK}"));
+    window.wait("Cornell box", |window| Some(window.picture()).filter(is_cornell));
+    window
+}
+
+#[test]
+fn mouse_and_keys_do_what_they_say() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
+    let first = window.wait_rest();
+
+    // Orbit: the picture follows the hand, and the camera is told once it rests.
+    let lines = window.lines().len();
+    window.point(320, 200);
+    window.press();
+    let mut x = 320;
+    window.wait("picture that turns", |window| {
+        x = if x > 420 { 330 } else { x + 6 };
+        window.point(x, 210);
+        (window.picture().distance(&first) > 4.0).then_some(())
+    });
+    window.release();
+    window.wait_line(lines, "> camera ");
+    let turned = window.wait_rest();
+    assert!(turned.distance(&first) > 4.0);
+
+    // The camera of the file again, by typing into the window.
+    window.key(F2);
+    window.wait("console", |window| (window.see().distance(&turned) > 0.5).then_some(()));
+    window.click(300, 437);
+    window.write("camera 0");
+    let lines = window.lines().len();
+    window.key(RETURN);
+    window.wait_line(lines, "> camera 0");
+    window.key(ESCAPE);
+    window.key(F2);
+    let again = window.wait("picture of before", |window| {
+        Some(window.picture()).filter(|now| now.distance(&first) < 1.0)
+    });
+
+    // A click chooses what is there, H hides it.
+    let lines = window.lines().len();
+    window.click(250, 300);
+    let lines = window.wait_line(lines, "> select 'tall block'");
+    window.key('h' as u32);
+    window.wait_line(lines, "> hide 'tall block'");
+    let hidden = window.wait_change("picture without the block", &again);
+    window.wait_rest();
+    window.key('h' as u32);
+    let lines = window.wait_line(lines, "> show 'tall block'");
+    window.wait_change("picture with the block", &hidden);
+
+    // Nothing is chosen any more.
+    window.key(ESCAPE);
+    window.wait_line(lines, "> select");
+    assert_eq!(window.close(), 0);
+}
+
+#[test]
+fn it_survives_what_happens_to_windows() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
+
+    // A new size is a new picture, in pixels.
+    let lines = window.lines().len();
+    window.resize(800, 520);
+    window.wait("Cornell box of another size", |window| {
+        Some(window.picture()).filter(|seen| seen.width == 780 && is_cornell(seen))
+    });
+    window.wait_rest();
+    window.tell("size");
+    let at = window.wait_line(lines, "size 8");
+    assert!(window.lines()[at - 1].starts_with("size 800x"), "{:?}", window.lines());
+
+    // The explorer's device goes, and comes again; so does the window's.
+    let lines = window.lines().len();
+    window.tell("lose_device");
+    window.wait_line(lines, "going on with a new device");
+    let rest = window.wait_rest();
+    assert!(is_cornell(&rest));
+    window.tell("lose_device window");
+    // Both still work: the panels, and the picture.
+    window.tell("view albedo");
+    let albedo = window.wait_change("picture of albedo", &rest);
+    window.tell("view final");
+    window.wait_change("picture of light", &albedo);
+    let shown = window.wait_rest();
+
+    // Minimized, it goes on working; restored, it shows what is.
+    window.unmap();
+    let lines = window.lines().len();
+    window.tell("hide 'short block'");
+    window.tell("echo done");
+    window.wait_line(lines, "done");
+    window.map();
+    window.wait_change("picture without the block", &shown);
+
+    // Closed while it is busy.
+    window.tell("resolution 64");
+    window.tell("frames 64");
+    assert_eq!(window.close(), 0);
+}
+
+#[test]
+fn settings_are_kept_between_runs() {
+    let (display, home) = (Display::start(), home());
+    let mut window = Window::open(&display, home.path(), "");
+    // An empty window offers scenes, and opens what the console says.
+    window.tell("resolution 40");
+    window.tell("bounces 3");
+    window.tell("frames 1");
+    window.tell("load builtin:cornell");
+    window.wait("Cornell box", |window| Some(window.picture()).filter(is_cornell));
+    window.tell("quit");
+    assert_eq!(window.ended(), 0);
+    drop(window);
+
+    let ask = |line: &str, parameters: &[&str], expected: &[&str]| {
+        let mut window = Window::open(&display, home.path(), line);
+        for (parameter, expected) in parameters.iter().zip(expected) {
+            window.tell(parameter);
+            window.wait_line(0, expected);
+        }
+        window.tell("quit");
+        assert_eq!(window.ended(), 0);
+    };
+    ask("", &["resolution", "bounces"], &["resolution 40", "bounces 3"]);
+    // The command line goes before what was kept.
+    ask("--bounces 5", &["resolution", "bounces"], &["resolution 40", "bounces 5"]);
+    ask("--fresh", &["resolution"], &["resolution 128"]);
+    // A file that nobody can read is a warning.
+    let file = home.path().join("config/lumivox/window.json");
+    let kept = std::fs::read_to_string(&file).unwrap();
+    assert!(kept.contains("builtin:cornell"), "{kept}");
+    std::fs::write(&file, "{ broken").unwrap();
+    ask("", &["resolution"], &["window.json: cannot be read"]);
+}
+
+/// A square in the colour of its name, lit from the front.
+fn write_scene(folder: &Path, name: &str, color: [f32; 3]) {
+    let square = "mtllib a.mtl\nusemtl m\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    std::fs::write(folder.join(format!("{name}.obj")), square).unwrap();
+    let [r, g, b] = color;
+    std::fs::write(folder.join("a.mtl"), format!("newmtl m\nKd {r} {g} {b}\n")).unwrap();
+}
+
+#[test]
+fn files_are_read_again_when_they_change() {
+    let (display, home) = (Display::start(), home());
+    write_scene(home.path(), "square", [0.8, 0.05, 0.05]);
+    let line = format!("{QUICK} --environment 100,100,100 --camera 0,0,3,0,0,0");
+    let mut window = Window::open(&display, home.path(), &format!("square.obj {line}"));
+    let share = |is_like: fn([f32; 3]) -> bool| {
+        move |window: &mut Window| (window.picture().share(is_like) > 0.1).then_some(())
+    };
+    window.wait("red square", share(is_red));
+
+    // A file that the scene's file names.
+    let lines = window.lines().len();
+    write_scene(home.path(), "square", [0.05, 0.8, 0.05]);
+    window.wait_line(lines, "again");
+    window.wait("green square", share(is_green));
+
+    // A broken file is an error, and the scene stays.
+    let lines = window.lines().len();
+    std::fs::write(home.path().join("square.obj"), "f 1 2 3\n").unwrap();
+    let lines = window.wait_line(lines, "stays as it was");
+    window.wait_rest();
+    assert!(window.picture().share(is_green) > 0.1);
+
+    // Mended, it comes.
+    write_scene(home.path(), "square", [0.8, 0.05, 0.05]);
+    window.wait_line(lines, "again");
+    window.wait("red square", share(is_red));
+    assert_eq!(window.close(), 0);
+}
+
+#[test]
+fn without_a_display_it_says_what_to_do() {
+    let home = home();
+    let mut program = command("", home.path());
+    program.arg("view").stdin(Stdio::null()).env_remove("DISPLAY");
+    let output = program.output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(4), "{text}");
+    assert!(text.contains("there is no display") && text.contains("lumivox render"), "{text}");
+}
