@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use common::gpu;
-use glam::{Mat3, Mat4, UVec2, Vec3};
+use glam::{Mat3, UVec2, Vec3};
 use lumivox_render::{Exposure, Picture, RenderSettings, Renderer, View};
 use lumivox_scene::sky::{Sky, SkySettings, sky};
 use lumivox_scene::{
