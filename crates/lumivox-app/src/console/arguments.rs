@@ -76,9 +76,9 @@ pub fn vector(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<
 /// A colour of three linear parts, and alpha where there is a fourth word.
 pub fn color(words: &[&str], what: &str, alpha: f32) -> Result<Vec4, Failure> {
     let parts: Vec<&str> = words.iter().flat_map(|word| word.split(',')).collect();
-    match parts.as_slice() {
-        &[r, g, b] => Ok(vector(&[r, g, b], what, 0.0..=1.0)?.extend(alpha)),
-        &[r, g, b, a] => {
+    match *parts.as_slice() {
+        [r, g, b] => Ok(vector(&[r, g, b], what, 0.0..=1.0)?.extend(alpha)),
+        [r, g, b, a] => {
             Ok(vector(&[r, g, b], what, 0.0..=1.0)?.extend(number(a, what, 0.0..=1.0)?))
         }
         _ => Err(wrong(what, "three numbers R G B from 0 to 1", &words.join(" "))),

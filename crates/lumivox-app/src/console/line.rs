@@ -122,13 +122,11 @@ fn word(
             (Some(mark), c) if mark == c => open = None,
             (Some('"'), '\\') => {
                 rest.next();
-                match rest.peek() {
-                    Some(&(_, escaped @ ('"' | '\\'))) => text.push(escaped),
-                    _ => {
-                        text.push('\\');
-                        continue;
-                    }
-                }
+                let Some(&(_, escaped @ ('"' | '\\'))) = rest.peek() else {
+                    text.push('\\');
+                    continue;
+                };
+                text.push(escaped);
             }
             (_, c) => text.push(c),
         }

@@ -51,10 +51,10 @@ impl Explorer {
     /// When the scene has no such animation, or nothing is left of it there.
     pub fn set_animation(&mut self, animation: AnimationChoice) -> anyhow::Result<()> {
         let Some(scene) = self.scene() else { return Ok(()) };
-        let durations = scene.animations().into_iter().map(|a| a.duration_s);
+        let mut durations = scene.animations().into_iter().map(|a| a.duration_s);
         self.playback.duration_s = match animation {
             AnimationChoice::All => durations.fold(0.0, f32::max),
-            AnimationChoice::One(number) => durations.skip(number).next().unwrap_or(0.0),
+            AnimationChoice::One(number) => durations.nth(number).unwrap_or(0.0),
         };
         self.playback.animation = Some(animation);
         self.seek(0.0)

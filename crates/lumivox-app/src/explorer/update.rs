@@ -6,6 +6,7 @@ use lumivox_scene::Scene;
 use super::{Explorer, Revoxelize};
 
 /// What of the scene the renderer has not seen yet.
+#[allow(clippy::struct_excessive_bools)] // One for each thing that may have changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Pending {
     /// Lights or surroundings.

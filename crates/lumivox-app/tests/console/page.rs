@@ -14,7 +14,7 @@ const VXCT: &str = "objs objsW sfMode sf overlayW pos1 pos2 exit quit q load set
                     diffuse_aperture da occlusion_aperture oa specular_aperture sa shadow_str ss shininess_falloff ray avgf \
                     clearf lastframes draw_block";
 
-/// LUMIVOX_BLESS=1 writes the page.
+/// `LUMIVOX_BLESS=1` writes the page.
 #[test]
 fn the_page_is_what_the_program_prints() {
     let folder = folder();

@@ -71,20 +71,22 @@ impl Session {
 
     /// A line of which nothing is expected but that it works.
     pub fn does(&mut self, line: &str) {
-        self.script += &format!("{line}\n");
+        self.script.extend([line, "\n"]);
     }
 
     /// A line that prints all of `needles`.
     pub fn says(&mut self, line: &str, needles: &[&str]) {
         let number = self.checks.len();
-        self.script += &format!("echo '<<{number}'\n{line}\necho '>>{number}'\n");
+        for line in [&format!("echo '<<{number}'"), line, &format!("echo '>>{number}'")] {
+            self.does(line);
+        }
         let needles = needles.iter().map(|needle| (*needle).to_owned()).collect();
         self.checks.push((line.to_owned(), Check::Says(needles)));
     }
 
     /// Takes a picture; its number.
     pub fn picture(&mut self) -> usize {
-        self.script += &format!("screenshot {}.png\n", self.pictures);
+        self.does(&format!("screenshot {}.png", self.pictures));
         self.pictures += 1;
         self.pictures - 1
     }

@@ -66,8 +66,8 @@ pub struct Overlay {
     /// Wire cubes of the voxels of [`RenderSettings::voxel_level`](crate::RenderSettings::voxel_level): outlines of
     /// the faces between an occupied cell and an empty one. Default: none.
     pub wire_voxels: Wires,
-    /// Whether a plain background stands in for the picture, so that the overlay is seen alone. Surfaces still hide
-    /// what they hide of it. Default: no.
+    /// Whether a plain background stands in for a picture of surfaces, so that the overlay is seen alone. Surfaces still
+    /// hide what they hide of it. Views of voxels stay. Default: no.
     pub hides_surfaces: bool,
     /// The voxel grid's bounds; faint where surfaces hide them. Default: no.
     pub grid_box: bool,

@@ -122,6 +122,9 @@ impl Renderer {
 
     fn shown(&self) -> Shown {
         let Self { settings, .. } = self;
-        Shown { overlay: settings.overlay.clone(), voxel_level: settings.voxel_level }
+        let mut overlay = settings.overlay.clone();
+        // Voxels are no surfaces.
+        overlay.hides_surfaces &= !settings.view.is_of_voxels();
+        Shown { overlay, voxel_level: settings.voxel_level }
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use lumivox_scene::{Attenuation, Light, LightKind};
 
-use crate::console::arguments::{PLACE, angle, choice, degrees, number, spaces, vector};
+use crate::console::arguments::{PLACE, angle, choice, degrees, number, short, spaces, vector};
 use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
 use crate::console::properties::{self, Property};
 use crate::console::{Console, Reply, nothing_to_show};
@@ -249,15 +249,14 @@ pub const PROPERTIES: &[P] = &[
             })
         },
         set: |light, words| {
-            light.attenuation = match first(words) {
-                "none" => None,
-                _ => {
-                    let v = vector(words, "attenuation", 0.0..=1e6)?;
-                    if v == Vec3::ZERO {
-                        return Err(Failure::input("attenuation must not be 0 0 0"));
-                    }
-                    Some(Attenuation { constant: v.x, linear: v.y, quadratic: v.z })
+            light.attenuation = if first(words) == "none" {
+                None
+            } else {
+                let v = vector(words, "attenuation", 0.0..=1e6)?;
+                if v == Vec3::ZERO {
+                    return Err(Failure::input("attenuation must not be 0 0 0"));
                 }
+                Some(Attenuation { constant: v.x, linear: v.y, quadratic: v.z })
             };
             Ok(())
         },
@@ -283,7 +282,6 @@ fn list(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
         return Ok(Reply::say("the scene has no lights; `add_light` adds one"));
     }
     let mut table = Table::left(&["light", "kind", "strength", "colour", "position", "direction"]);
-    use crate::console::arguments::short;
     for (name, light) in console.explorer.light_names().into_iter().zip(&scene.lights) {
         let strength = match light.kind {
             LightKind::Directional { illuminance_lux, .. } => format!("{illuminance_lux} lux"),

@@ -218,7 +218,7 @@ pub const TABLE: &[Command] = &[
         [],
         "Set how fast reflections fade with the distance of what is reflected",
         "From 0, not at all, to 16. `sf NUMBER` is the same.",
-        "sf 3",
+        "shininess_falloff 3",
         "`sf` is a name of its own here: alone it renders a frame"
     ),
     only!(

@@ -2,7 +2,7 @@
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
-use crate::console::arguments::{PLACE, on_or_off, rounded, switch, vector, wrong};
+use crate::console::arguments::{PLACE, on_or_off, rounded, short, switch, vector, wrong};
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
@@ -212,7 +212,6 @@ fn list(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         let shown = if instance.is_hidden { "hidden" } else { "shown" };
         let is_static = if instance.is_static { "static" } else { "dynamic" };
         let material = materials.get(instance.material).cloned().unwrap_or_default();
-        use crate::console::arguments::short;
         table.row([
             name,
             shown.to_owned(),
