@@ -75,10 +75,11 @@ impl Config {
             .map(|folders| folders.config_dir().join("window.json"));
         let text = file.as_ref().map(std::fs::read_to_string);
         let mut config = match text {
-            Some(Ok(text)) => Self::read(&text, &file),
-            Some(Err(error)) if error.kind() != std::io::ErrorKind::NotFound => {
-                Self { warning: Some(warning(&file, &error.to_string())), ..Self::default() }
-            }
+            Some(Ok(text)) => Self::read(&text, file.as_ref()),
+            Some(Err(error)) if error.kind() != std::io::ErrorKind::NotFound => Self {
+                warning: Some(warning(file.as_ref(), &error.to_string())),
+                ..Self::default()
+            },
             _ => Self::default(),
         };
         if is_fresh {
@@ -89,7 +90,7 @@ impl Config {
         config
     }
 
-    fn read(text: &str, file: &Option<PathBuf>) -> Self {
+    fn read(text: &str, file: Option<&PathBuf>) -> Self {
         let config = serde_json::from_str::<Self>(text).map(|config| {
             let is_usable = config.window.iter().all(|edge| (200.0..=16_384.0).contains(edge));
             let window = if is_usable { config.window } else { Self::default().window };
@@ -181,8 +182,8 @@ impl Config {
     }
 }
 
-fn warning(file: &Option<PathBuf>, reason: &str) -> String {
-    let file = file.as_ref().map(|file| file.display().to_string()).unwrap_or_default();
+fn warning(file: Option<&PathBuf>, reason: &str) -> String {
+    let file = file.map(|file| file.display().to_string()).unwrap_or_default();
     format!("{file}: cannot be read ({reason}); the window starts with its defaults")
 }
 
@@ -198,14 +199,14 @@ mod tests {
         config.note_recent("builtin:cornell");
         config.settings.insert("bounces".to_owned(), "3".to_owned());
         let text = serde_json::to_string(&config).unwrap();
-        assert_eq!(Config::read(&text, &None), config);
+        assert_eq!(Config::read(&text, None), config);
         assert_eq!(config.recent, ["builtin:cornell", "a b.glb"]);
     }
 
     #[test]
     fn a_broken_file_is_a_warning() {
         for text in ["", "{", "[]", "{\"window\": \"wide\"}", "\u{0}"] {
-            let config = Config::read(text, &Some("window.json".into()));
+            let config = Config::read(text, Some(&"window.json".into()));
             assert!(
                 config.warning.is_some_and(|warning| warning.contains("window.json")),
                 "{text}"
@@ -213,7 +214,7 @@ mod tests {
             assert_eq!(config.window, Config::default().window);
         }
         // What is missing has its default, what is unknown is passed over, and nonsense is not believed.
-        let config = Config::read("{\"future\": 1, \"window\": [1e9, -5], \"speed\": 0}", &None);
+        let config = Config::read("{\"future\": 1, \"window\": [1e9, -5], \"speed\": 0}", None);
         assert_eq!(config, Config::default());
     }
 

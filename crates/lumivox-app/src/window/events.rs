@@ -188,13 +188,13 @@ impl ApplicationHandler<Wake> for Handler {
             }
             Wake::Access(event) => match event.window_event {
                 accesskit_winit::WindowEvent::InitialTreeRequested => {
-                    self.context.enable_accesskit()
+                    self.context.enable_accesskit();
                 }
                 accesskit_winit::WindowEvent::ActionRequested(request) => {
                     open.input.on_accesskit_action_request(request);
                 }
                 accesskit_winit::WindowEvent::AccessibilityDeactivated => {
-                    self.context.disable_accesskit()
+                    self.context.disable_accesskit();
                 }
             },
         }

@@ -269,7 +269,7 @@ pub fn scene_model(explorer: &Explorer, mesh_bounds: &[Bounds]) -> Option<SceneM
         environment: scene.environment.radiance,
         panorama: scene.environment.map.as_ref().map(|map| map.name.clone()),
         cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
-        animations: animations.into_iter().map(|a| (a.name.to_string(), a.duration_s)).collect(),
+        animations: animations.into_iter().map(|a| (a.name.clone(), a.duration_s)).collect(),
         bounds,
         triangles,
     })

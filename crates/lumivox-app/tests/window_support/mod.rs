@@ -15,7 +15,7 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 /// A software GPU that others use as well takes its time.
-pub const DEADLINE: Duration = Duration::from_secs(300);
+pub const DEADLINE: Duration = Duration::from_mins(5);
 const POLL: Duration = Duration::from_millis(60);
 
 const KEY_PRESS: u8 = 2;
@@ -39,7 +39,16 @@ pub struct Display {
 impl Display {
     pub fn start() -> Self {
         let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1100x800x24", "-nolisten", "tcp"])
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1100x800x24",
+                "-nolisten",
+                "tcp",
+                "-noreset",
+            ])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
@@ -248,18 +257,19 @@ impl Window {
         self.wait(what, |window| Some(window.picture()).filter(|now| now.distance(before) > 2.0))
     }
 
-    /// Waits until the picture is complete: it stays as it is while the console answers.
+    /// Waits until the picture is complete: all its frames are there, and the window shows the last.
     #[track_caller]
     pub fn wait_rest(&mut self) -> Seen {
-        let mut last = self.picture();
+        let before = self.lines().len();
+        self.tell("wait 1000");
+        self.tell("echo complete");
+        self.wait_line(before, "complete");
+        let (mut last, mut same) = (self.picture(), 0);
         self.wait("picture that stays", |window| {
-            let before = window.lines().len();
-            window.tell("echo still");
-            window.wait_line(before, "still");
             let now = window.picture();
-            let is_same = now == last;
-            last = now.clone();
-            is_same.then_some(now)
+            same = if now == last { same + 1 } else { 0 };
+            last = now;
+            (same == 12).then(|| last.clone())
         })
     }
 

@@ -55,9 +55,7 @@ fn chosen(ui: &mut Ui, name: &str, light: &Light, app: &mut App) {
     row(ui, "Colour", "Linear red, green and blue; the strength is apart", |ui| {
         let key = set("color");
         let mut color = app.numbers(&key, light.color.to_array());
-        let before = color;
-        ui.color_edit_button_rgb(&mut color);
-        if color != before {
+        if ui.color_edit_button_rgb(&mut color).changed() {
             let [r, g, b] = color;
             app.set_numbers(&key, color, format!("{key} {r} {g} {b}"));
         }
@@ -127,14 +125,15 @@ fn surroundings(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
         let peak = Vec3::from(now).max_element();
         let mut color = if peak > 0.0 { now.map(|c| c / peak) } else { [1.0; 3] };
         let mut strength = peak;
-        let before = (color, strength);
-        ui.color_edit_button_rgb(&mut color);
+        let mut is_changed = ui.color_edit_button_rgb(&mut color).changed();
         let speed = f64::from(strength.max(1.0)) * 0.01;
         let drag = DragValue::new(&mut strength).range(0.0..=1e7).speed(speed).max_decimals(2);
         let width = ui.available_width();
-        ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}"))
+        let strong = ui
+            .add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}"))
             .accessible_name("Radiance of the surroundings");
-        if (color, strength) != before {
+        is_changed |= strong.changed();
+        if is_changed {
             let [r, g, b] = color.map(|c| c * strength);
             app.set_numbers("environment", [r, g, b], format!("environment {r},{g},{b}"));
         }

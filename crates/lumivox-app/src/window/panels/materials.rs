@@ -68,9 +68,7 @@ fn one(ui: &mut Ui, name: &str, material: &Material, app: &mut App) {
 fn color(ui: &mut Ui, app: &mut App, title: &str, tip: &str, key: &str, now: [f32; 3]) {
     row(ui, title, tip, |ui| {
         let mut color = app.numbers(key, now);
-        let before = color;
-        ui.color_edit_button_rgb(&mut color);
-        if color != before {
+        if ui.color_edit_button_rgb(&mut color).changed() {
             let [r, g, b] = color;
             app.set_numbers(key, color, format!("{key} {r} {g} {b}"));
         }
@@ -98,14 +96,15 @@ fn emission(ui: &mut Ui, app: &mut App, key: &str, material: &Material) {
         let peak = glam::Vec3::from(now).max_element();
         let mut color = if peak > 0.0 { now.map(|c| c / peak) } else { [1.0; 3] };
         let mut strength = peak;
-        let before = (color, strength);
-        ui.color_edit_button_rgb(&mut color);
+        let mut is_changed = ui.color_edit_button_rgb(&mut color).changed();
         let speed = f64::from(strength.max(1.0)) * 0.01;
         let drag =
             egui::DragValue::new(&mut strength).range(0.0..=1e8).speed(speed).max_decimals(2);
         let width = ui.available_width();
-        ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}")).accessible_name("Emission");
-        if (color, strength) != before {
+        let strong =
+            ui.add_sized([width, 18.0], drag.suffix(" cd/m\u{b2}")).accessible_name("Emission");
+        is_changed |= strong.changed();
+        if is_changed {
             let [r, g, b] = color.map(|c| c * strength);
             app.set_numbers(key, [r, g, b], format!("{key} {r} {g} {b}"));
         }

@@ -51,9 +51,10 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
 fn listed(ui: &mut Ui, object: &ObjectModel, app: &mut App) {
     ui.horizontal(|ui| {
         let name = quoted(&object.name);
-        let (icon, verb, color) = match object.is_hidden {
-            true => (Icon::Hidden, "show", theme::WEAK),
-            false => (Icon::Shown, "hide", theme::ACCENT),
+        let (icon, verb, color) = if object.is_hidden {
+            (Icon::Hidden, "show", theme::WEAK)
+        } else {
+            (Icon::Shown, "hide", theme::ACCENT)
         };
         if icons::button(ui, icon, color, &format!("{verb} {}", object.name)).clicked() {
             app.line(format!("{verb} {name}"));

@@ -127,6 +127,7 @@ pub fn start(
     (sender, shared, thread)
 }
 
+#[allow(clippy::struct_excessive_bools)] // Each tells of something else.
 struct Worker {
     console: Console,
     options: GpuOptions,

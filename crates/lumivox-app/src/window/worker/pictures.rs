@@ -146,7 +146,7 @@ impl Worker {
             (None, _) => {
                 let more = self.render_frame()?;
                 if !more && self.pace.divisor() == 1 {
-                    self.keep_reference()?;
+                    self.keep_reference();
                 }
                 // A coarse picture waits for the camera to come to rest.
                 Ok(more || was_moving > 1 || self.console.explorer.playback().is_playing)
@@ -319,13 +319,13 @@ impl Worker {
     }
 
     /// Starts the reference once the picture is complete, and gives up one of another state.
-    fn keep_reference(&mut self) -> anyhow::Result<()> {
-        let Comparand::Reference(samples) = self.comparand else { return Ok(()) };
+    fn keep_reference(&mut self) {
+        let Comparand::Reference(samples) = self.comparand else { return };
         let explorer = &self.console.explorer;
-        let Some(scene) = explorer.scene() else { return Ok(()) };
+        let Some(scene) = explorer.scene() else { return };
         let key = ReferenceKey::new(scene, explorer.camera(), explorer.settings(), samples);
         if self.tracing.as_ref().is_some_and(|tracing| tracing.key == key) {
-            return Ok(());
+            return;
         }
         // The old one goes first: its memory and its time are for the new one.
         self.tracing = None;
@@ -333,7 +333,6 @@ impl Worker {
         let look = (self.pace.stops, explorer.settings().tone_map);
         let tracing = jobs::trace(self.jobs, explorer.gpu(), scene, key, look, self.sender.clone());
         self.tracing = Some(tracing);
-        Ok(())
     }
 
     /// More of the reference is there.
