@@ -6,7 +6,7 @@ mod common;
 use std::f32::consts::PI;
 
 use common::{builtin, gpu, mean_luminance, picture, renderer};
-use glam::{Mat4, UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use lumivox::{Directionality, OctreeOptions, VolumeKind};
 use lumivox_render::gbuffer_pass::clip_from_world;
 use lumivox_render::{

@@ -1,7 +1,6 @@
 //! The objects of a scene: its instances, each with a name of its own.
 
 use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
-use lumivox_scene::Bounds;
 
 use super::Explorer;
 use super::names::{NotFound, names_of_objects as names};
@@ -86,15 +85,6 @@ impl Explorer {
     pub fn placement(&self, object: usize) -> Option<Placement> {
         let instance = self.scene()?.instances.get(object)?;
         Some(Placement::of(instance.world_from_local))
-    }
-
-    /// The box around an object in the world.
-    pub fn object_bounds(&self, object: usize) -> Option<Bounds> {
-        let scene = self.scene()?;
-        let instance = scene.instances.get(object)?;
-        let mesh = scene.meshes.get(instance.mesh)?;
-        let in_world = |p: &Vec3| instance.world_from_local.transform_point3(*p);
-        Some(Bounds::from_points(mesh.positions.iter().map(in_world)))
     }
 
     /// Puts an object elsewhere in the world.

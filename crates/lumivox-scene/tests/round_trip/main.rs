@@ -125,7 +125,7 @@ fn faults_name_the_file() {
 #[test]
 fn extras_that_do_not_fit_are_ignored_with_a_warning() {
     let mut scene = builtin::scene("cornell").unwrap();
-    scene.environment.radiance = glam::Vec3::ONE;
+    scene.environment.radiance = Vec3::ONE;
     let glb = scene.to_glb().unwrap();
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let json = std::str::from_utf8(&glb[20..20 + length]).unwrap();
