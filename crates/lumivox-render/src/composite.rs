@@ -23,7 +23,8 @@ pub(crate) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct CompositeSettings {
     pub(crate) shown: u32,
-    padding: [u32; 3],
+    pub(crate) has_cones: u32,
+    padding: [u32; 2],
 }
 
 /// Puts the parts of a picture together.
@@ -88,16 +89,17 @@ impl CompositePass {
         CompositeTargets { picture, settings, group }
     }
 
-    /// Makes the picture. The view takes effect at the next submission: one frame per recorder.
+    /// Makes the picture; `has_cones` says whether cones were traced for it. The view takes effect at the next submission: one frame per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         lights: &Lights,
         gbuffer: &GBuffer,
         targets: &CompositeTargets,
-        view: View,
+        (view, has_cones): (View, bool),
     ) {
-        let settings = CompositeSettings { shown: view as u32, padding: [0; 3] };
+        let has_cones = u32::from(has_cones);
+        let settings = CompositeSettings { shown: view as u32, has_cones, padding: [0; 2] };
         recorder.queue().write_buffer(&targets.settings, 0, bytemuck::bytes_of(&settings));
         let groups = [&self.nothing, &targets.group, &lights.group, &gbuffer.group];
         self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);

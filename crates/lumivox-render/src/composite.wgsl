@@ -14,9 +14,10 @@ import package::trace::gbuffer::{
 struct CompositeSettings {
     // One of VIEW_...
     shown: u32,
+    // Whether cones were traced for this frame; else their textures hold what an earlier one left.
+    has_cones: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> composite_settings: CompositeSettings;
@@ -30,6 +31,18 @@ struct CompositeSettings {
 // What coloured glass in front lets through, in rgb; one white texel where the scene has none.
 @group(1) @binding(5) var tint: texture_2d<f32>;
 @group(1) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
+
+// Irradiance in rgb, openness in a.
+fn traced_irradiance(pixel: vec2u) -> vec4f {
+    let traced = textureLoad(irradiance, pixel, 0);
+    return select(vec4f(0.0, 0.0, 0.0, 1.0), traced, composite_settings.has_cones != 0u);
+}
+
+// Reflected radiance in rgb, cone samples in a.
+fn traced_specular(pixel: vec2u) -> vec4f {
+    let traced = textureLoad(specular, pixel, 0);
+    return select(vec4f(0.0), traced, composite_settings.has_cones != 0u);
+}
 
 fn cos_view(surface: Surface) -> f32 {
     let to_camera = normalize(view.position_in_world - surface.position_in_world);
@@ -47,8 +60,8 @@ fn indirect_light(pixel: vec2u, surface: Surface) -> vec3f {
     let f0 = textureLoad(gbuffer_specular, pixel, 0).rgb;
     let fresnel = fresnel_schlick(f0, cos_view(surface));
     let below = below_coat(load_coat(pixel), cos_view(surface));
-    let diffuse = textureLoad(irradiance, pixel, 0).rgb * albedo / PI * (1.0 - fresnel) * below;
-    return diffuse + textureLoad(specular, pixel, 0).rgb;
+    let diffuse = traced_irradiance(pixel).rgb * albedo / PI * (1.0 - fresnel) * below;
+    return diffuse + traced_specular(pixel).rgb;
 }
 
 fn shade(pixel: vec2u, surface: Surface) -> vec3f {
@@ -60,13 +73,13 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
             return indirect_light(pixel, surface);
         }
         case VIEW_DIFFUSE: {
-            return textureLoad(irradiance, pixel, 0).rgb / PI;
+            return traced_irradiance(pixel).rgb / PI;
         }
         case VIEW_SPECULAR: {
-            return textureLoad(specular, pixel, 0).rgb;
+            return traced_specular(pixel).rgb;
         }
         case VIEW_OCCLUSION: {
-            return vec3f(textureLoad(irradiance, pixel, 0).a);
+            return vec3f(traced_irradiance(pixel).a);
         }
         case VIEW_SHADOW: {
             return vec3f(textureLoad(direct_diffuse, pixel, 0).a);
@@ -81,7 +94,7 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
             return vec3f(distance(surface.position_in_world, view.position_in_world));
         }
         case VIEW_COST: {
-            return vec3f(textureLoad(specular, pixel, 0).a);
+            return vec3f(traced_specular(pixel).a);
         }
         default: {
             return direct_light(pixel, surface) + indirect_light(pixel, surface);

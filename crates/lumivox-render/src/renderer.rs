@@ -19,7 +19,7 @@ use crate::vxct::{VxctFrame, VxctLook};
 use crate::{Gpu, Look, Picture, RenderError, RenderSettings, View};
 use passes::Passes;
 pub use prepare::global_illumination;
-use prepare::{bind_lights, environment_map, upload};
+use prepare::{bind_lights, environment_map, upload, voxelize};
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +41,8 @@ pub struct Renderer {
     scene: GpuScene,
     /// What the scene itself asks the grid to be fitted to.
     scene_bounds: Bounds,
+    /// Whether nothing of it need be in the grid: it has one of its own.
+    may_be_empty: bool,
     /// What it is fitted to.
     grid_bounds: Bounds,
     /// Around all that is shown; shadow maps hold what lies outside of the grid, too.
@@ -65,8 +67,8 @@ impl Renderer {
     /// hears of the stages `upload`, `voxelize` and `light`.
     ///
     /// # Errors
-    /// When a setting is out of range, when something does not fit the device or its memory, and when
-    /// the device fails.
+    /// When a setting is out of range, when nothing of the scene is in the grid (unless it has a grid of its own,
+    /// [`Scene::grid_bounds`]), when something does not fit the device or its memory, and when the device fails.
     pub async fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -76,6 +78,7 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
         let scene_bounds = scene.voxel_bounds();
+        let may_be_empty = scene.grid_bounds.is_some();
         let bounds = settings.grid_bounds.unwrap_or(scene_bounds);
         let camera = camera.or(scene.cameras.first()).cloned();
         let camera = camera.unwrap_or_else(|| {
@@ -97,7 +100,7 @@ impl Renderer {
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
         let config = settings.gi_config(grid);
         let mut gi = global_illumination(gpu, config).await?;
-        let voxelized = gi.voxelize(&scene.geometry, settings.timing).await?;
+        let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await?;
         times.add(voxelized.times);
         gpu.check("voxelizing")?;
         progress(Progress { stage: "voxelize", done: 1, total: 1 });
@@ -136,6 +139,7 @@ impl Renderer {
             camera,
             scene,
             scene_bounds,
+            may_be_empty,
             grid_bounds: bounds,
             shown_bounds,
             lighting,
@@ -216,13 +220,15 @@ impl Renderer {
                     recorder.stage("direct light");
                     passes.direct.record(&mut recorder, gi, lights, gbuffer, &targets.direct);
                 }
-                if settings.view.needs_cones(settings.bounces) {
+                let has_cones = settings.view.needs_cones(settings.bounces);
+                if has_cones {
                     recorder.stage("trace");
                     gi.trace(&mut recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
                 }
                 recorder.stage("picture");
                 let composite = &targets.composite;
-                passes.composite.record(&mut recorder, lights, gbuffer, composite, settings.view);
+                let shown = (settings.view, has_cones);
+                passes.composite.record(&mut recorder, lights, gbuffer, composite, shown);
             }
         }
         recorder.stage("picture");

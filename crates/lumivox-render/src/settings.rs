@@ -314,7 +314,7 @@ const MAX_BOUNCES: u32 = 16;
 /// The most frames: their running mean in `f32` still moves by a 65 536th.
 const MAX_FRAMES: u32 = 65_536;
 /// Beyond this, f32 overflows.
-const MAX_STOPS: f32 = 64.0;
+pub(crate) const MAX_STOPS: f32 = 64.0;
 const MIN_SHADOW_RESOLUTION: u32 = 16;
 
 impl RenderSettings {

@@ -7,7 +7,9 @@ mod common;
 use common::{builtin, gpu, picture, renderer};
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::{Directionality, Injection, OctreeOptions, Preset, TraceSettings, VolumeKind};
-use lumivox_render::{Exposure, RenderSettings, Renderer, ShadowMethod, ToneMap, View};
+use lumivox_render::{
+    Exposure, Look, RenderSettings, Renderer, ShadowMethod, ToneMap, View, VxctSettings,
+};
 use lumivox_scene::{LightKind, Scene, Shading};
 
 fn settings() -> RenderSettings {
@@ -28,11 +30,17 @@ fn set(renderer: &mut Renderer, settings: &RenderSettings) {
 #[test]
 fn settings_may_change_in_any_order() {
     let gpu = gpu();
-    let scene = builtin("cornell");
+    let mut scene = builtin("cornell");
+    // Its shadows by cones need the voxels' opacities before there is any light.
+    scene.lights.push(lumivox_scene::Light {
+        kind: LightKind::Directional { illuminance_lux: 100.0, angular_radius_rad: 0.1 },
+        direction: Vec3::new(-0.3, -1.0, -0.6).normalize(),
+        ..lumivox_scene::Light::default()
+    });
     let mut changing = renderer(&gpu, &scene, settings());
     let mut before = picture(&mut changing);
     let octree = VolumeKind::Octree(OctreeOptions::default());
-    let changes: [fn(&mut RenderSettings, VolumeKind); 12] = [
+    let changes: [fn(&mut RenderSettings, VolumeKind); 15] = [
         |s, _| s.resolution = 48,
         |s, _| s.size = UVec2::new(33, 21),
         |s, octree| s.volume = octree,
@@ -41,10 +49,13 @@ fn settings_may_change_in_any_order() {
         |s, _| s.trace = TraceSettings::preset(Preset::Fast),
         |s, _| s.bounces = 1,
         |s, _| s.shadows = ShadowMethod::Cone,
+        |s, _| s.look = Look::Vxct(VxctSettings::for_resolution(s.resolution)),
+        |s, _| s.look = Look::Physical,
         |s, _| s.view = View::Nodes,
         |s, _| (s.view, s.voxel_level) = (View::Lit, 1),
         |s, _| s.grid_offset = Vec3::splat(0.5),
         |s, _| *s = RenderSettings { frames: 3, ..settings() },
+        |s, _| s.bounces = 0,
     ];
     let mut asked = settings();
     for (step, change) in changes.into_iter().enumerate() {
@@ -180,4 +191,49 @@ fn voxels_may_stay_behind() {
     assert!(picture(&mut ahead) == picture(&mut renderer(&gpu, &moved, see(View::Voxels))));
     pollster::block_on(ahead.revoxelize(&mut |_| {})).expect("voxels");
     assert_eq!(ahead.frame_count(), 2, "what stays keeps its frames");
+}
+
+/// Without bounces nothing is traced: what cones left of another view must not show.
+#[test]
+fn what_was_traced_for_another_view_does_not_show() {
+    let gpu = gpu();
+    let scene = builtin("cornell");
+    let see = |view| RenderSettings { view, bounces: 0, ..settings() };
+    let mut seen = renderer(&gpu, &scene, see(View::Occlusion));
+    picture(&mut seen);
+    seen.set_view(View::Final, 0).expect("a view");
+    assert!(picture(&mut seen) == picture(&mut renderer(&gpu, &scene, see(View::Final))));
+}
+
+/// A scene with a grid of its own may be empty, or stand outside of it.
+#[test]
+fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
+    let gpu = gpu();
+    let mut scene = builtin("cornell");
+    scene.grid_bounds = Some(scene.bounds());
+    let inside = picture(&mut renderer(&gpu, &scene, settings()));
+    let far = Mat4::from_translation(Vec3::Z * 50.0);
+    for instance in &mut scene.instances {
+        instance.world_from_local = far * instance.world_from_local;
+    }
+    let mut camera = scene.cameras[0].clone();
+    camera.position.z += 50.0;
+    let octree = VolumeKind::Octree(OctreeOptions::default());
+    for volume in [VolumeKind::Dense, octree] {
+        let settings = RenderSettings { volume, ..settings() };
+        let mut outside = renderer(&gpu, &scene, settings.clone());
+        assert_eq!(outside.voxel_stats().voxels, 0);
+        outside.set_camera(camera.clone());
+        let seen = picture(&mut outside);
+        assert!(seen.hdr.iter().any(|pixel| pixel[3] > 0.0), "surfaces are drawn");
+        assert_ne!(seen, inside, "without indirect light");
+        let mut empty = scene.clone();
+        empty.instances.clear();
+        let nothing = picture(&mut renderer(&gpu, &empty, settings));
+        assert!(nothing.hdr.iter().all(|pixel| pixel[3] == 0.0));
+    }
+    scene.grid_bounds = None;
+    scene.instances.clear();
+    let refused = Renderer::new(&gpu, &scene, None, settings(), &mut |_| {});
+    assert!(pollster::block_on(refused).is_err(), "nothing says where the grid is");
 }

@@ -242,4 +242,6 @@ fn wrong_count(command: &Command, count: usize) -> Failure {
 }
 
 #[cfg(test)]
+mod corpus;
+#[cfg(test)]
 mod tests;

@@ -1,5 +1,6 @@
 //! Bringing the renderer up to date with what is asked for.
 
+use lumivox::GiError;
 use lumivox_render::{Progress, RenderError, RenderSettings, Renderer};
 use lumivox_scene::Scene;
 
@@ -42,7 +43,8 @@ impl Explorer {
     /// When the renderer refuses. Settings that it refuses are those of before again.
     pub fn update(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<()> {
         let Some(opened) = &self.opened else { return Ok(()) };
-        if opened.scene.shown().next().is_none() {
+        let has_grid = opened.scene.grid_bounds.is_some();
+        if opened.scene.shown().next().is_none() && !has_grid {
             self.renderer = None;
             return Ok(());
         }
@@ -76,6 +78,10 @@ impl Explorer {
         if let Err(error) = show(renderer, scene, pending, self.revoxelize, tell).await {
             // Whatever it holds now: the next one is made from the scene as it stands.
             self.renderer = None;
+            let is_empty = matches!(error, RenderError::Gi(GiError::NothingToVoxelize { .. }));
+            if is_empty && scene.grid_bounds.is_some() {
+                return Box::pin(self.bring(tell)).await;
+            }
             return Err(error.into());
         }
         if *renderer.camera() != self.camera {
@@ -117,7 +123,8 @@ async fn show(
     }
     if pending.objects {
         renderer.place(scene).await?;
-    } else if pending.lights {
+    }
+    if pending.lights {
         renderer.set_lights(scene, tell).await?;
     }
     if pending.voxels { renderer.revoxelize(tell).await } else { Ok(()) }

@@ -1,7 +1,7 @@
 //! Every setting of a rendering by name: what consoles, panels and scripts are made of.
 //!
 //! One table says of each setting its name, unit, range and meaning, and how it is read and written. Names are those of
-//! the command line, with `_` for `-`. What a value means in detail is said at the field of [`RenderSettings`] or of
+//! the command line, with `_` for `-`; in values either is read. What a value means in detail is said at the field of [`RenderSettings`] or of
 //! [`lumivox::TraceSettings`].
 
 mod names;

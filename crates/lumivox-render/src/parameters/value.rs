@@ -104,10 +104,12 @@ impl Kind {
                 let numbers: Option<Vec<f32>> =
                     text.split(',').map(|number| number.trim().parse().ok()).collect();
                 let [x, y, z] = numbers?.try_into().ok()?;
-                Some(Value::Vector(Vec3::new(x, y, z)))
+                Some(Vec3::new(x, y, z)).filter(|v| v.is_finite()).map(Value::Vector)
             }
             Self::Choice(names) => {
-                names.iter().find(|name| **name == text).map(|name| Value::Choice(name))
+                let plain = |name: &str| name.replace('_', "-");
+                let named = names.iter().find(|name| plain(name) == plain(text));
+                named.map(|name| Value::Choice(name))
             }
         }
     }

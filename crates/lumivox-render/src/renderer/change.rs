@@ -3,12 +3,14 @@
 //! Each redoes what depends on the change and nothing else, so that the picture afterwards is the one that a new
 //! renderer would make. The mean over frames starts anew wherever the picture changes.
 
+use std::sync::Arc;
+
 use lumivox::gpu::Recorder;
 use lumivox::{Grid, Voxelized};
 use lumivox_scene::Scene;
 
 use super::passes::Passes;
-use super::prepare::{bind_lights, environment_map, global_illumination, upload};
+use super::prepare::{bind_lights, environment_map, global_illumination, upload, voxelize};
 use super::{Progress, Renderer, validate, validate_level};
 use crate::upload::{Lighting, radiance_unit_within};
 use crate::{Exposure, Look, RenderError, RenderSettings, View};
@@ -36,13 +38,8 @@ impl Redo {
             || old.volume_memory != new.volume_memory
             || old.voxelizer != new.voxelizer
             || old.injection != new.injection;
-        // Without bounces nothing is traced, and what was must not be shown.
-        let has_stale_cones =
-            new.bounces == 0 && (old.bounces > 0 || old.view.needs_cones(old.bounces));
-        let targets = volume
-            || has_stale_cones
-            || old.size != new.size
-            || old.trace.resolution != new.trace.resolution;
+        let targets =
+            volume || old.size != new.size || old.trace.resolution != new.trace.resolution;
         let light = volume
             || old.trace != new.trace
             || old.look.injected_light() != new.look.injected_light()
@@ -80,7 +77,8 @@ impl Renderer {
         if redo.volume {
             progress(Progress { stage: "voxelize", done: 0, total: 1 });
             let mut gi = global_illumination(&self.gpu, settings.gi_config(grid)).await?;
-            let voxelized = gi.voxelize(&self.scene.geometry, settings.timing).await?;
+            let (geometry, timing) = (&self.scene.geometry, settings.timing);
+            let voxelized = voxelize(&mut gi, geometry, timing, self.may_be_empty).await?;
             self.gpu.check("voxelizing")?;
             let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
             let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
@@ -91,12 +89,12 @@ impl Renderer {
             self.vxct.relink(bounds);
             progress(Progress { stage: "voxelize", done: 1, total: 1 });
         } else {
-            if settings.shadows != self.settings.shadows {
-                self.passes.set_shadows(&self.gpu, &self.scene, settings.shadows)?;
-            }
             if redo.targets {
                 let Self { gpu, gi, scene, passes, .. } = self;
                 self.targets = passes.targets(gpu, gi, scene, &settings).await?;
+            }
+            if settings.shadows != self.settings.shadows {
+                self.passes.set_shadows(&self.gpu, &self.scene, settings.shadows)?;
             }
         }
         self.settings = settings;
@@ -177,6 +175,7 @@ impl Renderer {
             let Self { gpu, gi, scene, passes, settings, .. } = self;
             self.targets = passes.targets(gpu, gi, scene, settings).await?;
         }
+        self.vxct.set_scene(scene, self.scene.radiance_unit);
         self.set_scene(scene, progress).await
     }
 
@@ -247,10 +246,7 @@ impl Renderer {
         settings.validate(&self.gpu.device.limits())?;
         let was = std::mem::replace(&mut self.settings, settings);
         if self.settings.voxel_bounces() != was.voxel_bounces() {
-            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
-            let Self { gpu, settings, gi, lights, vxct, .. } = self;
-            vxct.light(gpu, &mut recorder, gi, lights, settings)?;
-            recorder.submit();
+            self.light_voxels()?;
         }
         self.targets.accumulate.reset();
         Ok(())
@@ -265,13 +261,19 @@ impl Renderer {
         look.validate()?;
         let was = std::mem::replace(&mut self.settings.look, look);
         if look.injected_light() != was.injected_light() {
-            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
-            let Self { gpu, settings, gi, lights, vxct, .. } = self;
-            vxct.light(gpu, &mut recorder, gi, lights, settings)?;
-            recorder.submit();
+            self.light_voxels()?;
         }
         self.targets.accumulate.reset();
         Ok(())
+    }
+
+    /// Lights the voxels as the settings want it, by the lights that are bound.
+    fn light_voxels(&mut self) -> Result<(), RenderError> {
+        let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
+        let Self { gpu, settings, gi, lights, vxct, .. } = self;
+        vxct.light(gpu, &mut recorder, gi, lights, settings)?;
+        recorder.submit();
+        self.gpu.check("lighting the voxels")
     }
 
     /// Changes how pictures are exposed from now on; the frames so far stay.
@@ -293,11 +295,16 @@ impl Renderer {
     /// Takes the lights and surroundings of a scene, whose map is uploaded if it is another one.
     fn take_lighting(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
-        if lighting.environment.map != self.lighting.environment.map {
+        let maps = [&lighting, &self.lighting].map(|lighting| lighting.environment.map.as_ref());
+        if maps[0].map(Arc::as_ptr) != maps[1].map(Arc::as_ptr) {
             self.environment = environment_map(&self.gpu, &lighting)?;
         }
+        // Its white must not change because something moves.
+        let is_new = lighting.lights != self.lighting.lights;
         self.lighting = lighting;
-        self.vxct.set_scene(scene, self.scene.radiance_unit);
+        if is_new {
+            self.vxct.set_scene(scene, self.scene.radiance_unit);
+        }
         Ok(())
     }
 

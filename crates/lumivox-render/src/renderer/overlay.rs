@@ -60,7 +60,8 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn complete_overlay(&mut self) -> Result<(), RenderError> {
-        let is_on = self.settings.overlay.is_on();
+        // Without a picture there is nothing to draw over.
+        let is_on = self.settings.overlay.is_on() && self.frame_count() > 0;
         while is_on && self.overlay_frame_count() < self.settings.frames {
             self.render_overlay_frame().await?;
             self.gpu.wait("drawing the overlay")?;

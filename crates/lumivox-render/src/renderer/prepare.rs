@@ -1,9 +1,10 @@
 //! What a renderer does before its first frame: the scene and its lights on the GPU.
 
-use lumivox::gpu::Recorder;
+use lumivox::gpu::{Recorder, Timing};
 use lumivox::{
-    EnvironmentLight, EnvironmentMap, Gi, GiConfig, Injection, Light, LightSource, Lights,
-    Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, dense_volume_bytes,
+    EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Injection, Light,
+    LightSource, Lights, Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats,
+    Voxelized, dense_volume_bytes,
 };
 use lumivox_scene::{Bounds, Scene};
 
@@ -70,6 +71,22 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
         return Err(RenderError::Device { doing, reason: error.to_string() });
     }
     Ok(gi?)
+}
+
+/// Voxelizes what a new [`Gi`] has nothing of yet. Nothing is an answer where it may be: then there are no voxels, and no
+/// light that comes by them.
+pub(super) async fn voxelize(
+    gi: &mut Gi,
+    geometry: &Geometry,
+    timing: Timing,
+    may_be_empty: bool,
+) -> Result<Voxelized, GiError> {
+    match gi.voxelize(geometry, timing).await {
+        Err(GiError::NothingToVoxelize { .. }) if may_be_empty => {
+            Ok(Voxelized { stats: VoxelizeStats::default(), times: Vec::new() })
+        }
+        other => other,
+    }
 }
 
 /// Uploads the environment's map, if there is one.

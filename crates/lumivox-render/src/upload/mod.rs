@@ -151,6 +151,7 @@ impl GpuScene {
             });
         }
         self.geometry.batches.clear();
+        self.draws.clear();
         let earlier = std::mem::take(&mut self.batches);
         let placed = Placed::new(gpu, scene, &self.materials, earlier)?;
         self.geometry.batches = placed.geometry;

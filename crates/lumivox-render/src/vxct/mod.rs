@@ -9,6 +9,7 @@
 mod settings;
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 use lumivox::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, uniform_buffer, upload,
 };
@@ -16,6 +17,7 @@ use lumivox::{GBuffer, Gi, Lights};
 use lumivox_scene::{Attenuation, Bounds, LightKind, Scene, Shading};
 
 use crate::composite::PICTURE_FORMAT;
+use crate::settings::MAX_STOPS;
 use crate::targets::Targets;
 use crate::upload::{Lighting, reference_white};
 use crate::{Exposure, Gpu, RenderError, RenderSettings, ToneMap, View};
@@ -108,17 +110,18 @@ pub struct VxctDisplay {
 
 /// How a screen shows a scene in this look.
 ///
-/// Scenes for VXCT, some light of which has an [`Attenuation`], are in display values: they are shown as they are,
-/// without exposure and encoding. Other scenes are in physical units: there white is what a white surface shows that
+/// Scenes for VXCT, some light of which has an [`Attenuation`] or which have a grid of their own and no lights, are in
+/// display values: they are shown as they are, without exposure and encoding. Other scenes are in physical units: there white is what a white surface shows that
 /// faces the strongest light, a lamp right at its place (its colour in VXCT's sense) or a sun; where nothing but
 /// surfaces shines, the brightest of them. It is encoded for the screen, since the light of a real scene has more
 /// contrast than display values.
 pub fn vxct_display(scene: &Scene) -> VxctDisplay {
-    if scene.lights.iter().any(|light| light.attenuation.is_some()) {
+    let has_no_lights = scene.lights.is_empty() && scene.grid_bounds.is_some();
+    if has_no_lights || scene.lights.iter().any(|light| light.attenuation.is_some()) {
         let (exposure, tone_map) = (Exposure::Stops(0.0), ToneMap::Raw);
         return VxctDisplay { white: 1.0, exposure, tone_map };
     }
-    let bounds = scene.bounds();
+    let bounds = scene.voxel_bounds();
     let unit_m = 0.5 * (bounds.max - bounds.min).max_element();
     let of_lights = scene.lights.iter().map(|light| {
         let strength = match light.kind {
@@ -132,7 +135,7 @@ pub fn vxct_display(scene: &Scene) -> VxctDisplay {
     let brightest = of_lights.filter(|white| white.is_finite()).fold(0.0, f32::max);
     let white =
         if brightest > 0.0 { brightest } else { reference_white(scene, &Lighting::of(scene)) };
-    let exposure = Exposure::Stops(-white.log2());
+    let exposure = Exposure::Stops((-white.log2()).clamp(-MAX_STOPS, MAX_STOPS));
     VxctDisplay { white, exposure, tone_map: ToneMap::Linear }
 }
 
@@ -204,7 +207,8 @@ impl VxctLook {
             .materials
             .iter()
             .filter_map(|material| match &material.shading {
-                Shading::Phong(phong) => Some(phong.ambient),
+                // What only emits has no part in it.
+                Shading::Phong(phong) if phong.diffuse != Vec3::ZERO => Some(phong.ambient),
                 _ => None,
             })
             .collect();

@@ -46,7 +46,7 @@ pub enum Injected {
 pub struct ConeShape {
     /// The whole angle, radians, 0.001 to 2. Wider: blurrier, and cheaper.
     pub aperture_rad: f32,
-    /// Where sampling starts, along the cone, in VXCT's units (half the longest edge of the scene's bounds), 0 to 4.
+    /// Where sampling starts, along the cone, in VXCT's units (half the longest edge of the grid's box), 0 to 4.
     /// Higher passes over what is near; lower lets surfaces see themselves.
     pub offset: f32,
     /// Step as a share of the cone's diameter, 0.001 to 4; at least half a voxel of the level at hand is taken, and

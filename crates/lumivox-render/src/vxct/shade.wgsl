@@ -40,7 +40,7 @@ struct VxctUniform {
     components: u32,
     // Bits of VXCT_TERM_...
     terms: u32,
-    // Voxels in VXCT's unit, half the longest edge of the scene.
+    // Voxels in VXCT's unit, half the longest edge of the box that the grid is fitted to.
     unit_voxels: f32,
     // Voxels.
     origin_offset: f32,

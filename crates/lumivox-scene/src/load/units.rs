@@ -65,8 +65,15 @@ pub(super) fn apply(
         light.position *= unit_m;
         light.radius_m *= unit_m;
         if let Some(attenuation) = &mut light.attenuation {
+            let at_a_metre = attenuation.at(1.0);
             attenuation.linear /= unit_m;
             attenuation.quadratic /= unit_m * unit_m;
+            // The strength is told by what arrives at a metre.
+            if let LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } =
+                &mut light.kind
+            {
+                *intensity_cd *= attenuation.at(1.0) / at_a_metre;
+            }
         }
         if let LightKind::Point { range_m, .. } | LightKind::Spot { range_m, .. } = &mut light.kind
         {

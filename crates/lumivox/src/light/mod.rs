@@ -201,7 +201,7 @@ impl Lighting {
         recorder.stage("light");
         let is_direct = gathers == 0;
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
-        if lights.has_cone_shadows && own.is_none() {
+        if lights.has_cone_shadows {
             recorder.stage("filter");
             if let Some(changed) = changes.surfaces(recorder) {
                 volume.update(recorder, changed);

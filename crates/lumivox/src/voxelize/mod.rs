@@ -120,7 +120,7 @@ struct ResolveParams {
 }
 
 /// What a voxelization found and took.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VoxelizeStats {
     /// Triangles given.
     pub triangles: u64,

@@ -108,7 +108,8 @@ fn three(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: Vec3, speed: f
         ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, ["x", "y", "z"])).inner
     });
     // A direction must be one.
-    if changed.inner && numbers.iter().any(|number| *number != 0.0) {
+    let is_zero = numbers.iter().all(|number| *number == 0.0);
+    if changed.inner && !(is_zero && key.ends_with(" direction")) {
         let [x, y, z] = numbers;
         app.set_numbers(key, numbers, format!("{key} {x} {y} {z}"));
     }

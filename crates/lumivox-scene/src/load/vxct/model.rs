@@ -48,12 +48,13 @@ impl<'m, 'o> Models<'m, 'o> {
         let reach = options.reach();
         let mut beside = Vec::new();
         // VXCT's paths begin in its own folder, above `scenes` and `models`.
-        if let Some(program) = program_folder(file, reach) {
-            beside.push(program.join("program"));
-            beside.push(file.to_owned());
-            beside.push(program.join("models").join("model"));
-        } else {
-            beside.push(file.to_owned());
+        match program_folder(file, reach) {
+            Some((program, is_sure)) => {
+                beside.push(program.join("program"));
+                beside.insert(usize::from(is_sure), file.to_owned());
+                beside.push(program.join("models").join("model"));
+            }
+            None => beside.push(file.to_owned()),
         }
         Self { options, budget, beside, reach, meshes: HashMap::new(), count: 0 }
     }
@@ -233,17 +234,17 @@ fn is_obj(path: &Path) -> bool {
 }
 
 /// The folder above the scene's, if the scene's is called `scenes` or all folders are allowed: there
-/// VXCT itself would stand.
-fn program_folder(file: &Path, reach: Reach<'_>) -> Option<PathBuf> {
+/// VXCT itself would stand. It does so for sure in the first case.
+fn program_folder(file: &Path, reach: Reach<'_>) -> Option<(PathBuf, bool)> {
     let folder = file.parent()?;
     let is_scenes = |name: &OsStr| name.eq_ignore_ascii_case("scenes");
     if folder.file_name().is_some_and(is_scenes) {
-        return Some(folder.parent()?.to_owned());
+        return Some((folder.parent()?.to_owned(), true));
     }
     // A path of nothing but the file's name: the folder is the one that the program runs in.
     let here = || std::path::absolute(file).ok()?.parent()?.file_name().map(is_scenes);
     let is_here = folder.as_os_str().is_empty() && reach.source.is_none() && here() == Some(true);
-    (is_here || reach.anywhere).then(|| folder.join(".."))
+    (is_here || reach.anywhere).then(|| (folder.join(".."), is_here))
 }
 
 /// Scale, then rotations about z, y and x, then translation: T Rx Ry Rz S Sxyz.
