@@ -133,7 +133,10 @@ mod tests {
         assert_eq!(lamp.attenuation, Some(attenuation));
         let grid = Bounds { min: Vec3::new(-0.5, -0.5, -1.0), max: Vec3::new(0.5, 1.5, 0.5) };
         assert_eq!(scene.grid_bounds, Some(grid));
-        assert_eq!(lamp.kind, LightKind::Point { intensity_cd: 5.0, range_m: Some(2.0) });
+        // Its colour, which VXCT multiplies by that share, stays: a metre is twice as far for it.
+        let LightKind::Point { intensity_cd, range_m } = lamp.kind else { panic!("a lamp") };
+        assert!((intensity_cd - 5.0 * 4.5 / 14.0).abs() < 1e-6, "{intensity_cd}");
+        assert_eq!(range_m, Some(2.0));
     }
 
     #[test]

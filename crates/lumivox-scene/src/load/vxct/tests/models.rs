@@ -1,0 +1,106 @@
+//! Models: their files, and where they are looked for.
+
+use super::*;
+
+#[test]
+fn of_an_obj_the_first_mesh_counts_in_one_colour() {
+    let (scene, warnings) =
+        body("model { name = tri path = models/tri.obj } model { path = models/tri.obj }");
+    assert_eq!((scene.meshes.len(), scene.instances.len(), scene.triangle_count()), (1, 2, 2));
+    assert_eq!(scene.meshes[0].name, "tri");
+    assert_eq!(scene.meshes[0].colors, []);
+    assert_eq!(scene.materials.len(), 2);
+    assert_eq!(scene.materials[1].name, "model 2");
+    assert_eq!(
+        warnings,
+        ["models/tri.obj: the first mesh counts, \"first\", and 1 more was passed over"]
+    );
+}
+
+#[test]
+fn models_are_looked_for_where_vxct_and_others_do() {
+    let found = |name: &str, path: &str, file: &str| {
+        let text = format!("scene {{ model {{ path = {path} }} }}");
+        load_from(name, &text, &[file]).unwrap().instances.len() == 1
+    };
+    // As VXCT does: from the folder above `scenes`.
+    assert!(found("scenes/a.scene", "models/tri.obj", "models/tri.obj"));
+    assert!(found("a/b/Scenes/a.scene", "models/tri.obj", "a/b/models/tri.obj"));
+    assert!(found("scenes/a.scene", "meshes/tri.obj", "meshes/tri.obj"));
+    // Beside the scene.
+    assert!(found("scenes/a.scene", "tri.obj", "scenes/tri.obj"));
+    assert!(found("a.scene", "models/tri.obj", "models/tri.obj"));
+    assert!(found("stuff/a.scene", "models/tri.obj", "stuff/models/tri.obj"));
+    // In the folder `models` beside `scenes`.
+    assert!(found("scenes/a.scene", "tri.obj", "models/tri.obj"));
+    // As other systems spell it.
+    assert!(found("scenes/a.scene", "Models\\TRI.obj", "models/tri.obj"));
+    assert!(found("scenes/a.scene", "C:\\vxct\\models\\tri.obj", "models/tri.obj"));
+    assert!(found("scenes/a.scene", "../models/tri.obj", "models/tri.obj"));
+    // Not above a folder of another name.
+    assert!(!found("stuff/a.scene", "models/tri.obj", "models/tri.obj"));
+    assert!(!found("scenes/a.scene", "../../tri.obj", "../tri.obj"));
+}
+
+#[test]
+fn more_is_read_where_that_is_allowed() {
+    let files = HashMap::from([("models/tri.obj".to_owned(), OBJ.to_vec())]);
+    let load = |allow_outside| {
+        let mut options =
+            LoadOptions { files: Some(&files), allow_outside, ..LoadOptions::default() };
+        let text = b"scene { model { path = models/tri.obj } }";
+        Scene::from_memory("stuff/a.scene", text, &mut options).unwrap()
+    };
+    assert_eq!(load(true).instances.len(), 1);
+    let scene = load(false);
+    assert_eq!(scene.instances.len(), 0);
+    let expected = "1:24: model \"model 1\" is not shown: \"models/tri.obj\" does not exist; put it \
+                    beside the scene";
+    assert_eq!(scene.notes.warnings, [expected]);
+}
+
+#[test]
+fn of_two_places_the_programs_own_goes_first() {
+    let files = HashMap::from([
+        ("models/tri.obj".to_owned(), OBJ.to_vec()),
+        ("scenes/models/tri.obj".to_owned(), b"v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n".to_vec()),
+    ]);
+    let mut options = LoadOptions { files: Some(&files), ..LoadOptions::default() };
+    let text = b"scene { model { path = models/tri.obj } }";
+    let scene = Scene::from_memory("scenes/a.scene", text, &mut options).unwrap();
+    assert_eq!(scene.bounds().max.x, 1.0);
+}
+
+#[test]
+fn what_has_no_mesh_is_left_out_and_told() {
+    let (scene, warnings) = body(
+        "model { name = a path = gone.obj primitive = cube } model { name = b primitive = sphere } \
+         model { name = c } model { primitive = cube } model { path = models/tri.png }",
+    );
+    assert_eq!(scene.instances.len(), 1);
+    // Numbers count all models.
+    assert_eq!(scene.instances[0].name, "model 4");
+    let place = "put it beside the scene, or into the folder `models` beside the folder `scenes`";
+    let expected = [
+        format!("1:33: model \"a\" is not shown: \"gone.obj\" does not exist; {place}"),
+        "1:90: model \"b\" is not shown: there is no primitive \"sphere\", only \"cube\""
+            .to_owned(),
+        "1:99: model \"c\" is not shown: it has neither \"path\" nor \"primitive\"".to_owned(),
+        format!(
+            "1:160: model \"model 5\" is not shown: \"models/tri.png\" does not exist; {place}"
+        ),
+    ];
+    assert_eq!(warnings, expected);
+    let files = HashMap::from([
+        ("a.obj".to_owned(), b"v 0 0 0\nf 1 2 3\n".to_vec()),
+        ("b.obj".to_owned(), b"v 0 0 0\n".to_vec()),
+        ("c.png".to_owned(), Vec::new()),
+    ]);
+    let mut options = LoadOptions { files: Some(&files), ..LoadOptions::default() };
+    let text = b"scene { model { path = a.obj } model { path = b.obj } model { path = c.png } }";
+    let scene = Scene::from_memory("a.scene", text, &mut options).unwrap();
+    let warnings = scene.notes.warnings.join("\n");
+    for needle in ["a.obj: a corner of line 2", "b.obj has no faces", "\"c.png\" is no OBJ file"] {
+        assert!(warnings.contains(needle), "{warnings}");
+    }
+}
