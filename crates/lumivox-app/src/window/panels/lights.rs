@@ -108,7 +108,7 @@ fn three(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: Vec3, speed: f
         ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, ["x", "y", "z"])).inner
     });
     // A direction must be one.
-    if changed.inner && numbers != [0.0; 3] {
+    if changed.inner && numbers.iter().any(|number| *number != 0.0) {
         let [x, y, z] = numbers;
         app.set_numbers(key, numbers, format!("{key} {x} {y} {z}"));
     }
