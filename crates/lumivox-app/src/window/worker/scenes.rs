@@ -55,7 +55,7 @@ impl Worker {
         }
         self.tracing = None;
         self.has_edits = false;
-        self.mesh_bounds = super::model::mesh_bounds(&self.console.explorer);
+        self.mesh_bounds = crate::window::model::mesh_bounds(&self.console.explorer);
         self.watch();
         self.forget_scene();
         self.start_again();
