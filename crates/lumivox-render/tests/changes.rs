@@ -234,6 +234,7 @@ fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
     }
     scene.grid_bounds = None;
     scene.instances.clear();
-    let refused = Renderer::new(&gpu, &scene, None, settings(), &mut |_| {});
+    let ignore = &mut |_| {};
+    let refused = Renderer::new(&gpu, &scene, None, settings(), ignore);
     assert!(pollster::block_on(refused).is_err(), "nothing says where the grid is");
 }

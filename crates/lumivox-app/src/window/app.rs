@@ -286,13 +286,13 @@ impl App {
         let side = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(6, 4));
         if self.config.left {
             let panel =
-                Panel::left("left").frame(side).default_size(230.0).size_range(200.0..=420.0);
+                Panel::left("left").frame(side).default_size(256.0).size_range(200.0..=420.0);
             panel.show(ui, |ui| panels::left(ui, &model, self));
         }
         let mut is_timed = false;
         if self.config.right {
             let panel =
-                Panel::right("right").frame(side).default_size(286.0).size_range(260.0..=460.0);
+                Panel::right("right").frame(side).default_size(296.0).size_range(260.0..=460.0);
             panel.show(ui, |ui| is_timed = panels::right(ui, &model, self));
         }
         self.set_timed(is_timed);

@@ -35,8 +35,21 @@ fn section(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut U
     header.openness > 0.0
 }
 
+/// A panel's contents, which never make it wider: what is a point too wide would push its edge on with every frame.
+fn fixed<T>(ui: &mut Ui, contents: impl FnOnce(&mut Ui) -> T) -> T {
+    let rect = ui.available_rect_before_wrap();
+    let _ = ui.allocate_rect(rect, egui::Sense::hover());
+    let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(rect));
+    inside.shrink_clip_rect(rect);
+    contents(&mut inside)
+}
+
 /// The scene: objects, materials, lights.
 pub fn left(ui: &mut Ui, model: &Model, app: &mut App) {
+    fixed(ui, |ui| scene(ui, model, app));
+}
+
+fn scene(ui: &mut Ui, model: &Model, app: &mut App) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let Some(scene) = model.scene.clone() else {
             ui.label(
@@ -56,6 +69,10 @@ pub fn left(ui: &mut Ui, model: &Model, app: &mut App) {
 
 /// Everything about the picture; whether times of stages are to be taken.
 pub fn right(ui: &mut Ui, model: &Model, app: &mut App) -> bool {
+    fixed(ui, |ui| settings(ui, model, app))
+}
+
+fn settings(ui: &mut Ui, model: &Model, app: &mut App) -> bool {
     let mut is_timed = false;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         section(ui, "View", true, |ui| view::show(ui, model, app));

@@ -73,7 +73,7 @@ fn field(
         }
         (Kind::Whole { low, high, multiple }, Value::Whole(mut number)) => {
             let response = if high - low <= 32 && multiple == 1 {
-                ui.spacing_mut().slider_width = width - 44.0;
+                ui.spacing_mut().slider_width = (width - 50.0).max(30.0);
                 ui.add(Slider::new(&mut number, low..=high))
             } else {
                 let drag = DragValue::new(&mut number)
@@ -153,7 +153,7 @@ fn number_field(
         let before = number;
         let low = off.map_or(low, |off| off.min(low));
         let response = if high - low <= WIDEST_SLIDER && word.is_none() {
-            ui.spacing_mut().slider_width = (left - 52.0).max(30.0);
+            ui.spacing_mut().slider_width = (left - 54.0).max(30.0);
             ui.add(Slider::new(&mut number, low..=high).max_decimals(3))
         } else {
             let speed = f64::from((high - low).min(10.0) * 0.005).max(0.001);

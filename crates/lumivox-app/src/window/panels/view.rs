@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         }
     });
     row(ui, "Speed", "How fast W, A, S, D fly; the wheel changes it in flight", |ui| {
-        ui.spacing_mut().slider_width = (rest_width(ui) - 52.0).max(30.0);
+        ui.spacing_mut().slider_width = (rest_width(ui) - 54.0).max(30.0);
         let slider =
             egui::Slider::new(&mut app.config.speed, 0.05..=20.0).logarithmic(true).max_decimals(2);
         ui.add(slider.suffix("x")).accessible_name("Speed of flight");
