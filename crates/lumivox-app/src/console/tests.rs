@@ -1,3 +1,5 @@
+use glam::Vec3;
+
 use super::arguments::{angle, degrees, number, toggled, vector};
 use super::complete::complete;
 use super::line::{commands, quote, split};

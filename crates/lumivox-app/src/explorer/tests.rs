@@ -94,7 +94,7 @@ fn edits_show_as_in_a_scene_made_so() {
     assert!(explorer.edit_material(0, |material| material.emissive = Vec3::splat(3.0)));
     let seen = picture(&mut explorer);
     assert!(seen == fresh(&explorer) && seen != first);
-    explorer.place(last, was);
+    explorer.set_local_edit(last, explorer.local_edit_for(last, was).unwrap());
     assert!(explorer.edit_material(0, |material| material.emissive = Vec3::ZERO));
     assert!(picture(&mut explorer) == fresh(&explorer));
     assert!(!explorer.edit_material(99, |_| {}));
@@ -160,9 +160,12 @@ fn objects_have_names_of_their_own() {
     let opened = explorer.opened.as_mut().unwrap();
     opened.scene.instances[1].name.clone_from(&first);
     opened.scene.instances[2].name.clear();
+    opened.scene.instances[3].name = "two\nlines".to_owned();
+    opened.names = names::names_of_objects(&opened.scene);
     let names = explorer.object_names();
     assert_eq!(names[1], format!("{first} (2)"));
     assert_eq!(names[2], "object 3");
+    assert_eq!(names[3], "two lines");
     assert_eq!(explorer.object(&names[1]), Ok(1));
     let wrong = explorer.object(&first[..first.len() - 1]).unwrap_err().to_string();
     assert!(wrong.contains("did you mean"), "{wrong}");
