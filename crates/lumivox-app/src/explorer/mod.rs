@@ -227,17 +227,7 @@ impl Explorer {
         self.settings.grid_bounds == self.fitted
     }
 
-    /// Takes the settings of a preset; picture, view and resolution stay.
-    ///
-    /// # Errors
-    /// When they do not go with what stays, such as a view of an octree.
-    pub fn set_preset(&mut self, preset: PresetChoice) -> anyhow::Result<()> {
-        self.set_settings(self.settings_of(preset))?;
-        self.preset = preset;
-        Ok(())
-    }
-
-    /// What [`Self::set_preset`] asks for.
+    /// The settings of a preset; picture, view and resolution stay.
     pub fn settings_of(&self, preset: PresetChoice) -> RenderSettings {
         crate::commands::settings::with_preset(&self.settings, preset, self.scene())
     }

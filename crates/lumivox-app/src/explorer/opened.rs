@@ -94,11 +94,6 @@ impl Opening {
 }
 
 impl Opened {
-    /// What was noticed while it was read.
-    pub fn warnings(&self) -> &[String] {
-        &self.scene.notes.warnings
-    }
-
     /// The scene's second and third camera: those to come back to.
     pub(super) fn positions(&self) -> [Option<Camera>; 2] {
         [1, 2].map(|number| self.scene.cameras.get(number).cloned())
