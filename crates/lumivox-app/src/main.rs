@@ -35,7 +35,9 @@ use cli::{Cli, Command};
 use exit::Exit;
 
 fn main() -> ExitCode {
-    exit::guard(run).into()
+    let exit = exit::guard(run);
+    console::terminal::restore();
+    exit.into()
 }
 
 fn run() -> Exit {

@@ -4,13 +4,16 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use lumivox_scene::sky::{SkySettings, sky};
-use lumivox_scene::{Camera, Environment, EnvironmentMap, LightKind, Scene, SceneError};
+use lumivox_scene::{Camera, Environment, EnvironmentMap, Light, LightKind, Scene, SceneError};
 use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
 use crate::args::scene::stamp;
 use crate::cli::SourceArgs;
 use crate::progress::Progress;
+
+/// The name of the light that is the sun of a computed sky.
+pub const SUN_OF_SKY: &str = "sun of the sky";
 
 /// Checks what is cheap to check: that there is such a panorama at all.
 ///
@@ -49,7 +52,7 @@ pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<
         let sky = sky(&settings)?;
         let map = Some(Arc::new(sky.map));
         scene.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
-        scene.lights.extend(sky.sun);
+        scene.lights.extend(sky.sun.map(|sun| Light { name: SUN_OF_SKY.to_owned(), ..sun }));
     }
     scene.environment.radiance *= args.environment_intensity;
     if let Some(degrees) = args.environment_rotation {

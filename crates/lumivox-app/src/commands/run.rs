@@ -3,8 +3,10 @@
 use std::io::{IsTerminal as _, Read as _, Write as _};
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 use indicatif::MultiProgress;
+use lumivox_render::Progress as Step;
 
 use super::open_gpu;
 use super::settings::of_explore;
@@ -62,11 +64,23 @@ fn read_stdin() -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|_| Failure::input("stdin is no text in UTF-8; give commands"))
 }
 
+/// The bar of the command that runs, if one does.
+type Shown = Mutex<Option<Progress>>;
+
+/// Shows how far a command is.
+fn tell(shown: &Shown, step: Step) {
+    if let Ok(shown) = shown.lock()
+        && let Some(progress) = shown.as_ref()
+    {
+        progress.set(words(step.stage), step.done, step.total);
+    }
+}
+
 /// A console without a window.
 struct Runner {
     console: Console,
     bars: MultiProgress,
-    progress: std::sync::Arc<std::sync::Mutex<Option<Progress>>>,
+    progress: Arc<Shown>,
     is_over: bool,
 }
 
@@ -79,14 +93,10 @@ impl Runner {
         let mut console = Console::new(explorer)
             .with_defaults(args.explore.load.clone(), args.explore.light.sources.clone());
         console.explorer.set_settings(settings)?;
-        let progress = std::sync::Arc::new(std::sync::Mutex::new(None::<Progress>));
+        let progress = Arc::new(Shown::new(None));
         let shown = progress.clone();
         console.on_progress(Box::new(move |step| {
-            if let Ok(shown) = shown.lock()
-                && let Some(progress) = shown.as_ref()
-            {
-                progress.set(words(step.stage), step.done, step.total);
-            }
+            tell(&shown, step);
             ControlFlow::Continue(())
         }));
         Ok(Self { console, bars: bars.clone(), progress, is_over: false })
@@ -161,26 +171,16 @@ impl Runner {
         let progress = Progress::start(&self.bars, "loading");
         let opened = explorer::load(opening, &progress)?;
         drop(progress);
-        for warning in opened.warnings() {
-            tracing::warn!("{warning}");
-        }
         self.console.explorer.open(opened);
         Ok(())
     }
 
     fn wait(&mut self, frames: u32) -> anyhow::Result<()> {
         let shown = self.progress.clone();
-        let mut tell = move |step: lumivox_render::Progress| {
-            if let Ok(shown) = shown.lock()
-                && let Some(progress) = shown.as_ref()
-            {
-                progress.set(words(step.stage), step.done, step.total);
-            }
-        };
         for done in 0..frames {
             self.console.explorer.tick(FRAME_S)?;
-            self.console.explorer.frame(&mut tell)?;
-            tell(lumivox_render::Progress { stage: "render", done: done + 1, total: frames });
+            self.console.explorer.frame(&mut |step| tell(&shown, step))?;
+            tell(&shown, Step { stage: "render", done: done + 1, total: frames });
         }
         Ok(())
     }

@@ -28,9 +28,15 @@ pub fn refused(what: &str, got: &str) -> impl Fn(Refused) -> Failure {
 pub fn number(text: &str, what: &str, range: RangeInclusive<f32>) -> Result<f32, Failure> {
     let number = text.parse::<f32>().ok().filter(|number| range.contains(number));
     number.ok_or_else(|| {
-        let (low, high) = (range.start(), range.end());
+        let (low, high) = (bound(*range.start()), bound(*range.end()));
         wrong(what, &format!("a number from {low} to {high}"), text)
     })
+}
+
+/// An end of a range for people: with an exponent where digits would have to be counted.
+fn bound(number: f32) -> String {
+    let is_plain = number == 0.0 || (1e-4..1e7).contains(&number.abs());
+    if is_plain { number.to_string() } else { format!("{number:e}") }
 }
 
 /// A whole number in a range.
@@ -71,6 +77,16 @@ pub fn vector(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<
     };
     let part = |text: &str| number(text.trim(), what, range.clone());
     Ok(Vec3::new(part(x)?, part(y)?, part(z)?))
+}
+
+/// A direction, as long as 1: what is that but for rounding stays as it is, for scripts keep every bit.
+pub fn direction(words: &[&str], what: &str) -> Result<Vec3, Failure> {
+    let along = vector(words, what, -1e6..=1e6)?;
+    let is_unit = (along.as_dvec3().length() - 1.0).abs() <= 1e-5;
+    let unit = if is_unit { Some(along) } else { along.try_normalize() };
+    unit.ok_or_else(|| {
+        Failure::input(format!("{what} has no direction; got \"{}\"", words.join(" ")))
+    })
 }
 
 /// A colour of three linear parts, and alpha where there is a fourth word.

@@ -38,8 +38,8 @@ pub struct Word {
     pub text: String,
     /// Where it stands, with its marks, in bytes.
     pub range: Range<usize>,
-    /// The mark that is open at its end.
-    pub open: Option<char>,
+    /// The mark that is open at its end, and where it stands in the line, in bytes.
+    pub open: Option<(char, usize)>,
 }
 
 /// A command: its words in order, never none.
@@ -78,10 +78,8 @@ pub fn commands(line: &str) -> Vec<Words> {
 pub fn split(line: &str) -> Result<Vec<Words>, LineError> {
     let commands = commands(line);
     for word in commands.iter().flatten() {
-        if let Some(mark) = word.open {
-            // The last mark of its kind is the one that nothing closes.
-            let at = line.get(word.range.clone()).and_then(|text| text.rfind(mark)).unwrap_or(0);
-            let before = line.get(..word.range.start + at).unwrap_or_default();
+        if let Some((mark, at)) = word.open {
+            let before = line.get(..at).unwrap_or_default();
             return Err(LineError { mark, column: before.chars().count() + 1 });
         }
     }
@@ -114,13 +112,13 @@ fn word(
 ) -> Word {
     let mut text = String::new();
     let mut open = None;
-    while let Some(&(_, c)) = rest.peek() {
+    while let Some(&(at, c)) = rest.peek() {
         match (open, c) {
-            (None, '"' | '\'') => open = Some(c),
+            (None, '"' | '\'') => open = Some((c, at)),
             (None, ';') => break,
             (None, c) if c.is_whitespace() => break,
-            (Some(mark), c) if mark == c => open = None,
-            (Some('"'), '\\') => {
+            (Some((mark, _)), c) if mark == c => open = None,
+            (Some(('"', _)), '\\') => {
                 rest.next();
                 let Some(&(_, escaped @ ('"' | '\\'))) = rest.peek() else {
                     text.push('\\');

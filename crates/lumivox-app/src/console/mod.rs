@@ -37,13 +37,13 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
-use glam::Vec3;
 use lumivox_render::{Progress, RenderSettings};
 use lumivox_scene::EnvironmentMap;
 
+use crate::args::choices::PresetChoice;
 use crate::cli::{LoadArgs, SourceArgs};
 use crate::exit::Failure;
-use crate::explorer::{Explorer, Opening};
+use crate::explorer::{Explorer, Opening, Revoxelize};
 pub use command::{COMMANDS, Command, Group, Takes};
 pub use commands::program;
 pub use line::{quote, split};
@@ -105,10 +105,12 @@ pub struct Console {
     view: Option<lumivox_render::View>,
     /// Panoramas and skies, with the commands that made them.
     maps: Vec<(Weak<EnvironmentMap>, String)>,
-    /// Origin and direction of the ray that is marked.
-    ray: Option<(Vec3, Vec3)>,
-    /// Colour and share of `setmat`, by material.
-    colors: HashMap<usize, (Vec3, f32)>,
+    /// The ray that is marked.
+    ray: Option<commands::ray::Mark>,
+    /// What `setmat` has set, by material.
+    strengths: HashMap<usize, commands::materials::Strengths>,
+    /// When voxels are made anew once `dynamic` is on again.
+    dynamic: Option<Revoxelize>,
 }
 
 impl fmt::Debug for Console {
@@ -129,7 +131,8 @@ impl Console {
             view: None,
             maps: Vec::new(),
             ray: None,
-            colors: HashMap::new(),
+            strengths: HashMap::new(),
+            dynamic: None,
         }
     }
 
@@ -178,7 +181,7 @@ impl Console {
     fn notice_scene(&mut self) {
         if self.generation != self.explorer.generation() {
             self.generation = self.explorer.generation();
-            self.colors.clear();
+            self.strengths.clear();
             self.ray = None;
             self.maps.retain(|(map, _)| map.strong_count() > 0);
         }
@@ -204,8 +207,29 @@ impl Console {
     fn change(&mut self, change: impl FnOnce(&mut RenderSettings)) -> anyhow::Result<()> {
         let mut settings = self.explorer.settings().clone();
         change(&mut settings);
+        self.set(settings, self.explorer.preset())
+    }
+
+    /// Asks for settings. Those that take memory for voxels are made so at once, where there is a picture: what the
+    /// renderer refuses is told at its own line, and takes nothing else along.
+    ///
+    /// # Errors
+    /// When one is out of range or refused.
+    fn set(&mut self, settings: RenderSettings, preset: PresetChoice) -> anyhow::Result<()> {
         commands::voxels::check_level(&self.explorer, &settings)?;
-        self.explorer.set_settings(settings)
+        let of_voxels = |s: &RenderSettings| {
+            let grid = (s.resolution, s.grid_offset, s.grid_bounds);
+            (grid, s.directionality, s.volume, s.volume_memory, s.injection)
+        };
+        let Self { explorer, hear, .. } = self;
+        if of_voxels(explorer.settings()) == of_voxels(&settings) {
+            explorer.set_settings(settings)?;
+            explorer.note_preset(preset);
+            return Ok(());
+        }
+        explorer.try_settings(settings, preset, &mut |progress| {
+            let _ = hear(progress);
+        })
     }
 
     /// Brings the renderer up to date.

@@ -1,5 +1,6 @@
 //! What arguments can name, apart from the console: cheap to copy to other threads.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use lumivox_scene::{EXTENSIONS, builtin};
@@ -76,7 +77,8 @@ fn scenes(folders: &[PathBuf]) -> Vec<String> {
         found.sort_unstable();
         names.extend(found);
     }
-    names.dedup();
+    let mut seen = HashSet::new();
+    names.retain(|name| seen.insert(name.clone()));
     names
 }
 

@@ -43,8 +43,9 @@ silence, this console says so.
 const SETTINGS_HEAD: &str = "
 ## Settings
 
-Each setting is a command of its own: its name alone prints the value, with a value it is set. `reset NAME` gives it the value
-of the preset, `parameters` lists all.
+Each setting is a command of its own: its name alone prints the value, with a value it is set. Those of the look `vxct` that
+are among the commands above do as it says there: its switches toggle without a value. `reset NAME` gives a setting the
+value of the preset, `parameters` lists all with their values.
 
 | setting | unit | value | is |
 | --- | --- | --- | --- |

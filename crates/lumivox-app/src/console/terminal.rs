@@ -1,7 +1,8 @@
 //! A prompt on a terminal: line editing, history that is kept, completion, hints.
 //!
 //! [`Prompt`] reads lines for whoever waits for them; [`spawn`] reads them in a thread of its own, beside a window, and
-//! gives a printer that keeps what is printed clear of the line that is being edited.
+//! gives a printer that keeps what is printed clear of the line that is being edited. The line that is edited when the
+//! program ends leaves the terminal as an editor needs it; [`restore`] gives it back as it was.
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::PathBuf;
@@ -154,6 +155,9 @@ impl std::fmt::Debug for Printer {
 /// # Errors
 /// When the system gives no thread.
 pub fn spawn(lines: Sender<String>) -> io::Result<Terminal> {
+    if io::stdin().is_terminal() {
+        mode::keep();
+    }
     let prompt = if io::stdin().is_terminal() { Prompt::new().ok() } else { None };
     let Some(mut prompt) = prompt else {
         std::thread::Builder::new().name("stdin".to_owned()).spawn(move || {
@@ -179,6 +183,52 @@ pub fn spawn(lines: Sender<String>) -> io::Result<Terminal> {
         }
     })?;
     Ok(Terminal { names, printer })
+}
+
+/// Gives the terminal back as it was before [`spawn`]: the thread of the prompt is in the middle of a line when the
+/// program ends. Without such a prompt it does nothing.
+pub fn restore() {
+    mode::restore();
+}
+
+/// How the terminal takes keys.
+#[cfg(unix)]
+mod mode {
+    use std::io::{self, Write as _};
+    use std::sync::{Mutex, PoisonError};
+
+    use nix::sys::termios::{SetArg, Termios, tcgetattr, tcsetattr};
+
+    /// Ends what an editor asks for besides: marks about what is pasted (DEC private mode 2004).
+    const END_OF_PASTE_MARKS: &[u8] = b"\x1b[?2004l\n";
+
+    static BEFORE: Mutex<Option<Termios>> = Mutex::new(None);
+
+    /// Keeps how it is now; the first time counts.
+    pub fn keep() {
+        let mut before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner);
+        if before.is_none() {
+            *before = tcgetattr(io::stdin()).ok();
+        }
+    }
+
+    /// Makes it so again.
+    pub fn restore() {
+        let before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let Some(before) = before else { return };
+        let is_changed = tcgetattr(io::stdin()).is_ok_and(|now| now != before);
+        if is_changed && tcsetattr(io::stdin(), SetArg::TCSADRAIN, &before).is_ok() {
+            let mut out = io::stdout().lock();
+            let _ = out.write_all(END_OF_PASTE_MARKS).and_then(|()| out.flush());
+        }
+    }
+}
+
+/// Consoles of Windows belong to the shell again once the program has ended.
+#[cfg(not(unix))]
+mod mode {
+    pub fn keep() {}
+    pub fn restore() {}
 }
 
 impl Terminal {

@@ -1,3 +1,5 @@
+use glam::Vec3;
+
 use super::arguments::{angle, degrees, number, toggled, vector};
 use super::complete::complete;
 use super::line::{commands, quote, split};
@@ -26,6 +28,18 @@ fn the_table_is_complete() {
     }
 }
 
+/// A command that has a setting's name sets it, too.
+#[test]
+fn commands_leave_no_setting_out_of_reach() {
+    let takes_a_value = |command: &Command| command.counts() == (0..=1);
+    let shadowed: Vec<&str> = lumivox_render::parameters::PARAMETERS
+        .iter()
+        .filter(|parameter| Command::find(parameter.name).is_some_and(|c| !takes_a_value(c)))
+        .map(|parameter| parameter.name)
+        .collect();
+    assert!(shadowed.is_empty(), "commands hide the settings {shadowed:?}");
+}
+
 fn words(line: &str) -> Vec<Vec<String>> {
     let commands = split(line).unwrap();
     commands.into_iter().map(|words| words.into_iter().map(|word| word.text).collect()).collect()
@@ -46,6 +60,7 @@ fn lines_are_split_into_commands_and_words() {
     let error = split("é 'b").unwrap_err();
     assert_eq!((error.mark, error.column), ('\'', 3));
     assert_eq!(split("a \"b\" \"c").unwrap_err().column, 7);
+    assert_eq!(split("echo \"a\\\"b ").unwrap_err().column, 6);
 }
 
 #[test]

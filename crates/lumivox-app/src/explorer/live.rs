@@ -1,5 +1,7 @@
 //! What a window asks of an explorer besides.
 
+use std::collections::HashSet;
+
 use lumivox::gpu::{StageTime, Timing};
 
 use super::Explorer;
@@ -10,9 +12,9 @@ impl Explorer {
     /// stay. Returns for how many objects changes were kept.
     pub fn reopen(&mut self, mut opened: Opened) -> usize {
         let (camera, positions) = (self.camera.clone(), self.positions.clone());
-        let names = super::names::names_of_objects(&opened.scene);
         if let Some(old) = &mut self.opened {
             let edits = std::mem::take(&mut old.edits);
+            let names: HashSet<&String> = opened.names.iter().collect();
             opened.edits = edits.into_iter().filter(|(name, _)| names.contains(name)).collect();
         }
         opened.apply_edits();

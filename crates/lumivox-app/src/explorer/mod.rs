@@ -62,8 +62,12 @@ pub struct Explorer {
     /// What is asked for; [`Explorer::update`] makes it so.
     settings: RenderSettings,
     preset: PresetChoice,
-    /// That of the settings which the renderer took last.
+    /// Those that a renderer took last, or else the first; what one refuses becomes these again.
+    accepted: RenderSettings,
+    /// Their preset.
     accepted_preset: PresetChoice,
+    /// The grid's box that was found here, and not asked for by a user: it widens.
+    fitted: Option<Bounds>,
     camera: Camera,
     /// Two cameras to come back to.
     positions: [Option<Camera>; 2],
@@ -86,9 +90,11 @@ impl Explorer {
         Self {
             gpu,
             opened: None,
+            accepted: settings.clone(),
+            accepted_preset: preset,
+            fitted: None,
             settings,
             preset,
-            accepted_preset: preset,
             camera: Camera::default(),
             positions: [None, None],
             revoxelize: Revoxelize::default(),
@@ -107,9 +113,12 @@ impl Explorer {
         self.camera = opened.camera.clone();
         self.positions = opened.positions();
         self.playback = Playback::of(&opened);
-        self.settings.grid_bounds = opened.grid_bounds.take();
+        self.fitted = opened.grid_bounds.take();
         let last = self.opened.as_ref().map(|last| &last.scene);
-        crate::commands::settings::show_other(&mut self.settings, last, &opened.scene);
+        for settings in [&mut self.settings, &mut self.accepted] {
+            settings.grid_bounds = self.fitted;
+            crate::commands::settings::show_other(settings, last, &opened.scene);
+        }
         self.opened = Some(opened);
         self.generation += 1;
         self.since_voxels_s = 0.0;
@@ -121,9 +130,16 @@ impl Explorer {
     /// Shows nothing.
     pub fn close(&mut self) {
         self.opened = None;
+        self.positions = [None, None];
+        self.playback = Playback::default();
+        self.settings.grid_bounds = None;
+        self.accepted.grid_bounds = None;
+        self.fitted = None;
         self.generation += 1;
+        self.since_voxels_s = 0.0;
         self.renderer = None;
         self.pending = Pending::default();
+        self.times.clear();
     }
 
     /// What is shown, with all changes; `None` before anything was opened.
@@ -172,16 +188,48 @@ impl Explorer {
         self.preset
     }
 
-    /// Takes the settings of a preset; picture, view and resolution stay.
+    /// Asks for settings and makes them so at once: where the renderer refuses them, those of before this call are asked
+    /// for again, and nothing else is lost. Without a renderer they are only asked for.
     ///
     /// # Errors
-    /// When they do not go with what stays, such as a view of an octree.
-    pub fn set_preset(&mut self, preset: PresetChoice) -> anyhow::Result<()> {
-        let scene = self.scene();
-        let settings = crate::commands::settings::with_preset(&self.settings, preset, scene);
+    /// As [`Self::set_settings`] and [`Self::update`].
+    pub fn try_settings(
+        &mut self,
+        settings: RenderSettings,
+        preset: PresetChoice,
+        tell: &mut dyn FnMut(lumivox_render::Progress),
+    ) -> anyhow::Result<()> {
+        let before = (self.settings.clone(), self.preset, self.fitted);
         self.set_settings(settings)?;
         self.preset = preset;
-        Ok(())
+        if self.renderer.is_none() {
+            return Ok(());
+        }
+        let updated = self.update(tell);
+        if updated.is_err() {
+            (self.settings, self.preset, self.fitted) = before;
+        }
+        updated
+    }
+
+    /// Says whether the grid's box widens for what leaves it, as the first one does.
+    pub fn set_grid_widens(&mut self, widens: bool) {
+        self.fitted = self.settings.grid_bounds.filter(|_| widens);
+    }
+
+    fn fit_grid_to(&mut self, bounds: Option<Bounds>) {
+        self.settings.grid_bounds = bounds;
+        self.fitted = bounds;
+    }
+
+    /// Whether the grid widens for what leaves it: not where a user has asked for its box.
+    pub fn has_fitted_grid(&self) -> bool {
+        self.settings.grid_bounds == self.fitted
+    }
+
+    /// The settings of a preset; picture, view and resolution stay.
+    pub fn settings_of(&self, preset: PresetChoice) -> RenderSettings {
+        crate::commands::settings::with_preset(&self.settings, preset, self.scene())
     }
 
     /// Width and height of the picture, px.

@@ -1,6 +1,6 @@
 //! Names by which objects, materials and lights are found.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use lumivox_scene::Scene;
 
@@ -25,7 +25,7 @@ impl NotFound {
     ///
     /// # Errors
     /// When it is not among them.
-    pub fn or_place(kind: &'static str, name: &str, known: Vec<String>) -> Result<usize, Self> {
+    pub fn or_place(kind: &'static str, name: &str, known: &[String]) -> Result<usize, Self> {
         if let Some(place) = known.iter().position(|other| other == name) {
             return Ok(place);
         }
@@ -34,18 +34,27 @@ impl NotFound {
         } else {
             suggest::remedy(name, known.iter().map(String::as_str), &format!("{kind}s"))
         };
-        Err(Self { kind, name: name.to_owned(), known, remedy })
+        Err(Self { kind, name: name.to_owned(), known: known.to_vec(), remedy })
     }
 }
 
 /// The names of things of a kind, each once: what has none is called by its place, what is there already is numbered.
+/// Line feeds and the like become blanks, for a name is a word of a line.
 fn unique<'a>(kind: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut used = HashSet::new();
+    // The number that comes next for a name: many may have the same.
+    let mut next = HashMap::new();
     let name = |(index, name): (usize, &str)| {
-        let name = if name.is_empty() { format!("{kind} {}", index + 1) } else { name.to_owned() };
-        let numbered = (2..).map(|number| format!("{name} ({number})"));
-        let free = [name.clone()].into_iter().chain(numbered).find(|name| !used.contains(name));
-        let free = free.unwrap_or(name);
+        let mut name = name.replace(char::is_control, " ");
+        if name.is_empty() {
+            name = format!("{kind} {}", index + 1);
+        }
+        let mut free = name.clone();
+        while used.contains(&free) {
+            let number = next.entry(name.clone()).or_insert(1_usize);
+            *number += 1;
+            free = format!("{name} ({number})");
+        }
         used.insert(free.clone());
         free
     };
@@ -69,7 +78,7 @@ impl Explorer {
     /// # Errors
     /// [`NotFound`], with names like it.
     pub fn material(&self, name: &str) -> Result<usize, NotFound> {
-        NotFound::or_place("material", name, self.material_names())
+        NotFound::or_place("material", name, &self.material_names())
     }
 
     /// The lights' names, in the order of the scene's lights, each once.
@@ -83,6 +92,6 @@ impl Explorer {
     /// # Errors
     /// [`NotFound`], with names like it.
     pub fn light(&self, name: &str) -> Result<usize, NotFound> {
-        NotFound::or_place("light", name, self.light_names())
+        NotFound::or_place("light", name, &self.light_names())
     }
 }

@@ -3,7 +3,7 @@
 use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
 
 use super::Explorer;
-use super::names::{NotFound, names_of_objects as names};
+use super::names::NotFound;
 use super::opened::Opened;
 
 /// What was changed of an object.
@@ -51,26 +51,42 @@ impl Placement {
 impl Opened {
     /// Brings the instances up to date with the edits.
     pub(super) fn apply_edits(&mut self) {
-        let names = names(&self.scene);
-        for ((instance, posed), name) in
-            self.scene.instances.iter_mut().zip(&self.posed).zip(&names)
-        {
-            let edit = self.edits.get(name).cloned().unwrap_or_default();
-            instance.world_from_local = *posed * edit.local;
-            if let Some(is_hidden) = edit.is_hidden {
-                instance.is_hidden = is_hidden;
-            }
-            if let Some(is_static) = edit.is_static {
-                instance.is_static = is_static;
-            }
+        for object in 0..self.scene.instances.len() {
+            self.apply_edit(object);
         }
+    }
+
+    /// Brings one of them up to date.
+    fn apply_edit(&mut self, object: usize) {
+        let (Some(instance), Some(posed)) =
+            (self.scene.instances.get_mut(object), self.posed.get(object))
+        else {
+            return;
+        };
+        let edit = self.names.get(object).and_then(|name| self.edits.get(name));
+        let edit = edit.cloned().unwrap_or_default();
+        instance.world_from_local = *posed * edit.local;
+        if let Some(is_hidden) = edit.is_hidden {
+            instance.is_hidden = is_hidden;
+        }
+        if let Some(is_static) = edit.is_static {
+            instance.is_static = is_static;
+        }
+    }
+
+    fn edit_of(&self, object: usize) -> Option<&Edit> {
+        self.edits.get(self.names.get(object)?)
     }
 }
 
 impl Explorer {
     /// The objects' names, in the order of the scene's instances.
     pub fn object_names(&self) -> Vec<String> {
-        self.scene().map(names).unwrap_or_default()
+        self.known_objects().to_vec()
+    }
+
+    fn known_objects(&self) -> &[String] {
+        self.opened.as_ref().map_or(&[], |opened| &opened.names)
     }
 
     /// The number of the object of a name, as [`Self::object_names`] has it, in the scene's instances.
@@ -78,7 +94,7 @@ impl Explorer {
     /// # Errors
     /// [`NotFound`], with names like it.
     pub fn object(&self, name: &str) -> Result<usize, NotFound> {
-        NotFound::or_place("object", name, self.object_names())
+        NotFound::or_place("object", name, self.known_objects())
     }
 
     /// Where an object stands; `None` beyond the last.
@@ -87,13 +103,15 @@ impl Explorer {
         Some(Placement::of(instance.world_from_local))
     }
 
-    /// Puts an object elsewhere in the world.
-    pub fn place(&mut self, object: usize, placement: Placement) {
-        let Some(opened) = &self.opened else { return };
-        if let Some(posed) = opened.posed.get(object) {
-            let local = posed.inverse() * placement.matrix();
-            self.edit(object, |edit| edit.local = local);
-        }
+    /// The place that its file or its animation gives an object; `None` beyond the last.
+    pub fn posed(&self, object: usize) -> Option<Mat4> {
+        self.opened.as_ref()?.posed.get(object).copied()
+    }
+
+    /// What [`Self::set_local_edit`] takes to put an object somewhere in the world; no finite matrix where an animation has
+    /// taken all its size.
+    pub fn local_edit_for(&self, object: usize, placement: Placement) -> Option<Mat4> {
+        Some(self.posed(object)?.inverse() * placement.matrix())
     }
 
     /// Moves an object within its own axes: `local` comes before all that it has been through.
@@ -114,9 +132,9 @@ impl Explorer {
     /// The part of an object's transform that was added to the place which its file or its animation gives it, and
     /// what it comes before.
     pub fn local_edit(&self, object: usize) -> Option<Mat4> {
-        let opened = self.opened.as_ref()?;
-        let name = names(&opened.scene).into_iter().nth(object)?;
-        Some(opened.edits.get(&name).map_or(Mat4::IDENTITY, |edit| edit.local))
+        self.posed(object)?;
+        let edit = self.opened.as_ref().and_then(|opened| opened.edit_of(object));
+        Some(edit.map_or(Mat4::IDENTITY, |edit| edit.local))
     }
 
     /// Sets it.
@@ -126,24 +144,21 @@ impl Explorer {
 
     /// Whether an object was hidden or shown, and made static or not, against what its file says.
     pub fn marks(&self, object: usize) -> (Option<bool>, Option<bool>) {
-        let edit = self
-            .opened
-            .as_ref()
-            .and_then(|opened| opened.edits.get(&names(&opened.scene).into_iter().nth(object)?));
+        let edit = self.opened.as_ref().and_then(|opened| opened.edit_of(object));
         edit.map_or((None, None), |edit| (edit.is_hidden, edit.is_static))
     }
 
     fn edit(&mut self, object: usize, change: impl FnOnce(&mut Edit)) {
         let Some(opened) = &mut self.opened else { return };
-        if let Some(name) = names(&opened.scene).into_iter().nth(object) {
-            let edit = opened.edits.entry(name).or_default();
+        if let Some(name) = opened.names.get(object) {
+            let edit = opened.edits.entry(name.clone()).or_default();
             change(edit);
             // What rounding left of a projection would shear what it is multiplied with.
             let last_row = Vec4::W;
             edit.local = edit.local.transpose();
             edit.local.w_axis = last_row;
             edit.local = edit.local.transpose();
-            opened.apply_edits();
+            opened.apply_edit(object);
             self.pending.objects = true;
         }
     }

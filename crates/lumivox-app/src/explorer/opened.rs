@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::Mat4;
 use lumivox_scene::{Bounds, Camera, Scene};
 
+use super::names::names_of_objects;
 use super::objects::Edit;
 use super::original::Original;
 use crate::args::camera::{CameraChoice, resolve};
@@ -37,7 +38,9 @@ pub struct Opened {
     pub(super) camera: Camera,
     /// What the grid is fitted to.
     pub(super) grid_bounds: Option<Bounds>,
-    /// The objects' places without edits, in the order of the scene's instances.
+    /// The objects' names, each once, in the order of the scene's instances.
+    pub(super) names: Vec<String>,
+    /// The objects' places without edits, in the same order.
     pub(super) posed: Vec<Mat4>,
     /// Changes of objects by their names.
     pub(super) edits: BTreeMap<String, Edit>,
@@ -66,8 +69,9 @@ pub fn load(opening: Opening, progress: &Progress) -> anyhow::Result<Opened> {
     }
     let grid_bounds = bounds_of_all_poses(&mut scene, progress)?;
     let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
-    let original = Original::of(&scene);
-    Ok(Opened { opening, scene, camera, grid_bounds, posed, edits: BTreeMap::new(), original })
+    let (names, original) = (names_of_objects(&scene), Original::of(&scene));
+    let edits = BTreeMap::new();
+    Ok(Opened { opening, scene, camera, grid_bounds, names, posed, edits, original })
 }
 
 impl Opening {
@@ -90,11 +94,6 @@ impl Opening {
 }
 
 impl Opened {
-    /// What was noticed while it was read.
-    pub fn warnings(&self) -> &[String] {
-        &self.scene.notes.warnings
-    }
-
     /// The scene's second and third camera: those to come back to.
     pub(super) fn positions(&self) -> [Option<Camera>; 2] {
         [1, 2].map(|number| self.scene.cameras.get(number).cloned())

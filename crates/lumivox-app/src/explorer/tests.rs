@@ -94,7 +94,7 @@ fn edits_show_as_in_a_scene_made_so() {
     assert!(explorer.edit_material(0, |material| material.emissive = Vec3::splat(3.0)));
     let seen = picture(&mut explorer);
     assert!(seen == fresh(&explorer) && seen != first);
-    explorer.place(last, was);
+    explorer.set_local_edit(last, explorer.local_edit_for(last, was).unwrap());
     assert!(explorer.edit_material(0, |material| material.emissive = Vec3::ZERO));
     assert!(picture(&mut explorer) == fresh(&explorer));
     assert!(!explorer.edit_material(99, |_| {}));
@@ -107,7 +107,8 @@ fn what_the_renderer_refuses_is_taken_back() {
     let accepted = explorer.settings().clone();
     let asked = RenderSettings { bounces: 99, ..small() };
     assert!(explorer.set_settings(asked).is_err(), "out of range: refused at once");
-    explorer.set_preset(PresetChoice::Cones(Preset::High)).unwrap();
+    explorer.set_settings(explorer.settings_of(PresetChoice::Cones(Preset::High))).unwrap();
+    explorer.note_preset(PresetChoice::Cones(Preset::High));
     let asked = RenderSettings { volume_memory: Some(1), ..explorer.settings().clone() };
     explorer.set_settings(asked).unwrap();
     assert!(explorer.update(&mut |_| {}).is_err(), "only the volume itself knows what it takes");
@@ -161,14 +162,48 @@ fn objects_have_names_of_their_own() {
     let opened = explorer.opened.as_mut().unwrap();
     opened.scene.instances[1].name.clone_from(&first);
     opened.scene.instances[2].name.clear();
+    opened.scene.instances[3].name = "two\nlines".to_owned();
+    opened.names = names::names_of_objects(&opened.scene);
     let names = explorer.object_names();
     assert_eq!(names[1], format!("{first} (2)"));
     assert_eq!(names[2], "object 3");
+    assert_eq!(names[3], "two lines");
     assert_eq!(explorer.object(&names[1]), Ok(1));
     let wrong = explorer.object(&first[..first.len() - 1]).unwrap_err().to_string();
     assert!(wrong.contains("did you mean"), "{wrong}");
     let wrong = explorer.object("zzz").unwrap_err().to_string();
     assert!(wrong.contains("`objects` lists"), "{wrong}");
+}
+
+/// Many objects of the same name are named, found and hidden without counting from the start for each.
+#[test]
+fn many_objects_of_a_name_are_told_apart() {
+    let mut explorer = explorer("builtin:cornell");
+    let opened = explorer.opened.as_mut().unwrap();
+    let like =
+        lumivox_scene::Instance { name: "a".to_owned(), ..opened.scene.instances[0].clone() };
+    opened.scene.instances = vec![like; 3000];
+    opened.scene.instances[1].name = "a (3)".to_owned();
+    opened.posed = vec![Mat4::IDENTITY; 3000];
+    opened.names = names::names_of_objects(&opened.scene);
+    let names = explorer.object_names();
+    assert_eq!(names[..5], ["a", "a (3)", "a (2)", "a (4)", "a (5)"]);
+    assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 3000);
+    for object in 0..3000 {
+        explorer.set_hidden(object, true);
+    }
+    assert_eq!(explorer.scene().unwrap().shown().count(), 0);
+}
+
+#[test]
+fn a_closed_scene_leaves_nothing_behind() {
+    let mut explorer = explorer("builtin:cornell");
+    explorer.store_position(0);
+    picture(&mut explorer);
+    explorer.close();
+    assert_eq!(explorer.position(0), None);
+    assert_eq!(explorer.settings().grid_bounds, None);
+    assert_eq!(explorer.times().count(), 0);
 }
 
 #[test]

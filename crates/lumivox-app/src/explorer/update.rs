@@ -1,7 +1,7 @@
 //! Bringing the renderer up to date with what is asked for.
 
 use lumivox::GiError;
-use lumivox_render::{Progress, RenderError, RenderSettings, Renderer};
+use lumivox_render::{Progress, RenderError, Renderer};
 use lumivox_scene::Scene;
 
 use super::{Explorer, Revoxelize};
@@ -58,21 +58,34 @@ impl Explorer {
         let Some(renderer) = &mut self.renderer else {
             // What is hidden or moved later must not change the grid: light would flicker.
             if scene.grid_bounds.is_none() && self.settings.grid_bounds.is_none() {
-                self.settings.grid_bounds = Some(scene.bounds());
+                self.fitted = Some(scene.bounds());
+                self.settings.grid_bounds = self.fitted;
             }
             let (camera, settings) = (Some(&self.camera), self.settings.clone());
-            self.renderer = Some(Renderer::new(&self.gpu, scene, camera, settings, tell).await?);
+            match Renderer::new(&self.gpu, scene, camera, settings, tell).await {
+                Ok(renderer) => self.renderer = Some(renderer),
+                Err(error) => {
+                    self.settings = self.accepted.clone();
+                    self.preset = self.accepted_preset;
+                    return Err(error.into());
+                }
+            }
             self.pending = Pending::default();
-            self.accepted_preset = self.preset;
+            self.accept();
             return Ok(());
         };
         if *renderer.settings() != self.settings
             && let Err(error) = renderer.set_settings(self.settings.clone(), tell).await
         {
+            let is_fitted = self.settings.grid_bounds == self.fitted;
             self.settings = renderer.settings().clone();
             self.preset = self.accepted_preset;
+            if is_fitted {
+                self.fitted = self.settings.grid_bounds;
+            }
             return Err(error.into());
         }
+        self.accepted = self.settings.clone();
         self.accepted_preset = self.preset;
         let pending = std::mem::take(&mut self.pending);
         if let Err(error) = show(renderer, scene, pending, self.revoxelize, tell).await {
@@ -90,10 +103,16 @@ impl Explorer {
         Ok(())
     }
 
-    /// Widens the grid if something has left it, unless the scene has one of its own; it does not follow what moves within, since light would flicker.
+    fn accept(&mut self) {
+        self.accepted = self.settings.clone();
+        self.accepted_preset = self.preset;
+    }
+
+    /// Widens the grid if something has left it, unless its box is the scene's or the user's own; it does not follow
+    /// what moves within, since light would flicker.
     fn fit_grid(&mut self) {
         let (Some(renderer), Some(scene)) = (&self.renderer, self.scene()) else { return };
-        if scene.grid_bounds.is_some() {
+        if scene.grid_bounds.is_some() || !self.has_fitted_grid() {
             return;
         }
         let bounds = self.bounds();
@@ -101,7 +120,7 @@ impl Explorer {
         let (low, high) = (grid.origin_in_world, grid.max_in_world());
         if bounds.min.cmplt(low).any() || bounds.max.cmpgt(high).any() {
             let fitted = self.settings.grid_bounds.unwrap_or(bounds).union(bounds);
-            self.settings = RenderSettings { grid_bounds: Some(fitted), ..self.settings.clone() };
+            self.fit_grid_to(Some(fitted));
         }
     }
 }

@@ -35,6 +35,7 @@ const WRONG: &[(&str, &[&str])] = &[
     ("add_light lamp", &["point, spot or sun", "\"lamp\""]),
     ("add_light point strength -1", &["strength", "from 0"]),
     ("add_light spot outer 10 inner 20", &["inner is at most outer"]),
+    ("light lamp range 0", &["range", "1.1754944e-38 to 1e9"]),
     ("remove_light x", &["there is no light \"x\""]),
     ("resolution 100", &["multiple of 8", "\"100\""]),
     ("volume octre", &["dense or octree", "did you mean \"octree\"?"]),
@@ -103,6 +104,44 @@ fn mistakes_are_told_with_what_would_be_right() {
     assert!(run.stderr.contains(&summary), "{}", run.stderr);
     // Nothing has changed, and what comes after errors is done.
     assert_eq!(run.stdout, "bounces 8\n");
+}
+
+/// Settings that the GPU cannot have fail at their own line and take nothing along.
+#[test]
+fn what_is_refused_is_taken_back_alone() {
+    let folder = folder();
+    let lines = [
+        "frames 2; volume_memory 1",
+        "screenshot a.png",
+        "volume_memory",
+        "screenshot b.png",
+        "bounces 3",
+        "volume_memory 1",
+        "volume_memory; bounces",
+        "screenshot c.png",
+    ];
+    let mut words = vec!["run", "-", "--keep-going"];
+    words.extend("--size 24x18 --resolution 64 --frames 1 --scene builtin:cornell".split(' '));
+    let run = lumivox_with(folder.path(), &words, &lines.join("\n"));
+    let failed = |line: u32| run.stderr.contains(&format!("error: stdin:{line}: "));
+    // Without a picture yet it fails where one is asked for.
+    let failing: Vec<u32> = (1..=8).filter(|line| failed(*line)).collect();
+    assert_eq!(failing, [2, 6], "{}", run.stderr);
+    let said: Vec<&str> = run.stdout.lines().filter(|line| !line.contains(".png")).collect();
+    assert_eq!(said, ["volume_memory unlimited", "volume_memory unlimited", "bounces 3"]);
+    assert!(folder.path().join("c.png").exists());
+}
+
+/// What a command would make of an object is what `matrix` takes.
+#[test]
+fn objects_stay_within_their_numbers() {
+    let folder = folder();
+    let script = "scale 'tall block' 1e6\nscale 'tall block' 1e6\nmatrix 'tall block'\n";
+    let mut words = vec!["run", "-", "--keep-going"];
+    words.extend(SMALL);
+    let run = lumivox_with(folder.path(), &words, script);
+    assert!(run.stderr.contains("error: stdin:2: the object would be"), "{}", run.stderr);
+    assert_eq!(run.stdout, "matrix 'tall block' 1000000 0 0 0 1000000 0 0 0 1000000 0 0 0\n");
 }
 
 #[test]

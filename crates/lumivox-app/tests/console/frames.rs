@@ -53,6 +53,12 @@ fn voxels_follow_or_wait() {
     session.does("vox_freq 0");
     session.says("revoxelize", &["every_frame"]);
     session.says("dynamic off", &["dynamic off: revoxelize when_moved"]);
+    session.says("vox_freq", &["vox_freq 0\n"]);
+    session.says("dynamic on", &["dynamic on: revoxelize every_frame"]);
+    session.does("vox_freq 0.25; dynamic off; dynamic on");
+    session.says("vox_freq", &["vox_freq 0.25"]);
+    session.does("vox_freq 0.0");
+    session.says("dynamic off", &["dynamic off"]);
     session.says("stats", &["voxels", "triangles given", "48x36"]);
     session.says("info", &["GPU"]);
     session.says("memory", &["total", "picture"]);
@@ -60,5 +66,10 @@ fn voxels_follow_or_wait() {
     session.changes("grid_bounds -3,-3,-3 3,3,3");
     session.says("grid_bounds", &["-3,-3,-3 3,3,3"]);
     session.changes("grid_bounds auto");
+    // A box that is asked for stays, though the scene is larger.
+    let small = session.changes("grid_bounds -0.2,0,-0.2 0.2,0.4,0.2");
+    session.equals("exposure 1; exposure auto", small);
+    session.says("grid_bounds", &["-0.2,0,-0.2 0.2,0.4,0.2"]);
+    session.changes("grid_bounds auto -0.2,0,-0.2 0.2,0.4,0.2");
     session.finish();
 }

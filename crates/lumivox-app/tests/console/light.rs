@@ -45,3 +45,16 @@ fn surroundings_are_light_and_panoramas() {
     session.equals("sky 30,120; environment_rotation 90", turned);
     session.finish();
 }
+
+#[test]
+fn a_sky_takes_the_place_of_the_command_lines() {
+    let mut session = Session::new("--scene builtin:spheres --exposure -14 --sky 30,120");
+    session.picture();
+    let plain = session.changes("environment 5000,5000,5000; lights");
+    session.changes("sky 30,120");
+    session.equals("environment 5000,5000,5000", plain);
+    session.does("sky 20,20");
+    let run = session.finish();
+    let table = run.stdout.matches("sun of the sky").count();
+    assert_eq!(table, 0, "the first sky's sun is still there:\n{}", run.stdout);
+}

@@ -53,6 +53,10 @@ fn materials_have_the_names_of_vxct() {
     session.changes("setmat TallBlock color 0.1 0.3 0.9");
     session.changes("setmat TallBlock diffuse_str 0.5");
     session.changes("setmat TallBlock ambient_str 0.9");
+    let bright = session.changes("setmat TallBlock ambient_str 0.4");
+    // Nothing is lost on the way, and what was changed otherwise stays.
+    session.changes("setmat TallBlock diffuse_str 0");
+    session.equals("setmat TallBlock diffuse_str 0.5", bright);
     session.changes("setmat LeftWall specular_str 1");
     session.changes("phong_specular on");
     session.changes("setmat LeftWall shininess 2");
@@ -77,7 +81,7 @@ fn the_camera_goes_about() {
     session.equals("camera front", start);
     session.changes("move 0.2 0.1 0.3");
     session.changes("orbit 20 10");
-    session.changes("look -10 5");
+    session.changes("turn -10 5");
     session.changes("camera framing");
     session.changes("orbit 20 0 0,0.5,0");
     session.equals("camera 0", start);

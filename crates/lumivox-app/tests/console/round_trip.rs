@@ -42,7 +42,7 @@ fn of_objects_materials_lights_and_camera() {
             "material red albedo 0.137 0.71 0.3 roughness 0.37; material green emission 3 1 0.1",
             "add_light spot 'my lamp' direction 0.1 -1 0.2 outer 33.3 inner 11.1 position 0 0.9 0 strength 77",
             "add_light point position 0.3 0.4 0.5 radius 0.05; bounces 3; resolution 40",
-            "camera 0.4,0.9,1.3,0.1,0.5,-0.3,57.3; orbit 13 7; look 3.3 -2.1; frames 2",
+            "camera 0.4,0.9,1.3,0.1,0.5,-0.3,57.3; orbit 13 7; turn 3.3 -2.1; frames 2",
         ],
     );
 }
@@ -74,6 +74,26 @@ fn of_animations_and_overlays() {
 }
 
 #[test]
+fn of_views_that_ask_for_a_volume() {
+    repeats(
+        "--scene builtin:cornell",
+        &[
+            "volume octree; view nodes; level 1; grid_bounds -0.3,-0.1,-0.3 0.3,0.9,0.4",
+            "scale 'tall block' 1.3; scale 'tall block' 0.7; hide all; show 'tall block'; show 'left wall'",
+        ],
+    );
+}
+
+#[test]
+fn of_skies_in_the_place_of_others() {
+    repeats(
+        "--scene builtin:spheres --sky 30,120",
+        &["sky 50,200", "light 'sun of the sky' color 1 0.9 0.7"],
+    );
+    repeats("--scene builtin:spheres --sky 30,120", &["environment 900,700,500"]);
+}
+
+#[test]
 fn of_the_look_of_vxct() {
     let scene = format!("load '{}'", project("scenes/cornell.scene").display());
     repeats(
@@ -83,5 +103,9 @@ fn of_the_look_of_vxct() {
             &scene,
             "toggle FrontWall; setmat TallBlock color 0.2 0.4 0.8; da 0.7; side_cones on; store 1; orbit 5 5",
         ],
+    );
+    repeats(
+        "--scene builtin:cornell",
+        &["preset vxct", &scene, "grid_bounds -0.9,-1,-1.1 1.2,1,1; tone_map aces; exposure 0.5"],
     );
 }

@@ -20,6 +20,8 @@ enum Check {
     Differs(usize),
     /// Its picture is another one, to the bit.
     Equals(usize),
+    /// Two pictures are not the same.
+    Differ(usize, usize),
 }
 
 /// One process, and what is expected of its lines.
@@ -108,6 +110,11 @@ impl Session {
         self.checks.push((format!("{after}|{line}"), Check::Equals(picture)));
     }
 
+    /// Two pictures differ.
+    pub fn differs(&mut self, one: usize, other: usize) {
+        self.checks.push((format!("pictures {one} and {other}"), Check::Differ(one, other)));
+    }
+
     /// Runs it all in one process, and checks.
     #[track_caller]
     pub fn finish(self) -> Run {
@@ -133,6 +140,9 @@ impl Session {
                 Check::Differs(before) => {
                     let (own, line) = own();
                     assert!(own != pixels(*before), "{line}: the picture has not changed");
+                }
+                Check::Differ(one, other) => {
+                    assert!(pixels(*one) != pixels(*other), "{line} are the same");
                 }
                 Check::Equals(other) => {
                     let (own, line) = own();

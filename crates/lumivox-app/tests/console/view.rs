@@ -36,7 +36,9 @@ fn surfaces_voxels_and_wires() {
     session.equals("ray off", start);
     session.says("ray 0,1,10 0,0.1,1", &["the ray hits nothing"]);
     session.says("ray 0,0.5,0 0,-1,0", &["floor, ceiling, back wall"]);
-    assert!(nothing < wires && wires < over);
+    session.differs(nothing, wires);
+    session.differs(wires, over);
+    session.differs(over, cubes);
     session.finish();
 }
 

@@ -5,7 +5,7 @@ use lumivox_scene::Camera;
 
 use crate::args::camera::{self, CameraChoice, FRAMING, resolve};
 use crate::console::arguments::{
-    PLACE, angle, choice, commas, degrees, number, refused, spaces, vector,
+    PLACE, angle, choice, commas, degrees, direction, number, refused, spaces, vector,
 };
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show, suggest};
@@ -105,11 +105,11 @@ pub const TABLE: &[Command] = &[
         ..CAMERA
     },
     Command {
-        name: "look",
+        name: "turn",
         usage: "RIGHT UP",
         count: (2, 2),
         summary: "Turn the camera where it stands, by degrees to the right and upwards",
-        example: "look -15 5",
+        example: "turn -15 5",
         run: |console, arguments| {
             let (yaw, pitch) = turns(arguments)?;
             let mut camera = console.explorer.camera().clone();
@@ -203,15 +203,6 @@ fn axes(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         [fov] => (fov, None),
         [fov, near] => (fov, Some(near)),
         _ => return Err(axes_form(arguments).into()),
-    };
-    let direction = |words: &[&str], what: &str| {
-        let v = vector(words, what, -1e6..=1e6)?;
-        // What is a unit vector but for rounding stays as it is.
-        let unit =
-            if (v.as_dvec3().length() - 1.0).abs() <= 1e-5 { Some(v) } else { v.try_normalize() };
-        unit.ok_or_else(|| {
-            Failure::input(format!("{what} has no direction; got \"{}\"", words.join(" ")))
-        })
     };
     let mut camera = console.explorer.camera().clone();
     camera.position = vector(&position, "the position in metres", PLACE)?;

@@ -3,7 +3,9 @@
 use glam::Vec3;
 use lumivox_scene::{Attenuation, Light, LightKind};
 
-use crate::console::arguments::{PLACE, angle, choice, degrees, number, short, spaces, vector};
+use crate::console::arguments::{
+    PLACE, angle, choice, degrees, direction, number, short, spaces, vector,
+};
 use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
 use crate::console::properties::{self, Property};
 use crate::console::{Console, Reply, nothing_to_show};
@@ -140,11 +142,7 @@ pub const PROPERTIES: &[P] = &[
             (!matches!(light.kind, LightKind::Point { .. })).then(|| spaces(light.direction))
         },
         set: |light, words| {
-            let along = vector(words, "direction", -1e6..=1e6)?;
-            let is_unit = (along.as_dvec3().length() - 1.0).abs() <= 1e-5;
-            let unit = if is_unit { Some(along) } else { along.try_normalize() };
-            light.direction =
-                unit.ok_or_else(|| Failure::input("the direction must not be 0 0 0"))?;
+            light.direction = direction(words, "the direction")?;
             Ok(())
         },
     },

@@ -59,6 +59,9 @@ pub const TABLE: &[Command] = &[
 /// The most radiance, cd/m2: as of the command line.
 const BRIGHTEST: f32 = 1e10;
 
+/// The most ambient light, as a share of the diffuse colour.
+const MOST_AMBIENT: f32 = 1e6;
+
 type P = Property<Material>;
 
 const NAMES: [&str; PROPERTIES.len()] = {
@@ -220,7 +223,9 @@ pub const PROPERTIES: &[P] = &[
         count: 1,
         is: "a number from 0 to 1000000",
         get: |m| phong(m).map(|p| p.ambient.to_string()),
-        set: |m, words| set!(Phong, m, ambient = number(first(words), "ambient", 0.0..=1e6)?),
+        set: |m, words| {
+            set!(Phong, m, ambient = number(first(words), "ambient", 0.0..=MOST_AMBIENT)?)
+        },
     },
     P {
         name: "color",
@@ -388,6 +393,18 @@ fn list(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(table.text().trim_end()))
 }
 
+/// Where a material is shaded again as its file has it: the textures that other ways of shading do not have.
+fn bring_textures_back(material: &mut Material, original: &Material) {
+    match (&mut material.shading, &original.shading) {
+        (Shading::MetallicRoughness(now), Shading::MetallicRoughness(was)) => {
+            now.metallic_roughness_texture = was.metallic_roughness_texture;
+            now.specular_texture = was.specular_texture;
+        }
+        (Shading::Phong(now), Shading::Phong(was)) => now.specular_texture = was.specular_texture,
+        _ => {}
+    }
+}
+
 fn material(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some((name, words)) = arguments.split_first() else { return Ok(Reply::default()) };
     let number =
@@ -397,10 +414,46 @@ fn material(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
     if words.is_empty() {
         return Ok(Reply::say(format!("{name}:\n{}", properties::list(PROPERTIES, material))));
     }
-    let changed =
+    let mut changed =
         properties::set(PROPERTIES, &format!("the material \"{name}\""), material, words)?;
+    let original = console.explorer.original();
+    if let Some(original) = original.and_then(|original| original.materials.get(number)) {
+        bring_textures_back(&mut changed, original);
+    }
     console.explorer.edit_material(number, |material| *material = changed);
     Ok(Reply::default())
+}
+
+/// What `setmat` has set of a material: a colour without a diffuse part is still there once it has one again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strengths {
+    color: Vec3,
+    diffuse: f32,
+    ambient: f32,
+}
+
+impl Strengths {
+    /// Those of a material: what was set before, unless it was changed otherwise since.
+    fn of(phong: &Phong, before: Option<&Self>) -> Self {
+        let fits = |before: &&Self| before.diffuse_color() == phong.diffuse;
+        let Some(before) = before.filter(fits) else {
+            return Self { color: phong.diffuse, diffuse: 1.0, ambient: phong.ambient };
+        };
+        if before.ambient_share() == phong.ambient {
+            return *before;
+        }
+        let share = if before.diffuse > 0.0 { before.diffuse } else { 1.0 };
+        Self { ambient: phong.ambient * share, ..*before }
+    }
+
+    fn diffuse_color(&self) -> Vec3 {
+        self.color * self.diffuse
+    }
+
+    /// As the loader of VXCT's files has it: ambient light is a share of the diffuse part.
+    fn ambient_share(&self) -> f32 {
+        if self.diffuse > 0.0 { self.ambient / self.diffuse } else { self.ambient }
+    }
 }
 
 fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
@@ -425,9 +478,8 @@ fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         ))
         .into());
     };
-    let (mut color, mut diffuse) =
-        console.colors.get(&number).copied().unwrap_or((changed.diffuse, 1.0));
-    // As the loader of VXCT's files has it: the lobe is normalized, and ambient light is a share of the diffuse part.
+    let mut strengths = Strengths::of(&changed, console.strengths.get(&number));
+    // As the loader of VXCT's files has it: the lobe is normalized.
     let peak = |shininess: f32| 0.5 * (shininess + 2.0);
     let one = |what: &str| number_of(value, what, 0.0..=1.0);
     let properties = ["shininess", "specular_str", "diffuse_str", "ambient_str", "color"];
@@ -441,22 +493,23 @@ fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         "specular_str" => {
             changed.specular = Vec3::splat((one(property)? / peak(changed.shininess)).min(1.0));
         }
-        "diffuse_str" => {
-            let ambient = changed.ambient * diffuse;
-            diffuse = one(property)?;
-            changed.diffuse = color * diffuse;
-            changed.ambient = if diffuse > 0.0 { ambient / diffuse } else { ambient };
-        }
-        "ambient_str" => {
-            let ambient = one(property)?;
-            changed.ambient = if diffuse > 0.0 { ambient / diffuse } else { ambient };
-        }
-        _ => {
-            color = vector(value, property, 0.0..=1.0)?;
-            changed.diffuse = color * diffuse;
+        "diffuse_str" => strengths.diffuse = one(property)?,
+        "ambient_str" => strengths.ambient = one(property)?,
+        _ => strengths.color = vector(value, property, 0.0..=1.0)?,
+    }
+    if !matches!(property, "shininess" | "specular_str") {
+        changed.diffuse = strengths.diffuse_color();
+        changed.ambient = strengths.ambient_share();
+        if changed.ambient > MOST_AMBIENT {
+            return Err(Failure::input(format!(
+                "{property}: the ambient part would be more than {MOST_AMBIENT} times the diffuse one; `setmat {} ambient_str 0` \
+                 leaves it out",
+                crate::console::line::quote(name)
+            ))
+            .into());
         }
     }
-    console.colors.insert(number, (color, diffuse));
+    console.strengths.insert(number, strengths);
     console.explorer.edit_material(number, |material| material.shading = Shading::Phong(changed));
     Ok(Reply::default())
 }

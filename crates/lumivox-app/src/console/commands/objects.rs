@@ -113,8 +113,7 @@ pub const TABLE: &[Command] = &[
         vxct: Some("unknown names are errors; it prints what it did"),
         run: |console, arguments| {
             let name = arguments.first().copied().unwrap_or_default();
-            let object =
-                console.explorer.object(name).map_err(|e| Failure::input(e.to_string()))?;
+            let object = object(console, arguments)?;
             let is_hidden = console
                 .explorer
                 .scene()
@@ -172,22 +171,17 @@ fn transform(
     let object = object(console, arguments)?;
     let numbers = arguments.get(1..).unwrap_or_default();
     let local = matrix(vector(numbers, what, range)?)?;
-    check_transform(console, object, |edit| edit * local)?;
+    let edit = console.explorer.local_edit(object).unwrap_or(Mat4::IDENTITY);
+    check_transform(console, object, edit * local)?;
     console.explorer.transform(object, local);
     Ok(Reply::default())
 }
 
-/// Refuses what f32 cannot hold or invert.
-fn check_transform(
-    console: &Console,
-    object: usize,
-    change: impl FnOnce(Mat4) -> Mat4,
-) -> Result<(), Failure> {
-    let edit = change(console.explorer.local_edit(object).unwrap_or(Mat4::IDENTITY));
-    let posed = console.explorer.scene().and_then(|scene| scene.instances.get(object));
-    let matrix = posed.map_or(Mat4::IDENTITY, |instance| instance.world_from_local) * edit;
-    let determinant = edit.determinant();
-    if matrix.is_finite() && determinant.is_normal() && edit.is_finite() {
+/// Refuses what f32 cannot hold or invert, and what `matrix` would not take, for `script` prints it.
+fn check_transform(console: &Console, object: usize, edit: Mat4) -> Result<(), Failure> {
+    let world = console.explorer.posed(object).unwrap_or(Mat4::IDENTITY) * edit;
+    let is_held = |matrix: Mat4| matrix.to_cols_array().iter().all(|number| PLACE.contains(number));
+    if is_held(world) && is_held(edit) && edit.determinant().is_normal() {
         return Ok(());
     }
     Err(Failure::input(
@@ -256,7 +250,15 @@ fn place(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             .into());
         }
     };
-    console.explorer.place(number, placement);
+    let local = console.explorer.local_edit_for(number, placement).ok_or_else(nothing_to_show)?;
+    if !local.is_finite() {
+        return Err(Failure::input(format!(
+            "at this moment of the animation \"{name}\" has no size, and so no place; `time SECONDS` shows another"
+        ))
+        .into());
+    }
+    check_transform(console, number, local)?;
+    console.explorer.set_local_edit(number, local);
     Ok(Reply::default())
 }
 
@@ -272,12 +274,9 @@ fn matrix(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         )));
     }
     let (columns, rest) = words.as_chunks::<3>();
-    let &[x, y, z, w] = columns else {
+    let (&[x, y, z, w], []) = (columns, rest) else {
         return Err(Failure::input(format!("matrix takes 12 numbers; got {}", words.len())).into());
     };
-    if !rest.is_empty() {
-        return Err(Failure::input(format!("matrix takes 12 numbers; got {}", words.len())).into());
-    }
     let column = |words: [&str; 3]| vector(&words, "the matrix", PLACE);
     let matrix = Mat4::from_cols(
         column(x)?.extend(0.0),
@@ -285,7 +284,7 @@ fn matrix(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         column(z)?.extend(0.0),
         column(w)?.extend(1.0),
     );
-    check_transform(console, number, |_| matrix)?;
+    check_transform(console, number, matrix)?;
     console.explorer.set_local_edit(number, matrix);
     Ok(Reply::default())
 }

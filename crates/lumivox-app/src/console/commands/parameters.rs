@@ -19,7 +19,8 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Word(&GROUPS)],
         summary: "List the settings with their values and ranges",
-        details: "Each setting is a command, too: its name alone prints it, with a value it is set.",
+        details: "Each setting is a command, too: its name alone prints it, with a value it is set; switches of the look vxct toggle \
+                  without one.",
         example: "parameters cones",
         run: list,
         ..PLAIN
@@ -100,8 +101,12 @@ pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Res
 
 /// The settings of the present preset, and else the defaults.
 pub fn of_preset(console: &Console) -> RenderSettings {
+    of_preset_at(console, console.explorer.settings().resolution)
+}
+
+/// The same, with cones as they are at a resolution.
+fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
     let preset = console.explorer.preset();
-    let resolution = console.explorer.settings().resolution;
     let defaults = RenderSettings { resolution, ..RenderSettings::default() };
     let scene = console.explorer.scene();
     let settings = crate::commands::settings::with_preset(&defaults, preset, scene);
@@ -165,6 +170,8 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             }))
         }
         ["all"] => {
+            // The resolution goes back as well, and the cones of VXCT's look with it.
+            let preset = of_preset_at(console, RenderSettings::default().resolution);
             console.change(|settings| set_all(settings, &preset))?;
             Ok(Reply::default())
         }
@@ -221,7 +228,7 @@ fn preset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         let known = in_words(&PRESETS);
         return Err(Failure::input(format!("a preset is {known}; got \"{name}\"{like}")).into());
     };
-    console.explorer.set_preset(preset)?;
+    console.set(console.explorer.settings_of(preset), preset)?;
     Ok(Reply::default())
 }
 

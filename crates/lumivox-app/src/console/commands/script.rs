@@ -39,8 +39,16 @@ fn lines(console: &Console) -> Vec<String> {
     lines.push(format!("resolution {}", settings.resolution));
     lines.push(format!("preset {}", explorer.preset().name()));
     let preset = parameters::of_preset(console);
-    let differing = parameters::differing(settings, &preset).filter(|p| p.name != "resolution");
-    lines.extend(differing.map(|p| format!("{} {}", p.name, p.get(settings))));
+    let mut differing: Vec<&Parameter> =
+        parameters::differing(settings, &preset).filter(|p| p.name != "resolution").collect();
+    // What others ask for comes first, and what asks for others last, such as the view of an octree's nodes.
+    differing.sort_by_key(|parameter| match parameter.name {
+        "look" | "volume" => 0,
+        "view" | "level" => 2,
+        _ => 1,
+    });
+    let line = |parameter: &Parameter| format!("{} {}", parameter.name, parameter.get(settings));
+    lines.extend(differing.into_iter().map(line));
     if explorer.revoxelize != Revoxelize::WhenMoved {
         lines.push(voxels::revoxelize_line(explorer.revoxelize));
     }
@@ -49,11 +57,11 @@ fn lines(console: &Console) -> Vec<String> {
     lines.push(format!("load {}", files::line(opening, Some(aspect))));
     if settings.look != Look::Physical {
         // A scene that is opened is exposed for the look.
-        lines
-            .extend(Parameter::find("exposure").map(|p| format!("{} {}", p.name, p.get(settings))));
+        let shown = ["exposure", "tone_map"].into_iter().filter_map(Parameter::find);
+        lines.extend(shown.map(line));
     }
-    if let Some(bounds) = settings.grid_bounds.filter(|_| scene.grid_bounds.is_none()) {
-        lines.push(voxels::bounds_line(bounds));
+    if let Some(bounds) = settings.grid_bounds.filter(|box_| scene.grid_bounds != Some(*box_)) {
+        lines.push(voxels::bounds_line(bounds, explorer.has_fitted_grid()));
     }
     lines.extend(animation::lines(console));
     lines.extend(object_lines(console, scene));

@@ -8,15 +8,13 @@ use lumivox_scene::sky::{SkySettings, sky as make_sky};
 use lumivox_scene::{Environment, EnvironmentMap};
 
 use crate::args::light::{self, Surroundings};
+use crate::commands::light::SUN_OF_SKY as SUN;
 use crate::console::arguments::{angle, commas, degrees, number, refused, vector};
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::line::quote;
 use crate::console::{Console, Reply, nothing_to_show};
 
 const LIGHT: Command = Command { group: Group::Light, takes: &[Takes::Anything], ..PLAIN };
-
-/// The name of the light that `sky` adds.
-const SUN: &str = "sun of the sky";
 
 pub const TABLE: &[Command] = &[
     Command {

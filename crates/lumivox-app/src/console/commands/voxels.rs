@@ -17,7 +17,8 @@ const VOXELS: Command = Command { group: Group::Voxels, takes: &[Takes::Anything
 /// Seconds between voxelizations where none are given: VXCT's.
 const PERIOD_S: f32 = 0.5;
 /// From the shortest frame to a day.
-const PERIODS: std::ops::RangeInclusive<f32> = 1e-3..=86_400.0;
+const PERIODS: std::ops::RangeInclusive<f32> = 1e-3..=LONGEST_S;
+const LONGEST_S: f32 = 86_400.0;
 
 pub const TABLE: &[Command] = &[
     Command {
@@ -39,7 +40,7 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Switch],
         summary: "Voxelize again and again as time goes on, every half second or as `vox_freq` says, or no more",
-        details: "Without a value it toggles, and prints what it is. Off is `revoxelize when_moved`.",
+        details: "Without a value it toggles, and prints what it is. Off is `revoxelize when_moved`; on again is as it was.",
         example: "dynamic on",
         vxct: Some("off, voxels still follow what moves; `revoxelize when_asked` is VXCT's off"),
         run: dynamic,
@@ -65,18 +66,19 @@ pub const TABLE: &[Command] = &[
             Takes::Anything,
         ],
         summary: "Choose when triangles that have moved become voxels, or print it",
-        details: "SECONDS from 0.001 to 86400. At first: when_moved.",
+        details: "SECONDS from 0.001 to 86400. At first: when_moved. Materials that change are voxelized at once in any case.",
         example: "revoxelize every 0.5",
         run: revoxelize,
         ..VOXELS
     },
     Command {
         name: "grid_bounds",
-        usage: "[auto|X,Y,Z X,Y,Z]",
-        count: (0, 2),
+        usage: "[auto|[auto] X,Y,Z X,Y,Z]",
+        count: (0, 3),
         takes: &[Takes::Word(&["auto"]), Takes::Anything],
         summary: "Fit the voxel grid to a box, from corner to corner in metres, or to the scene, or print the box",
-        details: "`auto` is the box of the scene as it stands now. What moves out of it widens it.",
+        details: "`auto` is the box of the scene as it stands now, and with corners it begins with that box: what moves out of it \
+                  widens it. A box without `auto` stays as it is; what is outside has no voxels.",
         example: "grid_bounds -1,-1,-1 1,1,1",
         run: grid_bounds,
         ..VOXELS
@@ -145,9 +147,11 @@ fn dynamic(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let now = console.explorer.revoxelize;
     let was_on = matches!(now, Revoxelize::Every(_) | Revoxelize::EveryFrame);
     let is_on = toggled(arguments, "dynamic", was_on)?;
-    if is_on != was_on {
-        console.explorer.revoxelize =
-            if is_on { Revoxelize::Every(PERIOD_S) } else { Revoxelize::WhenMoved };
+    if is_on && !was_on {
+        console.explorer.revoxelize = console.dynamic.unwrap_or(Revoxelize::Every(PERIOD_S));
+    } else if was_on && !is_on {
+        console.dynamic = Some(now);
+        console.explorer.revoxelize = Revoxelize::WhenMoved;
     }
     let how = in_words(console.explorer.revoxelize);
     Ok(Reply::say(format!("dynamic {}: revoxelize {how}", on_or_off(is_on))))
@@ -155,16 +159,20 @@ fn dynamic(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 
 fn period(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(text) = arguments.first() else {
-        let seconds = match console.explorer.revoxelize {
-            Revoxelize::Every(seconds) => seconds,
-            Revoxelize::EveryFrame => 0.0,
-            Revoxelize::WhenMoved | Revoxelize::WhenAsked => PERIOD_S,
+        let period_s = |revoxelize| match revoxelize {
+            Revoxelize::Every(seconds) => Some(seconds),
+            Revoxelize::EveryFrame => Some(0.0),
+            Revoxelize::WhenMoved | Revoxelize::WhenAsked => None,
         };
+        let seconds = period_s(console.explorer.revoxelize);
+        let seconds = seconds.or_else(|| console.dynamic.and_then(period_s)).unwrap_or(PERIOD_S);
         return Ok(Reply::say(format!("vox_freq {seconds}")));
     };
-    console.explorer.revoxelize = match *text {
-        "0" => Revoxelize::EveryFrame,
-        text => Revoxelize::Every(number(text, "the time in seconds", PERIODS)?),
+    const WHAT: &str = "the time in seconds";
+    console.explorer.revoxelize = if number(text, WHAT, 0.0..=LONGEST_S)? == 0.0 {
+        Revoxelize::EveryFrame
+    } else {
+        Revoxelize::Every(number(text, WHAT, PERIODS)?)
     };
     Ok(Reply::default())
 }
@@ -188,10 +196,10 @@ fn grid_bounds(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Repl
         [] => {
             let bounds =
                 console.explorer.settings().grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
-            return Ok(Reply::say(bounds_line(bounds)));
+            return Ok(Reply::say(bounds_line(bounds, false)));
         }
         ["auto"] => scene.grid_bounds.is_none().then(|| scene.bounds()),
-        [min, max] => {
+        ["auto", min, max] | [min, max] => {
             let what = "a corner in metres";
             let (min, max) = (vector(&[min], what, PLACE)?, vector(&[max], what, PLACE)?);
             if !min.cmple(max).all() || min == max {
@@ -206,12 +214,14 @@ fn grid_bounds(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Repl
         }
     };
     console.change(|settings| settings.grid_bounds = bounds)?;
+    console.explorer.set_grid_widens(arguments.first() == Some(&"auto"));
     Ok(Reply::default())
 }
 
 /// The command that sets a box.
-pub fn bounds_line(bounds: Bounds) -> String {
-    format!("grid_bounds {} {}", commas(bounds.min), commas(bounds.max))
+pub fn bounds_line(bounds: Bounds, widens: bool) -> String {
+    let auto = if widens { "auto " } else { "" };
+    format!("grid_bounds {auto}{} {}", commas(bounds.min), commas(bounds.max))
 }
 
 fn stats(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
