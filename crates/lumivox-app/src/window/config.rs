@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn a_broken_file_is_a_warning() {
-        for text in ["", "{", "[]", "{\"window\": \"wide\"}", "\u{0}"] {
+        for text in ["", "{", "3", "{\"window\": \"wide\"}", "\u{0}"] {
             let config = Config::read(text, Some(&"window.json".into()));
             assert!(
                 config.warning.is_some_and(|warning| warning.contains("window.json")),

@@ -3,7 +3,7 @@
 use egui::{CollapsingHeader, Slider, Ui};
 use lumivox_scene::{Material, Shading};
 
-use super::widgets::{row, weak};
+use super::widgets::{is_rounded, row, weak};
 use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{SceneModel, Selected};
@@ -77,13 +77,12 @@ fn color(ui: &mut Ui, app: &mut App, title: &str, tip: &str, key: &str, now: [f3
 
 fn slider(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: f32, high: f32) {
     row(ui, title, "", |ui| {
-        let [mut value] = app.numbers(key, [now]);
+        let [before] = app.numbers(key, [now]);
+        let mut value = before;
         ui.spacing_mut().slider_width = (ui.available_width() - 50.0).max(30.0);
-        if ui
-            .add(Slider::new(&mut value, 0.0..=high).max_decimals(2))
-            .accessible_name(title)
-            .changed()
-        {
+        let slider = Slider::new(&mut value, 0.0..=high).max_decimals(2);
+        let is_changed = ui.add(slider).accessible_name(title).changed();
+        if is_changed && !is_rounded(value, before, 2) {
             app.set_numbers(key, [value], format!("{key} {value}"));
         }
     });

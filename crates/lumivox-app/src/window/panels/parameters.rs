@@ -4,7 +4,7 @@ use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
 use lumivox_render::parameters::{Group, Kind, PARAMETERS, Parameter, Value};
 
-use super::widgets::{reset, rest_width, row, vector};
+use super::widgets::{is_rounded, reset, rest_width, row, vector};
 use crate::window::app::App;
 use crate::window::model::Model;
 
@@ -150,6 +150,7 @@ fn number_field(
         left -= before - ui.available_width();
     }
     if let Value::Number(mut number) = value {
+        let before = number;
         let low = off.map_or(low, |off| off.min(low));
         let response = if high - low <= WIDEST_SLIDER && word.is_none() {
             ui.spacing_mut().slider_width = (left - 52.0).max(30.0);
@@ -159,7 +160,8 @@ fn number_field(
             let drag = DragValue::new(&mut number).range(low..=high).speed(speed).max_decimals(3);
             ui.add_sized([left.max(40.0), 18.0], drag.suffix(unit))
         };
-        if response.on_hover_text(tip).accessible_name(title).changed() {
+        let is_changed = response.on_hover_text(tip).accessible_name(title).changed();
+        if is_changed && !is_rounded(number, before, 3) {
             // Between what stands for "off" and the range there is nothing.
             let number = match off {
                 Some(off) if number < low.max(0.0) => off,

@@ -13,7 +13,8 @@ use crate::window::theme;
 /// Settings, what was voxelized, memory.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     parameters::group(ui, Group::Volume, model, app);
-    parameters::named(ui, "injection", model, app);
+    // It is among the settings of light as well.
+    ui.push_id("volume", |ui| parameters::named(ui, "injection", model, app));
     revoxelize(ui, model, app);
     let voxels = &model.voxels;
     if voxels.voxels > 0 {

@@ -77,6 +77,11 @@ pub fn item(ui: &mut Ui, is_chosen: bool, text: RichText, spare: f32) -> Respons
     .inner
 }
 
+/// Whether a slider has done no more than to round what was there to its decimals.
+pub fn is_rounded(now: f32, before: f32, decimals: i32) -> bool {
+    (now - before).abs() <= 0.5001 * 10.0_f32.powi(-decimals)
+}
+
 /// Text that explains.
 pub fn weak(ui: &mut Ui, text: impl Into<String>) -> Response {
     ui.label(RichText::new(text).color(theme::WEAK))
