@@ -13,7 +13,7 @@ use lumivox_render::{Exposure, Picture, Progress, RenderSettings, View};
 use super::{REST, Worker};
 use crate::explorer::Revoxelize;
 use crate::window::jobs::{self, ReferenceKey, Traced, Tracing};
-use crate::window::model::{Comparand, FrameTime, JobModel, KEPT_FRAMES, Shown};
+use crate::window::model::{Comparand, FrameTime, JobModel, KEPT_FRAMES, LogKind, Shown};
 
 /// The least time between two measurements of the exposure while the picture changes.
 const MEASURE_EVERY: Duration = Duration::from_millis(250);
@@ -382,7 +382,12 @@ impl Worker {
         tracing.is_over = traced.is_last;
         match traced.result {
             Ok(reference) => {
+                let samples = reference.samples;
                 self.reference = Some(reference);
+                if traced.is_last {
+                    let text = format!("the reference is complete: {samples} samples a pixel");
+                    self.log.add(LogKind::Note, &text);
+                }
                 if let Err(error) = self.show_reference() {
                     self.fail(&error.context("the reference cannot be shown"));
                 }
