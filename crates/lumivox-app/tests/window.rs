@@ -123,6 +123,11 @@ fn it_survives_what_happens_to_windows() {
     let rest = window.wait_rest();
     assert!(is_cornell(&rest));
     window.tell("lose_device window");
+    window.wait_error("the window's device was lost");
+    // Nothing else is asked of it.
+    window.wait("picture on another device", |window| {
+        Some(()).filter(|()| window.picture().distance(&rest) < 1.0)
+    });
     // Both still work: the panels, and the picture.
     window.tell("view albedo");
     let albedo = window.wait_change("picture of albedo", &rest);
@@ -141,7 +146,123 @@ fn it_survives_what_happens_to_windows() {
 
     // Closed while it is busy.
     window.tell("resolution 64");
-    window.tell("frames 64");
+    window.tell("frames 65536");
+    let lines = window.lines().len();
+    window.tell("wait 65536");
+    window.tell("echo never");
+    window.wait_line(lines, "> wait 65536");
+    let said = window.lines();
+    assert!(!said.iter().any(|line| line == "never"), "{said:?}");
+    assert_eq!(window.close(), 0);
+}
+
+/// A scene's file that nobody ever writes: reading it does not come to an end.
+fn write_endless(folder: &Path) {
+    let made = std::process::Command::new("mkfifo").arg(folder.join("slow.obj")).status().unwrap();
+    assert!(made.success());
+}
+
+#[test]
+fn what_takes_long_holds_nobody_up() {
+    let (display, home) = (Display::start(), home());
+    write_endless(home.path());
+    let mut window = open_cornell(&display, home.path());
+    let shown = window.wait_rest();
+
+    // While a scene is read, the mouse and the keys work on the one that is there; the terminal's lines wait.
+    let lines = window.lines().len();
+    window.tell("load slow.obj");
+    window.tell("echo later");
+    let lines = window.wait_line(lines, "> load slow.obj");
+    window.click(250, 300);
+    let lines = window.wait_line(lines, "> select 'tall block'");
+    window.key('h' as u32);
+    let lines = window.wait_line(lines, "> hide 'tall block'");
+    window.wait_change("picture without the block", &shown);
+    assert!(!window.lines().iter().any(|line| line == "later"), "{:?}", window.lines());
+    window.tell("cancel");
+    let lines = window.wait_line(lines, "no longer waiting for slow.obj");
+    let lines = window.wait_line(lines, "later");
+
+    // A script goes with what it waits for.
+    window.tell("load slow.obj; echo never");
+    let lines = window.wait_line(lines, "> load slow.obj");
+    window.tell("cancel");
+    let lines = window.wait_line(lines, "no longer waiting");
+    window.tell("load gone.obj; echo never");
+    let lines = window.wait_line(lines, "error: ");
+
+    // Esc ends waiting for frames.
+    window.tell("frames 65536");
+    window.tell("wait 65536");
+    window.tell("echo at last");
+    let lines = window.wait_line(lines, "> wait 65536");
+    window.wait("end of waiting", |window| {
+        window.key(ESCAPE);
+        window.lines().iter().skip(lines).any(|line| line == "at last").then_some(())
+    });
+    let said = window.lines();
+    assert!(!said.iter().any(|line| line == "never"), "{said:?}");
+
+    // The end comes at once.
+    window.tell("load slow.obj");
+    window.wait_line(lines, "> load slow.obj");
+    window.control('q' as u32);
+    assert_eq!(window.ended(), 0);
+}
+
+/// Width and height of a PNG file, from its header.
+fn png_size(file: &Path) -> [u32; 2] {
+    let bytes = std::fs::read(file).unwrap();
+    assert_eq!(&bytes[1..4], b"PNG");
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
+}
+
+#[test]
+fn pictures_are_compared_and_saved() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
+    let alone = window.wait_rest();
+
+    // The reference is on the right, and gets better with its samples.
+    let mut reference = |samples: u32| {
+        let lines = window.lines().len();
+        window.tell(&format!("compare_with reference {samples}"));
+        window.wait_line(lines, &format!("complete: {samples} samples"));
+        window.wait_rest()
+    };
+    let [few, more, many] = [2, 16, 128].map(&mut reference);
+    let right = |seen: &Seen| seen.part((seen.width / 2 + 20, 30), (seen.width, seen.height));
+    let left = |seen: &Seen| seen.part((0, 30), (seen.width / 2 - 20, seen.height));
+    let error = |seen: &Seen| right(seen).distance(&right(&many));
+    assert!(error(&few) > 1.5 * error(&more), "{} {}", error(&few), error(&more));
+    assert!(left(&many).distance(&left(&alone)) < 1.0);
+    assert!(is_cornell(&many));
+
+    // It goes with the state that it was of, and another is traced.
+    let lines = window.lines().len();
+    window.tell("hide 'tall block'");
+    window.wait_line(lines, "complete: 128 samples");
+    window.wait_change("reference without the block", &many);
+    // What the volume does not have is refused, and the picture goes on.
+    let lines = window.lines().len();
+    window.tell("compare_with nodes");
+    let lines = window.wait_line(lines, "error: ");
+    window.tell("compare_with nothing");
+    window.tell("show 'tall block'");
+    window.wait_line(lines, "> show");
+    window.wait("picture of before", |window| {
+        Some(()).filter(|()| window.picture().distance(&alone) < 1.0)
+    });
+
+    let lines = window.lines().len();
+    window.tell("size");
+    let at = window.wait_line(lines, "size ");
+    let size = window.lines()[at - 1].clone();
+    window.tell("screenshot saved.png");
+    window.wait_line(at, "saved.png: ");
+    let [width, height] = png_size(&home.path().join("saved.png"));
+    assert_eq!(size, format!("size {width}x{height}"));
     assert_eq!(window.close(), 0);
 }
 
@@ -169,8 +290,9 @@ fn settings_are_kept_between_runs() {
         assert_eq!(window.ended(), 0);
     };
     ask("", &["resolution", "bounces"], &["resolution 40", "bounces 3"]);
-    // The command line goes before what was kept.
+    // The command line goes before what was kept, this once.
     ask("--bounces 5", &["resolution", "bounces"], &["resolution 40", "bounces 5"]);
+    ask("", &["resolution", "bounces"], &["resolution 40", "bounces 3"]);
     ask("--fresh", &["resolution"], &["resolution 128"]);
     // A file that nobody can read is a warning.
     let file = home.path().join("config/lumivox/window.json");

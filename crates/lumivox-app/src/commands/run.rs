@@ -16,6 +16,7 @@ use crate::exit::{self, Failure, Located};
 use crate::explorer::{self, Explorer, Opening};
 use crate::progress::{Progress, words};
 use crate::report::print;
+use crate::window::own_command;
 
 /// What a frame that a script waits for stands for, s.
 const FRAME_S: f32 = 1.0 / 30.0;
@@ -133,6 +134,10 @@ impl Runner {
 
     /// Does what a line says, and what it leaves to do.
     fn line(&mut self, line: &str, queue: &mut Queue) -> anyhow::Result<()> {
+        if let Some(name) = own_command(line) {
+            tracing::warn!("`{name}` is a command of the window; it is passed over");
+            return Ok(());
+        }
         self.show(Some(Progress::start(&self.bars, "working")));
         let reply = self.console.run(line);
         let done = reply.and_then(|reply| {

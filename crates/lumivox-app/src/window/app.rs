@@ -12,7 +12,7 @@ use lumivox_scene::Camera;
 
 use super::config::Config;
 use super::gizmo;
-use super::lines::{Line, Origin, quoted};
+use super::lines::{Line, Origin, quoted, urgent};
 use super::model::{LogKind, Model, Selected};
 use super::panels::{self, console, files};
 use super::surface::PICTURES;
@@ -21,6 +21,9 @@ use super::{camera, theme};
 
 /// The camera has come to rest when it has not moved for this long.
 const REST: Duration = Duration::from_millis(250);
+
+/// Commands after which the camera is where they have put it.
+const MOVES_CAMERA: [&str; 7] = ["camera", "pos1", "pos2", "move", "orbit", "turn", "fov"];
 
 /// A value that was sent and that the model does not have yet: what a slider shows in the meantime.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +39,15 @@ struct Motion {
     moved: Instant,
     /// The line that tells where it came to rest, once it was sent.
     told: Option<u64>,
+}
+
+/// A scene's name that holds in other folders, too.
+fn absolute(source: &str) -> String {
+    if source.starts_with("builtin:") {
+        return source.to_owned();
+    }
+    let path = std::path::absolute(source);
+    path.map_or_else(|_| source.to_owned(), |path| path.display().to_string())
 }
 
 /// The window's state.
@@ -73,6 +85,8 @@ pub struct App {
     is_coarse: bool,
     command_lines: u64,
     source: String,
+    opened: u64,
+    camera_moves: u64,
 }
 
 impl App {
@@ -104,6 +118,8 @@ impl App {
             is_coarse: true,
             command_lines: 0,
             source: String::new(),
+            opened: 0,
+            camera_moves: 0,
         }
     }
 
@@ -111,6 +127,20 @@ impl App {
     pub fn look(&mut self) -> Published {
         self.published = self.shared.get();
         let model = self.published.model.clone();
+        if model.opened != self.opened {
+            // What is in somebody's hand is of the last scene.
+            self.opened = model.opened;
+            self.motion = None;
+            self.drag = None;
+            self.held.clear();
+        }
+        if model.camera_moves != self.camera_moves {
+            self.camera_moves = model.camera_moves;
+            // A command goes before a hand that was there before it.
+            if self.motion.as_ref().is_some_and(|motion| motion.told.is_none()) {
+                self.motion = None;
+            }
+        }
         self.held.retain(|_, (_, line)| *line > model.lines_done);
         if model.selections != self.selections {
             self.selections = model.selections;
@@ -121,7 +151,7 @@ impl App {
         }
         let source = model.scene.as_ref().map(|scene| scene.source.clone()).unwrap_or_default();
         if !source.is_empty() && source != self.source {
-            self.config.note_recent(&source);
+            self.config.note_recent(&absolute(&source));
             self.source = source;
         }
         self.published.clone()
@@ -134,8 +164,12 @@ impl App {
 
     /// Keeps what is kept between runs.
     pub fn save(&mut self) {
-        let model = self.published.model.clone();
-        self.config.keep_settings(&model);
+        // What came since the last frame counts, too; where nothing has come, what was kept stays.
+        self.look();
+        if self.published.has_model {
+            let model = self.published.model.clone();
+            self.config.keep_settings(&model);
+        }
         if let Err(error) = self.config.save() {
             tracing::warn!("the window's settings cannot be kept: {error:#}");
         }
@@ -143,6 +177,9 @@ impl App {
 
     /// Tells the worker something.
     pub fn order(&self, order: Order) {
+        if matches!(order, Order::Cancel(_) | Order::Quit) {
+            self.shared.stop();
+        }
         // It has ended when nobody listens; the window follows.
         let _ = self.orders.send(order);
     }
@@ -158,6 +195,14 @@ impl App {
     }
 
     fn send(&mut self, text: String, origin: Origin) -> u64 {
+        if urgent(&text).is_some() {
+            self.shared.stop();
+        }
+        let name = text.split_whitespace().next().unwrap_or_default();
+        if MOVES_CAMERA.contains(&name) {
+            // It is elsewhere after that.
+            self.motion = None;
+        }
         self.lines_sent += 1;
         self.order(Order::Line(Line { text, origin, serial: self.lines_sent }));
         self.lines_sent
@@ -208,7 +253,8 @@ impl App {
     pub fn select(&mut self, selected: Option<Selected>) {
         if selected != self.selected {
             self.line(match &selected {
-                Some(selected) => format!("select {}", quoted(selected.name())),
+                Some(Selected::Object(name)) => format!("select {}", quoted(name)),
+                Some(Selected::Light(name)) => format!("select light {}", quoted(name)),
                 None => "select".to_owned(),
             });
             self.selected = selected;
@@ -225,7 +271,7 @@ impl App {
 
     /// Moves the camera by hand.
     pub fn move_camera(&mut self, camera: Camera) {
-        self.order(Order::Camera(camera.clone()));
+        self.order(Order::Camera(camera.clone(), self.opened));
         self.motion = Some(Motion { camera, moved: Instant::now(), told: None });
     }
 
@@ -242,10 +288,8 @@ impl App {
         let camera = motion.camera.clone();
         let pivot = panels::picture::pivot(self);
         let distance_m = (pivot - camera.position).dot(camera.forward).max(1.0);
-        let line = self.line(camera::command(&camera, distance_m));
-        if let Some(motion) = &mut self.motion {
-            motion.told = Some(line);
-        }
+        let (moved, told) = (motion.moved, self.line(camera::command(&camera, distance_m)));
+        self.motion = Some(Motion { camera, moved, told: Some(told) });
     }
 
     /// Says how much room there is for the picture, px.
@@ -344,7 +388,7 @@ impl App {
             self.dialogs.save();
         }
         if pressed(command, Key::Q) {
-            self.line("quit");
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
         }
         if ui.ctx().egui_wants_keyboard_input() {
             return;
@@ -361,7 +405,7 @@ impl App {
         }
         if !model.jobs.is_empty() && pressed(Modifiers::NONE, Key::Escape) {
             // Esc goes from what is nearest to what is farthest: work, help, selection.
-            self.order(Order::Cancel);
+            self.order(Order::Cancel(None));
         }
         if pressed(Modifiers::NONE, Key::Escape) {
             self.has_help = false;

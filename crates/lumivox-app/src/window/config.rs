@@ -43,9 +43,39 @@ pub struct Config {
     pub settings: BTreeMap<String, String>,
     #[serde(skip)]
     file: Option<PathBuf>,
+    /// What the command line names, and its values there: for once, not to be kept.
+    #[serde(skip)]
+    once: Once,
     /// What was wrong with the file.
     #[serde(skip)]
     pub warning: Option<String>,
+}
+
+/// What a command line asks for.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Once {
+    preset: Option<PresetChoice>,
+    values: BTreeMap<&'static str, String>,
+}
+
+/// Options of the command line that set a parameter of another name.
+const OTHER_NAMES: [(&str, &str); 8] = [
+    ("isotropic", "directionality"),
+    ("six-lobes", "directionality"),
+    ("half", "trace_resolution"),
+    ("full", "trace_resolution"),
+    ("no-specular", "specular"),
+    ("octree-builder", "volume"),
+    ("octree-duplication", "volume"),
+    ("octree-mipmaps", "volume"),
+];
+
+/// Whether a word of a command line is an option that sets a parameter.
+fn sets(word: &str, parameter: &str) -> bool {
+    let Some(option) = word.split('=').next().and_then(|option| option.strip_prefix("--")) else {
+        return false;
+    };
+    option.replace('-', "_") == parameter || OTHER_NAMES.contains(&(option, parameter))
 }
 
 impl Default for Config {
@@ -61,6 +91,7 @@ impl Default for Config {
             recent: Vec::new(),
             preset: None,
             settings: BTreeMap::new(),
+            once: Once::default(),
             file: None,
             warning: None,
         }
@@ -123,11 +154,13 @@ impl Config {
     /// there, none.
     pub fn apply(&mut self, explorer: &mut Explorer, command_line: impl Iterator<Item = String>) {
         let command_line: Vec<String> = command_line.collect();
-        let is_named = |name: &str| {
-            let option = format!("--{}", name.replace('_', "-"));
-            command_line.iter().any(|word| word.split('=').next() == Some(option.as_str()))
-        };
+        let is_named = |name: &str| command_line.iter().any(|word| sets(word, name));
+        for parameter in PARAMETERS.iter().filter(|parameter| is_named(parameter.name)) {
+            let value = parameter.get(explorer.settings()).to_string();
+            self.once.values.insert(parameter.name, value);
+        }
         if is_named("preset") {
+            self.once.preset = Some(explorer.preset());
             return;
         }
         let old = (explorer.settings().clone(), explorer.preset());
@@ -164,6 +197,11 @@ impl Config {
 
     /// Keeps the settings that differ from the preset's.
     pub fn keep_settings(&mut self, model: &super::model::Model) {
+        // What the command line asked for and nobody has changed since was for once.
+        if self.once.preset == Some(model.preset) {
+            return;
+        }
+        let before = std::mem::take(&mut self.settings);
         self.preset = Some(model.preset.name().to_owned());
         let differs = |p: &&Parameter| p.get(&model.settings) != p.get(&model.usual);
         // What VXCT's cones are is no matter to another look.
@@ -172,6 +210,16 @@ impl Config {
         let kept = PARAMETERS.iter().filter(counts).filter(differs);
         self.settings =
             kept.map(|p| (p.name.to_owned(), p.get(&model.settings).to_string())).collect();
+        for (name, value) in &self.once.values {
+            let now = Parameter::find(name).map(|p| p.get(&model.settings).to_string());
+            if now.as_ref() != Some(value) {
+                continue;
+            }
+            match before.get(*name) {
+                Some(kept) => self.settings.insert((*name).to_owned(), kept.clone()),
+                None => self.settings.remove(*name),
+            };
+        }
     }
 
     /// Puts a scene first among the recent ones.
@@ -216,6 +264,67 @@ mod tests {
         // What is missing has its default, what is unknown is passed over, and nonsense is not believed.
         let config = Config::read("{\"future\": 1, \"window\": [1e9, -5], \"speed\": 0}", None);
         assert_eq!(config, Config::default());
+    }
+
+    /// Each option of `view` sets a parameter, or is none of them.
+    #[test]
+    fn options_are_known_by_their_parameters() {
+        const OTHERS: [&str; 22] = [
+            "adapter",
+            "allow-outside",
+            "camera",
+            "crease",
+            "environment",
+            "environment-intensity",
+            "environment-rotation",
+            "fresh",
+            "geometry-memory",
+            "no-default-light",
+            "portable",
+            "preset",
+            "rotate",
+            "scene",
+            "scene-in-file",
+            "size",
+            "sky",
+            "sun",
+            "texture-memory",
+            "turbidity",
+            "unit",
+            "up",
+        ];
+        let command = <crate::cli::WindowArgs as clap::Args>::augment_args(clap::Command::new(""));
+        for argument in command.get_arguments() {
+            let Some(option) = argument.get_long() else { continue };
+            let word = format!("--{option}");
+            let is_set = PARAMETERS.iter().any(|parameter| sets(&word, parameter.name));
+            assert_eq!(is_set, !OTHERS.contains(&option), "{word}");
+        }
+        assert!(sets("--bounces=3", "bounces") && !sets("bounces", "bounces"));
+    }
+
+    #[test]
+    fn what_the_command_line_asks_for_once_is_not_kept() {
+        let mut config = Config::default();
+        config.settings.insert("bounces".to_owned(), "2".to_owned());
+        config.once.values.insert("bounces", "5".to_owned());
+        config.once.values.insert("frames", "3".to_owned());
+        let mut model = crate::window::model::Model::default();
+        (model.settings.bounces, model.settings.frames) = (5, 3);
+        config.keep_settings(&model);
+        assert_eq!(config.settings.get("bounces").map(String::as_str), Some("2"));
+        assert!(!config.settings.contains_key("frames"));
+        // Somebody has changed it in the window.
+        (model.settings.bounces, model.settings.frames) = (4, 6);
+        config.keep_settings(&model);
+        assert_eq!(config.settings.get("bounces").map(String::as_str), Some("4"));
+        assert_eq!(config.settings.get("frames").map(String::as_str), Some("6"));
+        // So is a preset, with all that belongs to it.
+        config.once.preset = Some(model.preset);
+        let before = config.settings.clone();
+        model.settings.bounces = 1;
+        config.keep_settings(&model);
+        assert_eq!(config.settings, before);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The event loop: input to egui, egui to the screen.
 
-use std::sync::Arc;
-use std::time::Instant;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use egui::ViewportId;
 use egui_winit::accesskit_winit;
@@ -35,21 +35,26 @@ impl From<accesskit_winit::Event> for Wake {
 /// The least size of the window, points.
 const LEAST: LogicalSize<f64> = LogicalSize::new(480.0, 320.0);
 
+/// A frame or a command that is being done when the window is closed is waited for this long.
+const PATIENCE: Duration = Duration::from_secs(20);
+
 /// Shows the window until it is closed.
 ///
 /// # Errors
 /// When no window can be made, or no device draws into it.
 pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
-    let proxy = event_loop.create_proxy();
+    let proxy = Mutex::new(event_loop.create_proxy());
     let wake = move || {
-        // The window may be closed already.
-        let _ = proxy.send_event(Wake::Published);
+        if let Ok(proxy) = proxy.lock() {
+            // The window may be closed already.
+            let _ = proxy.send_event(Wake::Published);
+        }
     };
     let Start { console, opening, options, config } = start;
     let (orders, shared, thread) = worker::start(console, options, opening, wake);
     let context = egui::Context::default();
     theme::apply(&context);
-    let app = App::new(config, orders.clone(), shared);
+    let app = App::new(config, orders, shared);
     let mut handler = Handler {
         proxy: event_loop.create_proxy(),
         context,
@@ -59,11 +64,24 @@ pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
         error: None,
     };
     event_loop.run_app(&mut handler)?;
+    handler.app.order(Order::Quit);
+    // Nobody has to look at a window that does nothing any more.
+    handler.open = None;
+    let ended = super::join(thread, PATIENCE);
     handler.app.save();
-    let _ = orders.send(Order::Quit);
-    // A frame takes a moment; a worker that panicked has told so.
-    let _ = thread.join();
-    handler.error.map_or(Ok(()), Err)
+    if let Some(error) = handler.error {
+        return Err(error);
+    }
+    match ended {
+        Some(Ok(())) => Ok(()),
+        Some(Err(_)) => Err(anyhow::anyhow!(
+            "the thread that renders has failed, which is a mistake in Lumivox; what it said is above"
+        )),
+        None => {
+            tracing::warn!("the last command or frame was not waited for: it takes too long");
+            Ok(())
+        }
+    }
 }
 
 struct Handler {

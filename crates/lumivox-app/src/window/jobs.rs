@@ -7,9 +7,10 @@ use std::sync::mpsc::Sender;
 
 use glam::UVec2;
 use lumivox_render::reference::{PathTracer, ReferenceProgress, ReferenceSettings};
-use lumivox_render::{Exposure, Gpu, Picture, RenderSettings, ToneMap};
+use lumivox_render::{Gpu, RenderSettings, ToneMap};
 use lumivox_scene::{Camera, Environment, Instance, Light, Material, Scene};
 
+use super::reload::Watched;
 use super::worker::Order;
 use crate::explorer::{self, Opened, Opening};
 use crate::progress::{Progress, Watch};
@@ -25,6 +26,8 @@ pub struct Loading {
     pub title: String,
     /// Whether it is the scene that is shown already.
     pub is_reload: bool,
+    /// Hears of changes of its files.
+    pub watched: Option<Watched>,
 }
 
 /// A scene that was read, or not.
@@ -51,7 +54,7 @@ pub fn load(number: u64, opening: Opening, is_reload: bool, orders: Sender<Order
         let _ = orders.send(Order::Loaded(Box::new(Loaded { number, result })));
     };
     std::thread::spawn(work);
-    Loading { number, watch, title, is_reload }
+    Loading { number, watch, title, is_reload, watched: None }
 }
 
 /// All that a reference depends on.
@@ -79,6 +82,16 @@ impl ReferenceKey {
             environment: scene.environment.clone(),
         }
     }
+
+    /// Whether it is that of a scene as it is seen in this size.
+    pub fn is_of(&self, scene: &Scene, camera: &Camera, size: UVec2) -> bool {
+        self.camera == *camera
+            && self.size == size
+            && self.instances == scene.instances
+            && self.materials == scene.materials
+            && self.lights == scene.lights
+            && self.environment == scene.environment
+    }
 }
 
 /// A reference on its way.
@@ -96,19 +109,30 @@ pub struct Tracing {
 #[derive(Debug, Default)]
 struct Shared {
     is_stopped: AtomicBool,
-    /// Bits of the stops by which it is shown.
-    stops: AtomicU32,
     /// Samples so far, in thousandths.
     samples: AtomicU32,
 }
 
 /// A reference so far.
 #[derive(Debug)]
+pub struct Reference {
+    /// Width and height, px.
+    pub size: UVec2,
+    /// Radiance and coverage of each pixel.
+    pub hdr: Vec<[f32; 4]>,
+    /// Samples of each.
+    pub samples: u32,
+    /// The stops and the curve by which it is shown, once it is.
+    pub shown: Option<(f32, ToneMap)>,
+}
+
+/// News of a reference.
+#[derive(Debug)]
 pub struct Traced {
     /// As in [`Tracing`].
     pub number: u64,
-    /// The picture and its samples; an error where the device failed.
-    pub result: anyhow::Result<(Picture, u32)>,
+    /// What there is; an error where the device failed.
+    pub result: anyhow::Result<Reference>,
     /// Whether it is the last.
     pub is_last: bool,
 }
@@ -123,11 +147,6 @@ impl Tracing {
     pub fn total(&self) -> u32 {
         self.key.samples
     }
-
-    /// Shows what comes exposed like this.
-    pub fn set_stops(&self, stops: f32) {
-        self.shared.stops.store(stops.to_bits(), Ordering::Relaxed);
-    }
 }
 
 impl Drop for Tracing {
@@ -139,21 +158,18 @@ impl Drop for Tracing {
 /// Traces a reference on a thread of its own, until it is dropped.
 pub fn trace(
     number: u64,
-    gpu: &Gpu,
-    scene: &Scene,
+    gpu: Gpu,
+    scene: Scene,
     key: ReferenceKey,
-    (stops, curve): (f32, ToneMap),
     orders: Sender<Order>,
 ) -> Tracing {
     let shared = Arc::new(Shared::default());
     let tracing = Tracing { key: key.clone(), number, shared: shared.clone(), is_over: false };
-    tracing.set_stops(stops);
-    let (gpu, scene) = (gpu.clone(), scene.clone());
     std::thread::spawn(move || {
         let send = |result, is_last| {
             let _ = orders.send(Order::Traced(Box::new(Traced { number, result, is_last })));
         };
-        if let Err(error) = trace_all(&gpu, &scene, &key, curve, &shared, &send) {
+        if let Err(error) = trace_all(&gpu, &scene, &key, &shared, &send) {
             send(Err(error), true);
         }
     });
@@ -164,9 +180,8 @@ fn trace_all(
     gpu: &Gpu,
     scene: &Scene,
     key: &ReferenceKey,
-    curve: ToneMap,
     shared: &Shared,
-    send: &dyn Fn(anyhow::Result<(Picture, u32)>, bool),
+    send: &dyn Fn(anyhow::Result<Reference>, bool),
 ) -> anyhow::Result<()> {
     let settings =
         ReferenceSettings { size: key.size, samples: key.samples, ..ReferenceSettings::default() };
@@ -187,10 +202,8 @@ fn trace_all(
         let samples = tracer.samples();
         if !goes_on || samples >= shown + shown / 4 {
             shown = samples;
-            let stops = f32::from_bits(shared.stops.load(Ordering::Relaxed));
             let hdr = tracer.layers().picture();
-            let picture = Picture::develop(gpu, key.size, hdr, Exposure::Stops(stops), curve);
-            send(pollster::block_on(picture).map(|p| (p, samples)).map_err(Into::into), !goes_on);
+            send(Ok(Reference { size: key.size, hdr, samples, shown: None }), !goes_on);
         }
         if !goes_on {
             return Ok(());

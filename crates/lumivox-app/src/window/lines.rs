@@ -13,6 +13,8 @@ pub enum Origin {
     Pane,
     /// The terminal that the program was started from, or what is piped into it.
     Terminal,
+    /// A script that one of these runs.
+    Script,
 }
 
 /// A line on its way.
@@ -79,6 +81,42 @@ pub fn words(text: &str) -> Option<Vec<String>> {
     Some(words.iter().map(|word| word.text.clone()).collect())
 }
 
+/// What does not wait for lines before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Urgent {
+    /// Stop what is under way.
+    Cancel,
+    /// End.
+    Quit,
+}
+
+/// Whether a line is such.
+pub fn urgent(text: &str) -> Option<Urgent> {
+    match text.trim() {
+        "cancel" => Some(Urgent::Cancel),
+        "quit" | "exit" | "q" => Some(Urgent::Quit),
+        _ => None,
+    }
+}
+
+/// Commands that only the window has.
+const OWN: [&str; 4] = ["select", "compare_with", "cancel", "lose_device"];
+
+/// Whether a line is a command that only the window has; its name.
+pub fn own_command(text: &str) -> Option<&'static str> {
+    let words = words(text)?;
+    OWN.into_iter().find(|own| words.first().is_some_and(|name| name == own))
+}
+
+/// A word that a POSIX shell splits into itself again.
+pub fn shell_quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
 /// A word that a line splits into itself again.
 pub fn quoted(word: &str) -> String {
     quote(word)
@@ -139,6 +177,25 @@ mod tests {
             ("bounces 3", Origin::Panel),
         ];
         assert_eq!(after(&lines).len(), 3);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn shells_give_words_back() {
+        for word in ["plain", "it's", "a \"b\" $HOME `x` \\ c", "", "*", "#5", "a;b", "'"] {
+            let command = format!("printf %s {}", shell_quoted(word));
+            let output = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();
+            assert_eq!(String::from_utf8(output.stdout).unwrap(), word);
+        }
+    }
+
+    #[test]
+    fn what_is_urgent_is_told_from_what_only_looks_like_it() {
+        assert_eq!(urgent(" quit "), Some(Urgent::Quit));
+        assert_eq!(urgent("cancel"), Some(Urgent::Cancel));
+        assert_eq!(urgent("echo quit"), None);
+        assert_eq!(own_command("select 'a b'"), Some("select"));
+        assert_eq!(own_command("selected"), None);
     }
 
     #[test]

@@ -34,10 +34,14 @@ mod surface;
 mod theme;
 mod worker;
 
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
 use winit::event_loop::EventLoop;
 
 pub use config::Config;
 pub use events::{Wake, run};
+pub use lines::own_command;
 
 use crate::console::Console;
 use crate::exit::Failure;
@@ -54,6 +58,18 @@ pub struct Start {
     pub options: lumivox_render::GpuOptions,
     /// What was kept of the last time.
     pub config: Config,
+}
+
+/// Waits for the end of a thread, but not for ever; whether it has ended, and not by a panic.
+fn join(thread: JoinHandle<()>, patience: Duration) -> Option<std::thread::Result<()>> {
+    let start = Instant::now();
+    while !thread.is_finished() {
+        if start.elapsed() > patience {
+            return None;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Some(thread.join())
 }
 
 /// Connects to the display.

@@ -38,6 +38,10 @@ pub struct Model {
     pub revoxelize: Revoxelize,
     /// Which object or light is chosen.
     pub selected: Option<Selected>,
+    /// Counts scenes that were opened.
+    pub opened: u64,
+    /// Counts lines that have moved the camera.
+    pub camera_moves: u64,
     /// Counts changes of the selection.
     pub selections: u64,
     /// Where the last click met the scene.
@@ -195,8 +199,21 @@ pub struct JobModel {
     pub words: String,
     /// The share that is done, where it is known.
     pub share: Option<f32>,
-    /// Whether it can be cancelled.
-    pub can_cancel: bool,
+    /// What to cancel, where it can be.
+    pub cancel: Option<Job>,
+}
+
+/// What can be cancelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Job {
+    /// Reading a scene.
+    Loading,
+    /// Lines that wait for frames.
+    Lines,
+    /// Tracing what the picture is compared with.
+    Reference,
+    /// A command that takes long.
+    Command,
 }
 
 /// What a line of the console is.

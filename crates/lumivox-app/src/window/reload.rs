@@ -53,7 +53,11 @@ fn forward(changes: &Receiver<()>, orders: &Sender<Order>) {
             match changes.recv_timeout(QUIET) {
                 Ok(()) => {}
                 Err(RecvTimeoutError::Timeout) => break,
-                Err(RecvTimeoutError::Disconnected) => return,
+                // The last word of one that is replaced.
+                Err(RecvTimeoutError::Disconnected) => {
+                    let _ = orders.send(Order::FilesChanged);
+                    return;
+                }
             }
         }
         if orders.send(Order::FilesChanged).is_err() {

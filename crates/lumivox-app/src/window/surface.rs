@@ -20,11 +20,17 @@ use crate::exit::Failure;
 /// Pictures on the screen: what is rendered, and what it is compared with.
 pub const PICTURES: usize = 2;
 
+/// Devices that are opened one after the other without a frame that is shown.
+const MOST_REPLACEMENTS: u32 = 4;
+
 /// A window's device and all that it draws with.
 pub struct Surface {
     window: Arc<Window>,
     display: OwnedDisplayHandle,
-    parts: Parts,
+    /// `None` while it is replaced: a window has one surface at a time.
+    parts: Option<Parts>,
+    /// Replacements since the last frame that was shown.
+    replaced: u32,
     /// Whole images by their names.
     images: HashMap<TextureId, (ColorImage, TextureOptions)>,
     pictures: [Option<Arc<Shown>>; PICTURES],
@@ -55,19 +61,28 @@ impl Surface {
     /// When there is none.
     pub fn new(window: Arc<Window>, display: OwnedDisplayHandle) -> anyhow::Result<Self> {
         let parts = Parts::new(&window, &display)?;
-        Ok(Self { window, display, parts, images: HashMap::new(), pictures: [None, None] })
+        Ok(Self {
+            window,
+            display,
+            parts: Some(parts),
+            replaced: 0,
+            images: HashMap::new(),
+            pictures: [None, None],
+        })
     }
 
     /// The longest edge of a texture, px.
     pub fn max_texture_side(&self) -> usize {
-        self.parts.device.limits().max_texture_dimension_2d as usize
+        self.parts
+            .as_ref()
+            .map_or(2048, |parts| parts.device.limits().max_texture_dimension_2d as usize)
     }
 
     /// Follows the window's size.
     pub fn resize(&mut self, width: u32, height: u32) {
-        let most = self.parts.device.limits().max_texture_dimension_2d;
+        let Some(parts) = &mut self.parts else { return };
+        let most = parts.device.limits().max_texture_dimension_2d;
         let (width, height) = (width.min(most), height.min(most));
-        let parts = &mut self.parts;
         if width > 0 && height > 0 && (parts.config.width, parts.config.height) != (width, height) {
             (parts.config.width, parts.config.height) = (width, height);
             parts.surface.configure(&parts.device, &parts.config);
@@ -79,12 +94,14 @@ impl Surface {
         let kept = self.pictures.get_mut(place)?;
         *kept = picture;
         let picture = kept.as_ref()?;
-        Some(self.parts.upload(place, picture))
+        Some(self.parts.as_mut()?.upload(place, picture))
     }
 
     /// Loses the device, as a driver might.
     pub fn lose(&self) {
-        self.parts.device.destroy();
+        if let Some(parts) = &self.parts {
+            parts.device.destroy();
+        }
     }
 
     /// Takes images that egui has made or changed. They count whether or not something is painted.
@@ -92,8 +109,9 @@ impl Surface {
         for (id, deltas) in delta.set.drain() {
             for delta in deltas {
                 self.remember(id, &delta);
-                let Parts { painter, device, queue, .. } = &mut self.parts;
-                painter.update_texture(device, queue, id, &delta);
+                if let Some(Parts { painter, device, queue, .. }) = &mut self.parts {
+                    painter.update_texture(device, queue, id, &delta);
+                }
             }
         }
         delta.free.drain().collect()
@@ -126,8 +144,11 @@ impl Surface {
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
     ) -> anyhow::Result<()> {
-        if self.parts.is_lost.load(Ordering::Relaxed) {
+        let is_lost = |parts: &Parts| parts.is_lost.load(Ordering::Relaxed);
+        if self.parts.as_ref().is_none_or(is_lost) {
             self.replace()?;
+            // What egui has drawn names textures of the device before.
+            self.window.request_redraw();
         }
         let freed = self.take_images(&mut delta);
         let size = self.window.inner_size();
@@ -137,7 +158,9 @@ impl Surface {
         }
         for id in freed {
             self.images.remove(&id);
-            self.parts.painter.free_texture(&id);
+            if let Some(parts) = &mut self.parts {
+                parts.painter.free_texture(&id);
+            }
         }
         Ok(())
     }
@@ -147,7 +170,8 @@ impl Surface {
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
     ) -> anyhow::Result<()> {
-        let Parts { surface, config, device, queue, painter, .. } = &mut self.parts;
+        let Some(parts) = &mut self.parts else { return Ok(()) };
+        let Parts { surface, config, device, queue, painter, .. } = parts;
         let frame = match surface.get_current_texture() {
             CurrentSurfaceTexture::Success(frame) | CurrentSurfaceTexture::Suboptimal(frame) => {
                 frame
@@ -190,25 +214,33 @@ impl Surface {
         queue.submit(commands);
         self.window.pre_present_notify();
         queue.present(frame);
+        self.replaced = 0;
         Ok(())
     }
 
     /// Opens another device and uploads everything again.
     fn replace(&mut self) -> anyhow::Result<()> {
+        self.replaced += 1;
+        if self.replaced > MOST_REPLACEMENTS {
+            return Err(Failure::display(
+                "the window's GPU device was lost again and again; another driver may help",
+            )
+            .into());
+        }
         tracing::warn!("the window's device was lost; going on with a new one");
-        let parts = Parts::new(&self.window, &self.display)?;
-        // A window has one surface at a time.
-        self.parts = parts;
-        let Parts { painter, device, queue, .. } = &mut self.parts;
+        // First this: a window has one surface at a time.
+        self.parts = None;
+        let mut parts = Parts::new(&self.window, &self.display)?;
         for (id, (image, options)) in &self.images {
             let delta = ImageDelta::full(image.clone(), *options);
-            painter.update_texture(device, queue, *id, &delta);
+            parts.painter.update_texture(&parts.device, &parts.queue, *id, &delta);
         }
-        for (place, picture) in self.pictures.clone().iter().enumerate() {
+        for (place, picture) in self.pictures.iter().enumerate() {
             if let Some(picture) = picture {
-                self.parts.upload(place, picture);
+                parts.upload(place, picture);
             }
         }
+        self.parts = Some(parts);
         Ok(())
     }
 }

@@ -29,6 +29,7 @@ pub const RETURN: u32 = 0xff0d;
 pub const ESCAPE: u32 = 0xff1b;
 pub const F2: u32 = 0xffbf;
 const SHIFT: u32 = 0xffe1;
+const CONTROL: u32 = 0xffe3;
 
 /// An X server that shows nothing.
 pub struct Display {
@@ -224,6 +225,15 @@ impl Window {
         })
     }
 
+    /// Waits for words on stderr.
+    #[track_caller]
+    pub fn wait_error(&mut self, needle: &str) {
+        self.wait(&format!("warning with \"{needle}\""), |window| {
+            let errors = window.errors.lock().unwrap();
+            errors.iter().any(|line| line.contains(needle)).then_some(())
+        });
+    }
+
     pub fn lines(&self) -> Vec<String> {
         self.lines.lock().unwrap().clone()
     }
@@ -311,6 +321,15 @@ impl Window {
             self.fake(KEY_RELEASE, shift, 0, 0);
         }
         std::thread::sleep(POLL);
+    }
+
+    /// A key while CTRL is held.
+    pub fn control(&self, symbol: u32) {
+        let code = |symbol| self.keys.iter().find(|(_, _, other)| *other == symbol).unwrap().0;
+        self.fake(KEY_PRESS, code(CONTROL), 0, 0);
+        self.fake(KEY_PRESS, code(symbol), 0, 0);
+        self.fake(KEY_RELEASE, code(symbol), 0, 0);
+        self.fake(KEY_RELEASE, code(CONTROL), 0, 0);
     }
 
     /// Characters of Latin 1 are their own names.

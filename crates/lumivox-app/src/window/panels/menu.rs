@@ -70,7 +70,7 @@ fn file(ui: &mut Ui, model: &Model, app: &mut App) {
     }
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
-        app.line("quit");
+        ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
     }
 }
 

@@ -45,7 +45,9 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
     let on_split = split.filter(|_| app.drag.is_none());
     mouse(ui, &response, &view, (rect, on_split), scene, app);
     keys(ui, scene, app);
-    if app.published.picture.is_none() && model.jobs.is_empty() && model.error.is_none() {
+    if scene.objects.iter().all(|object| object.is_hidden) {
+        hint(ui, rect, "Nothing is shown: all objects are hidden.");
+    } else if app.published.picture.is_none() && model.jobs.is_empty() && model.error.is_none() {
         hint(ui, rect, "Preparing the scene ...");
     }
 }
@@ -233,11 +235,20 @@ fn put(app: &mut App, placement: &Placement) {
 /// What the camera turns about.
 pub fn pivot(app: &App) -> Vec3 {
     let model = &app.published.model;
-    let middle = model.scene.as_ref().map(|scene| scene.bounds.center()).unwrap_or_default();
-    match (&app.selected, model.picked_at) {
-        (Some(_), Some(at)) => at,
-        _ => middle,
-    }
+    let Some(scene) = &model.scene else { return Vec3::ZERO };
+    let chosen = match (&app.selected, model.picked_at) {
+        (None, _) => None,
+        (Some(_), Some(at)) => Some(at),
+        (Some(Selected::Object(_)), None) => {
+            let bounds = chosen_object(scene, app).map(ObjectModel::bounds);
+            bounds.filter(|bounds| !bounds.is_empty()).map(|bounds| bounds.center())
+        }
+        (Some(Selected::Light(name)), None) => {
+            let light = scene.lights.iter().find(|(other, light)| other == name && is_lamp(light));
+            light.map(|(_, light)| light.position)
+        }
+    };
+    chosen.unwrap_or(scene.bounds.center())
 }
 
 /// Shows all of what is chosen, or of the scene.

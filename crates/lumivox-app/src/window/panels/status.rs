@@ -31,8 +31,8 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
                 );
             }
             ui.label(&job.words);
-            if job.can_cancel && ui.small_button("Cancel").clicked() {
-                app.order(Order::Cancel);
+            if job.cancel.is_some() && ui.small_button("Cancel").clicked() {
+                app.order(Order::Cancel(job.cancel));
             }
             ui.separator();
         }

@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use glam::Vec2;
-use lumivox_render::View;
+use lumivox_render::{RenderSettings, View};
 use lumivox_scene::Picker;
 
 use super::{Wish, Worker};
@@ -26,6 +26,26 @@ const DROPPED: [&str; 8] = [
     "setmat",
 ];
 
+/// Commands that change nothing of the scene.
+const HARMLESS: [&str; 16] = [
+    "camera",
+    "cancel",
+    "compare",
+    "compare_with",
+    "echo",
+    "help",
+    "pos1",
+    "pos2",
+    "reload",
+    "screenshot",
+    "script",
+    "select",
+    "size",
+    "store",
+    "times",
+    "wait",
+];
+
 impl Worker {
     /// Runs a command of the window; `None` where it is none.
     pub(super) fn run_own(&mut self, line: &str) -> Option<anyhow::Result<String>> {
@@ -35,12 +55,13 @@ impl Worker {
         let done = match *name {
             "select" => self.select(arguments),
             "compare_with" => self.compare_with(arguments),
+            "times" if !self.stage_totals.is_empty() => self.stage_totals.table(arguments),
             "reload" => {
                 self.reload();
                 Ok(String::new())
             }
             "cancel" => {
-                self.cancel();
+                self.cancel(None);
                 Ok(String::new())
             }
             // For tests of what happens when a driver goes.
@@ -58,29 +79,34 @@ impl Worker {
         Some(done)
     }
 
-    /// `select [NAME]`: an object or a light; without a name nothing.
+    /// `select [[object|light] NAME]`: an object or a light; without a name nothing.
     fn select(&mut self, arguments: &[&str]) -> anyhow::Result<String> {
         let selected = match arguments {
             [] => None,
-            [name] => Some(self.find(name)?),
+            [name] => Some(self.find(name, "")?),
+            [kind @ ("object" | "light"), name] => Some(self.find(name, kind)?),
             _ => bail!(Failure::input(
-                "select takes one name of an object or a light; quote it if it has spaces"
+                "select takes the name of an object or a light, after the word object or light where both have it; \
+                 quote it if it has spaces"
             )),
         };
         self.selected = selected;
         self.selections += 1;
+        // The camera turns about what is chosen, not about what was clicked before.
+        self.picked_at = None;
         Ok(String::new())
     }
 
-    fn find(&mut self, name: &str) -> anyhow::Result<Selected> {
+    /// What has a name: of one kind, or whatever it is.
+    fn find(&mut self, name: &str, kind: &str) -> anyhow::Result<Selected> {
         let model = self.scene();
         let objects =
             model.iter().flat_map(|scene| &scene.objects).map(|object| object.name.as_str());
         let lights = model.iter().flat_map(|scene| &scene.lights).map(|(name, _)| name.as_str());
-        if objects.clone().any(|other| other == name) {
+        if kind != "light" && objects.clone().any(|other| other == name) {
             return Ok(Selected::Object(name.to_owned()));
         }
-        if lights.clone().any(|other| other == name) {
+        if kind != "object" && lights.clone().any(|other| other == name) {
             return Ok(Selected::Light(name.to_owned()));
         }
         let remedy = match suggest::like(name, objects.chain(lights)) {
@@ -121,11 +147,12 @@ impl Worker {
             },
             _ => bail!(Failure::input(expected())),
         };
-        if comparand != self.comparand {
-            self.comparand = comparand;
-            self.tracing = None;
-            self.shared.change(|published| published.other = None);
+        if let Comparand::View(view) = comparand {
+            let explorer = &self.console.explorer;
+            let settings = RenderSettings { view, ..explorer.settings().clone() };
+            settings.validate(&explorer.gpu().device.limits())?;
         }
+        self.compare(comparand);
         Ok(String::new())
     }
 
@@ -153,8 +180,10 @@ impl Worker {
     /// Remembers what a line has made untrue.
     pub(super) fn note_edits(&mut self, line: &str) {
         let name = line.split_whitespace().next().unwrap_or_default();
-        if lumivox_render::parameters::Parameter::find(name).is_none() {
+        let is_setting = lumivox_render::parameters::Parameter::find(name).is_some();
+        if !is_setting && !HARMLESS.contains(&name) {
             self.forget_scene();
+            self.names_are_old = true;
         }
         self.has_edits |= DROPPED.contains(&name);
     }
@@ -170,9 +199,9 @@ impl Worker {
         for line in
             script.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'))
         {
-            words.extend(["-c".to_owned(), quoted(line)]);
+            words.extend(["-c".to_owned(), lines::shell_quoted(line)]);
         }
-        words.extend(["-c".to_owned(), quoted("screenshot picture.png")]);
+        words.extend(["-c".to_owned(), lines::shell_quoted("screenshot picture.png")]);
         let number = self.command_line.as_ref().map_or(0, |(number, _)| *number) + 1;
         let line = words.join(" ");
         self.log.add(LogKind::Note, &format!("copied: {line}"));

@@ -7,26 +7,31 @@
 mod commands;
 mod model;
 mod pictures;
+mod running;
 mod scenes;
+mod totals;
 
 use std::collections::VecDeque;
+use std::io::IsTerminal as _;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glam::{UVec2, Vec2};
-use lumivox_render::{Gpu, GpuOptions};
+use lumivox_render::GpuOptions;
 use lumivox_scene::{Bounds, Camera, Picker};
 
-use super::jobs::{Loaded, Loading, Traced, Tracing};
-use super::lines::{Line, Origin, coalesce};
-use super::model::{Comparand, FrameTime, JobModel, LogKind, Model, SceneModel, Selected, Shown};
+use super::jobs::{Loaded, Loading, Reference, Traced, Tracing};
+use super::lines::{Line, Origin, Urgent, coalesce, urgent};
+use super::model::{Comparand, FrameTime, Job, LogKind, Model, SceneModel, Selected, Shown};
 use super::reload::Watched;
 use crate::console::terminal::{self, Terminal};
-use crate::console::{Console, Effect, Names, Queue};
+use crate::console::{Console, Names, Queue};
 use crate::explorer::{Opening, Revoxelize};
 use model::Log;
 use pictures::{Pace, Turn};
+use totals::StageTotals;
 
 /// How often progress is shown while nothing else happens.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
@@ -38,8 +43,8 @@ const REST: Duration = Duration::from_millis(300);
 pub enum Order {
     /// Run this.
     Line(Line),
-    /// The camera is being moved by hand.
-    Camera(Camera),
+    /// The camera is being moved by hand, in the scene of this number.
+    Camera(Camera, u64),
     /// There is room for a picture of this size, px.
     Size(UVec2),
     /// Choose what is at this place of the picture, as shares of its width and height.
@@ -56,8 +61,8 @@ pub enum Order {
     Traced(Box<Traced>),
     /// Files of the scene have changed.
     FilesChanged,
-    /// Stop what runs beside the frames.
-    Cancel,
+    /// Stop this, or all that is under way.
+    Cancel(Option<Job>),
     /// The error was read.
     CloseError(u64),
     /// Something for the console from elsewhere.
@@ -77,7 +82,9 @@ pub struct Published {
     pub other: Option<Arc<Shown>>,
     /// The next thing that the window itself has to do.
     pub wish: Option<Wish>,
-    /// Somebody asked for the end.
+    /// The worker has published a model.
+    pub has_model: bool,
+    /// The worker has ended, however that came.
     pub has_ended: bool,
 }
 
@@ -89,13 +96,17 @@ pub enum Wish {
 }
 
 /// The window's end of the worker.
-#[derive(Clone, Debug)]
-pub struct Shared(Arc<Mutex<Published>>);
+#[derive(Clone, Debug, Default)]
+pub struct Shared {
+    published: Arc<Mutex<Published>>,
+    /// Somebody wants the end, or the end of a command that takes long.
+    stop: Arc<AtomicBool>,
+}
 
 impl Shared {
     /// What there is.
     pub fn get(&self) -> Published {
-        let mut published = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut published = self.published.lock().unwrap_or_else(PoisonError::into_inner);
         let copy = published.clone();
         published.wish = None;
         copy
@@ -103,11 +114,25 @@ impl Shared {
 
     /// Whether the worker has ended.
     pub fn has_ended(&self) -> bool {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).has_ended
+        self.published.lock().unwrap_or_else(PoisonError::into_inner).has_ended
+    }
+
+    /// Breaks off a command that takes long. The order that says what is wanted follows: the worker does not hear it
+    /// before.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    fn go_on(&self) {
+        self.stop.store(false, Ordering::Relaxed);
     }
 
     fn change(&self, change: impl FnOnce(&mut Published)) {
-        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        change(&mut self.published.lock().unwrap_or_else(PoisonError::into_inner));
     }
 }
 
@@ -117,14 +142,35 @@ pub fn start(
     console: Console,
     options: GpuOptions,
     opening: Option<Opening>,
-    wake: impl Fn() + Send + 'static,
+    wake: impl Fn() + Send + Sync + 'static,
 ) -> (Sender<Order>, Shared, std::thread::JoinHandle<()>) {
     let (sender, orders) = mpsc::channel();
-    let shared = Shared(Arc::new(Mutex::new(Published::default())));
-    let worker =
-        Worker::new(console, options, (sender.clone(), orders), shared.clone(), Box::new(wake));
-    let thread = std::thread::spawn(move || worker.run(opening));
+    let shared = Shared::default();
+    let wake: Wake = Arc::new(wake);
+    let channel = (sender.clone(), orders);
+    let worker = Worker::new(console, options, channel, shared.clone(), wake.clone());
+    let end = End { shared: shared.clone(), wake };
+    let thread = std::thread::spawn(move || {
+        let _end = end;
+        worker.run(opening);
+    });
     (sender, shared, thread)
+}
+
+/// Wakes the window.
+type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// Tells the window that the worker has ended, after a panic as well.
+struct End {
+    shared: Shared,
+    wake: Wake,
+}
+
+impl Drop for End {
+    fn drop(&mut self) {
+        self.shared.change(|published| published.has_ended = true);
+        (self.wake)();
+    }
 }
 
 #[allow(clippy::struct_excessive_bools)] // Each tells of something else.
@@ -135,22 +181,34 @@ struct Worker {
     orders: Receiver<Order>,
     inbox: VecDeque<Order>,
     shared: Shared,
-    wake: Box<dyn Fn() + Send>,
+    wake: Wake,
 
     /// Lines that are still to be run.
     lines: VecDeque<Line>,
     /// Lines of scripts, which go before those.
     script: Queue,
     script_goes_on: bool,
+    /// A line whose frames are being rendered before it is run, and whether the present one was such.
+    pending: Option<Line>,
+    is_prepared: bool,
     names: Names,
+    names_are_old: bool,
     /// Frames that are rendered before the next line.
     frames_to_wait: u32,
     lines_done: u64,
 
     loading: Option<Loading>,
     tracing: Option<Tracing>,
+    /// The picture of what is traced, as far as it is.
+    reference: Option<Reference>,
     watched: Option<Watched>,
+    /// Files have changed while a scene was read.
+    has_changed: bool,
     jobs: u64,
+    /// Scenes that were opened.
+    opened: u64,
+    /// Lines that have moved the camera.
+    camera_moves: u64,
 
     log: Log,
     error: Option<(u64, String)>,
@@ -171,8 +229,15 @@ struct Worker {
     turn: Turn,
     /// Rendering failed: nothing more is tried until something changes.
     has_failed: bool,
+    /// Devices that were lost since the last frame.
+    losses: u32,
     last_tick: Instant,
+    /// Seconds since voxels were made anew for the time's sake.
+    voxels_s: f32,
     frame_times: VecDeque<FrameTime>,
+    stage_totals: StageTotals,
+    /// Lines of the terminal are typed, not piped.
+    is_terminal: bool,
     is_over: bool,
 }
 
@@ -182,7 +247,7 @@ impl Worker {
         options: GpuOptions,
         (sender, orders): (Sender<Order>, Receiver<Order>),
         shared: Shared,
-        wake: Box<dyn Fn() + Send>,
+        wake: Wake,
     ) -> Self {
         let full_size = console.explorer.size();
         Self {
@@ -196,13 +261,20 @@ impl Worker {
             lines: VecDeque::new(),
             script: Queue::default(),
             script_goes_on: false,
+            pending: None,
+            is_prepared: false,
             names: Names::default(),
+            names_are_old: true,
             frames_to_wait: 0,
             lines_done: 0,
             loading: None,
             tracing: None,
+            reference: None,
             watched: None,
+            has_changed: false,
             jobs: 0,
+            opened: 0,
+            camera_moves: 0,
             log: Log::default(),
             error: None,
             command_line: None,
@@ -218,14 +290,22 @@ impl Worker {
             comparand: Comparand::default(),
             turn: Turn::default(),
             has_failed: false,
+            losses: 0,
             last_tick: Instant::now(),
+            voxels_s: 0.0,
             frame_times: VecDeque::new(),
+            stage_totals: StageTotals::default(),
+            is_terminal: std::io::stdin().is_terminal(),
             is_over: false,
         }
     }
 
     fn run(mut self, opening: Option<Opening>) {
-        self.log.terminal = hear_terminal(self.sender.clone());
+        if let Some(terminal) = hear_terminal(self.sender.clone(), self.shared.clone()) {
+            self.log.print_to(terminal);
+        }
+        let hear = self.hear();
+        self.console.on_progress(hear);
         if let Some(opening) = opening {
             self.open(opening, false);
         }
@@ -243,13 +323,11 @@ impl Worker {
                 break;
             }
             is_busy = match self.render_some() {
-                Ok(is_busy) => is_busy || (self.has_lines() && self.loading.is_none()),
+                Ok(is_busy) => is_busy || self.has_work(),
                 Err(error) => self.mend(&error),
             };
         }
         self.log.flush();
-        self.shared.change(|published| published.has_ended = true);
-        (self.wake)();
     }
 
     /// Fetches orders; sleeps until there are some where there is nothing to do.
@@ -286,8 +364,20 @@ impl Worker {
         let mut lines = Vec::new();
         while let Some(order) = self.inbox.pop_front() {
             match order {
-                Order::Line(line) => lines.push(line),
-                Order::Camera(camera) => {
+                Order::Line(line) => match self.urgency(&line) {
+                    None => lines.push(line),
+                    Some(urgency) => {
+                        self.log.add_command(&line);
+                        self.lines_done = self.lines_done.max(line.serial);
+                        match urgency {
+                            Urgent::Cancel => self.cancel(None),
+                            Urgent::Quit => self.is_over = true,
+                        }
+                    }
+                },
+                // A hand that is still in the last scene.
+                Order::Camera(_, scene) if scene != self.opened => {}
+                Order::Camera(camera, _) => {
                     self.pace.move_on();
                     self.console.explorer.set_camera(camera);
                     self.start_again();
@@ -303,7 +393,7 @@ impl Worker {
                 Order::Loaded(loaded) => self.take_scene(*loaded),
                 Order::Traced(traced) => self.take_reference(*traced),
                 Order::FilesChanged => self.reload(),
-                Order::Cancel => self.cancel(),
+                Order::Cancel(which) => self.cancel(which),
                 Order::CloseError(number) => {
                     self.error = self.error.take().filter(|(other, _)| *other != number);
                 }
@@ -316,154 +406,29 @@ impl Worker {
         }
     }
 
-    /// Runs lines until one has to wait for something; whether there was one.
-    fn run_lines(&mut self) -> bool {
-        let mut has_run = false;
-        while !self.is_over && self.frames_to_wait == 0 {
-            // A scene that somebody chooses supersedes the one that is being read; a script waits for it.
-            let is_choice =
-                |line: &Line| line.origin != Origin::Terminal && line.text.starts_with("load ");
-            let is_held = self.loading.as_ref().is_some_and(|loading| !loading.is_reload);
-            if is_held && !self.lines.front().is_some_and(is_choice) {
-                break;
-            }
-            let of_script = self.script.next();
-            self.script_goes_on = of_script.is_some();
-            let of_script =
-                of_script.map(|line| Line { text: line.text, origin: Origin::Terminal, serial: 0 });
-            let Some(line) = of_script.or_else(|| self.lines.pop_front()) else { break };
-            if !has_run {
-                self.set_size(self.full_size);
-            }
-            has_run = true;
-            self.run_line(&line);
-            self.lines_done = self.lines_done.max(line.serial);
-        }
-        has_run
+    /// Whether there are lines whose turn is now.
+    fn has_work(&self) -> bool {
+        self.has_lines() && self.loading.as_ref().is_none_or(|loading| loading.is_reload)
     }
 
-    fn run_line(&mut self, line: &Line) {
-        if line.text.trim().is_empty() {
-            return;
-        }
-        self.log.add_command(line);
-        let reply = match self.run_own(&line.text) {
-            Some(done) => done.map(crate::console::Reply::say),
-            None => self.console.run(&line.text),
-        };
-        match reply {
-            Ok(reply) => {
-                self.log.add(LogKind::Reply, &reply.text);
-                self.follow(reply.effect);
-            }
-            Err(error) => {
-                self.fail(&error);
-                self.script.abandon();
-            }
-        }
-        let size = self.console.explorer.size();
-        if size != self.full_size {
-            self.full_size = size;
-        }
-        self.note_edits(&line.text);
-        self.start_again();
-    }
-
-    fn follow(&mut self, effect: Effect) {
-        match effect {
-            Effect::Nothing => {}
-            Effect::Open(opening) => self.open(*opening, false),
-            Effect::Wait(frames) => self.frames_to_wait = frames,
-            Effect::Run(lines) => {
-                if let Err(error) = self.script.interpose(lines) {
-                    self.fail(&error.into());
-                }
-            }
-            Effect::Quit => self.is_over = true,
-        }
-    }
-
-    /// Tells of an error in the console and in the status bar.
-    fn fail(&mut self, error: &anyhow::Error) {
-        let mut text = String::new();
-        for cause in error.chain().map(ToString::to_string) {
-            if text.is_empty() {
-                text = cause;
-            } else if !text.contains(&cause) {
-                text += ": ";
-                text += &cause;
-            }
-        }
-        self.log.add(LogKind::Error, &text);
-        let number = self.error.as_ref().map_or(0, |(number, _)| *number) + 1;
-        self.error = Some((number, text));
-    }
-
-    /// What is remembered of the scene's state is no longer true.
-    fn forget_scene(&mut self) {
-        self.picker = None;
-        self.scene_model = None;
-    }
-
-    /// After a failure of rendering: another device where this one is lost; whether there is something to do.
-    fn mend(&mut self, error: &anyhow::Error) -> bool {
-        if !self.console.explorer.gpu().is_lost() {
-            self.fail(error);
-            self.has_failed = true;
-            self.publish();
-            return false;
-        }
-        self.tracing = None;
-        match pollster::block_on(Gpu::new(&self.options)) {
-            Ok(gpu) => {
-                self.console.explorer.set_gpu(gpu);
-                self.log.add(LogKind::Note, "the GPU was lost; going on with a new device");
-                self.start_again();
-                self.publish();
-                true
-            }
-            Err(error) => {
-                self.fail(&error.into());
-                self.has_failed = true;
-                self.publish();
-                false
-            }
-        }
-    }
-
-    /// Whether there are lines to be run.
-    fn has_lines(&self) -> bool {
-        self.script_goes_on || !self.lines.is_empty()
-    }
-
-    /// What is under way, for the window.
-    fn jobs(&self) -> Vec<JobModel> {
-        let loading = self.loading.as_ref().map(|loading| JobModel {
-            words: format!("{}: {}", loading.title, loading.watch.words()),
-            share: loading.watch.share(),
-            can_cancel: true,
-        });
-        let tracing = self.tracing.as_ref().filter(|tracing| !tracing.is_over);
-        let tracing = tracing.map(|tracing| JobModel {
-            words: format!(
-                "reference: sample {:.0} of {}",
-                tracing.samples().floor(),
-                tracing.total()
-            ),
-            share: Some(tracing.samples() / tracing.total() as f32),
-            can_cancel: true,
-        });
-        loading.into_iter().chain(tracing).collect()
+    /// Whether a line goes before all others. What is piped in is a script, in which `quit` has its turn.
+    fn urgency(&self, line: &Line) -> Option<Urgent> {
+        let is_piped = line.origin == Origin::Terminal && !self.is_terminal;
+        urgent(&line.text).filter(|urgency| !(is_piped && *urgency == Urgent::Quit))
     }
 }
 
 /// Forwards lines of the terminal, until the window is closed or there are no more. The end of them is not the end of the
 /// window.
-fn hear_terminal(orders: Sender<Order>) -> Option<Terminal> {
+fn hear_terminal(orders: Sender<Order>, shared: Shared) -> Option<Terminal> {
     let (sender, lines) = mpsc::channel();
     let terminal = terminal::spawn(sender).ok()?;
+    let is_terminal = std::io::stdin().is_terminal();
     std::thread::spawn(move || {
         for text in lines {
+            if urgent(&text).is_some_and(|urgency| is_terminal || urgency == Urgent::Cancel) {
+                shared.stop();
+            }
             let line = Line { text, origin: Origin::Terminal, serial: 0 };
             if orders.send(Order::Line(line)).is_err() {
                 break;

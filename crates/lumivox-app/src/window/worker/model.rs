@@ -3,11 +3,17 @@
 use std::collections::VecDeque;
 use std::io::Write as _;
 use std::sync::Arc;
+use std::sync::mpsc::{self, Sender};
+use std::thread::JoinHandle;
+use std::time::Duration;
 
 use super::Worker;
+use crate::console::Names;
 use crate::console::terminal::Terminal;
 use crate::window::lines::{self, Line, Origin};
-use crate::window::model::{LogKind, LogLine, Model, SceneModel, scene_model, voxel_model};
+use crate::window::model::{
+    LogKind, LogLine, Model, SceneModel, Selected, scene_model, voxel_model,
+};
 
 /// Lines that are kept.
 const KEPT: usize = 2000;
@@ -19,11 +25,43 @@ pub struct Log {
     snapshot: Option<Arc<Vec<LogLine>>>,
     /// What the last line sets, if it is a panel's command; and whether stdout has it already.
     last: Option<(Option<String>, bool)>,
-    /// Where they go besides.
-    pub terminal: Option<Terminal>,
+    /// The thread that writes them besides.
+    printer: Option<(Sender<Printed>, JoinHandle<()>)>,
 }
 
+/// For the thread that writes.
+enum Printed {
+    Text(String),
+    Names(Names),
+}
+
+/// At the end, a reader that has stopped reading is waited for this long.
+const PATIENCE: Duration = Duration::from_secs(2);
+
 impl Log {
+    /// Lines go to a terminal from now on, on a thread of its own: nobody has to read them.
+    pub fn print_to(&mut self, mut terminal: Terminal) {
+        let (sender, lines) = mpsc::channel();
+        let thread = std::thread::spawn(move || {
+            for line in lines {
+                match line {
+                    Printed::Text(text) => terminal.print(&text),
+                    Printed::Names(names) => terminal.set_names(names),
+                }
+            }
+            let _ = std::io::stdout().flush();
+        });
+        self.printer = Some((sender, thread));
+    }
+
+    /// What can be completed from now on.
+    pub fn set_names(&self, names: &Names) {
+        if let Some((printer, _)) = &self.printer {
+            // It ends with this.
+            let _ = printer.send(Printed::Names(names.clone()));
+        }
+    }
+
     /// A line that is run. Of a panel's lines that set the same thing, the last stays.
     pub fn add_command(&mut self, line: &Line) {
         let target = if line.origin == Origin::Panel { lines::target(&line.text) } else { None };
@@ -68,10 +106,9 @@ impl Log {
                 LogKind::Reply | LogKind::Note => "",
             };
             let text = format!("{mark}{}", line.text);
-            match &mut self.terminal {
-                Some(terminal) => terminal.print(&text),
-                // Nobody has to listen.
-                None => _ = writeln!(std::io::stdout(), "{text}"),
+            if let Some((printer, _)) = &self.printer {
+                // It ends with this.
+                let _ = printer.send(Printed::Text(text));
             }
         }
     }
@@ -79,7 +116,9 @@ impl Log {
     /// The same at the end.
     pub fn flush(&mut self) {
         self.settle();
-        let _ = std::io::stdout().flush();
+        let Some((printer, thread)) = self.printer.take() else { return };
+        drop(printer);
+        crate::window::join(thread, PATIENCE);
     }
 
     fn push(&mut self, kind: LogKind, text: &str) {
@@ -107,24 +146,21 @@ impl Worker {
 
     /// Lets the window know how things are.
     pub(super) fn publish(&mut self) {
-        let scene_is_new = self.scene_model.is_none();
         let scene = self.scene();
         // Objects and lights may be gone.
-        let is_there = |name: &str| {
-            scene.as_ref().is_some_and(|scene| {
-                scene.objects.iter().any(|object| object.name == name)
-                    || scene.lights.iter().any(|(light, _)| light == name)
+        let is_there = |selected: &Selected| {
+            scene.as_ref().is_some_and(|scene| match selected {
+                Selected::Object(name) => scene.objects.iter().any(|object| object.name == *name),
+                Selected::Light(name) => scene.lights.iter().any(|(light, _)| light == name),
             })
         };
-        if self.selected.as_ref().is_some_and(|selected| !is_there(selected.name())) {
+        if self.selected.as_ref().is_some_and(|selected| !is_there(selected)) {
             self.selected = None;
             self.selections += 1;
         }
-        if scene_is_new {
+        if std::mem::take(&mut self.names_are_old) {
             self.names = self.console.names();
-            if let Some(terminal) = &self.log.terminal {
-                terminal.set_names(self.names.clone());
-            }
+            self.log.set_names(&self.names);
         }
         let log = self.log.snapshot();
         let explorer = &self.console.explorer;
@@ -146,6 +182,8 @@ impl Worker {
             playback: explorer.playback(),
             revoxelize: explorer.revoxelize,
             selected: self.selected.clone(),
+            opened: self.opened,
+            camera_moves: self.camera_moves,
             selections: self.selections,
             picked_at: self.picked_at,
             comparand: self.comparand,
@@ -161,7 +199,10 @@ impl Worker {
             lines_done: self.lines_done,
             command_line: self.command_line.clone(),
         };
-        self.shared.change(|published| published.model = Arc::new(model));
+        self.shared.change(|published| {
+            published.model = Arc::new(model);
+            published.has_model = true;
+        });
         (self.wake)();
     }
 }

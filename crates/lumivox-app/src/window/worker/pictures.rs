@@ -8,12 +8,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::UVec2;
-use lumivox_render::{Progress, RenderSettings, View};
+use lumivox_render::{Exposure, Picture, Progress, RenderSettings, View};
 
 use super::{REST, Worker};
 use crate::explorer::Revoxelize;
-use crate::window::jobs::{self, ReferenceKey, Traced};
-use crate::window::model::{Comparand, FrameTime, KEPT_FRAMES, Shown};
+use crate::window::jobs::{self, ReferenceKey, Traced, Tracing};
+use crate::window::model::{Comparand, FrameTime, JobModel, KEPT_FRAMES, LogKind, Shown};
 
 /// The least time between two measurements of the exposure while the picture changes.
 const MEASURE_EVERY: Duration = Duration::from_millis(250);
@@ -110,6 +110,20 @@ impl Worker {
         self.turn = Turn::First;
         self.has_failed = false;
         self.pace.is_current = false;
+        self.check_reference();
+    }
+
+    /// Gives a reference up that is of another state.
+    fn check_reference(&mut self) {
+        let explorer = &self.console.explorer;
+        let is_of = |tracing: &Tracing| {
+            explorer
+                .scene()
+                .is_some_and(|scene| tracing.key.is_of(scene, explorer.camera(), self.full_size))
+        };
+        if self.tracing.as_ref().is_some_and(|tracing| !is_of(tracing)) {
+            self.forget_reference();
+        }
     }
 
     /// Lets pictures have a size.
@@ -174,7 +188,10 @@ impl Worker {
                 }
                 Ok(self.turn != Turn::Over)
             }
-            (Some(_), Turn::Over) => Ok(false),
+            (Some(_), Turn::Over) => {
+                self.frames_to_wait = 0;
+                Ok(false)
+            }
         }
     }
 
@@ -186,12 +203,22 @@ impl Worker {
         // After a long sleep an animation goes on where it was.
         let passed_s = passed.as_secs_f32();
         explorer.tick(if explorer.playback().is_playing { passed_s.min(1.0) } else { passed_s })?;
-        if explorer.playback().is_playing {
-            self.turn = Turn::First;
-            self.forget_scene();
+        let is_playing = explorer.playback().is_playing;
+        self.voxels_s += passed_s.min(if is_playing { 1.0 } else { f32::INFINITY });
+        let are_due = match explorer.revoxelize {
+            Revoxelize::WhenMoved | Revoxelize::WhenAsked => false,
+            Revoxelize::Every(period_s) => self.voxels_s >= period_s,
+            Revoxelize::EveryFrame => true,
+        };
+        if are_due {
+            self.voxels_s = 0.0;
         }
-        if matches!(self.console.explorer.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame)
-        {
+        if is_playing {
+            self.forget_scene();
+            self.check_reference();
+        }
+        // Both halves have their frame of one moment before the next.
+        if (is_playing || are_due) && matches!(self.turn, Turn::Rest | Turn::Other | Turn::Over) {
             self.turn = Turn::First;
         }
         Ok(())
@@ -211,6 +238,7 @@ impl Worker {
         };
         let has_rendered = self.console.explorer.frame(&mut tell)?;
         if has_rendered {
+            self.losses = 0;
             self.frames_to_wait = self.frames_to_wait.saturating_sub(1);
             self.note_time(start.elapsed(), is_first);
         } else {
@@ -228,7 +256,9 @@ impl Worker {
             self.pace.full_frame = elapsed;
         }
         let mut time = FrameTime { total_ms: elapsed.as_secs_f32() * 1e3, ..FrameTime::default() };
-        for stage in explorer.take_stage_times() {
+        let stages = explorer.take_stage_times();
+        self.stage_totals.add(&stages);
+        for stage in stages {
             time.add(stage.stage, stage.duration.as_secs_f32() * 1e3);
         }
         if self.frame_times.len() == KEPT_FRAMES {
@@ -264,9 +294,7 @@ impl Worker {
             self.pace.stops = explorer.measure_stops()?;
             self.pace.measured = Some(Instant::now());
         }
-        if let Some(tracing) = &self.tracing {
-            tracing.set_stops(self.pace.stops);
-        }
+        self.show_reference()?;
         self.pace.is_current = true;
         let shown = self.shown(self.pace.stops)?;
         self.shared.change(|published| published.picture = shown);
@@ -288,11 +316,22 @@ impl Worker {
     fn render_other(&mut self, view: View, most: u32) -> anyhow::Result<bool> {
         let settings = self.console.explorer.settings().clone();
         let other = RenderSettings { view, ..settings.clone() };
-        self.console.explorer.set_settings(other)?;
-        let done = self.render_frames_of_other(settings.view, most);
+        let done = match self.console.explorer.set_settings(other) {
+            Ok(()) => self.render_frames_of_other(settings.view, most),
+            Err(error) => Err(error),
+        };
         // Not one that is refused: it was there before.
         let _ = self.console.explorer.set_settings(settings);
-        done
+        // The picture itself goes on without it.
+        match done {
+            Err(error) if !self.console.explorer.gpu().is_lost() => {
+                self.fail(&error);
+                self.compare(Comparand::Nothing);
+                self.publish();
+                Ok(true)
+            }
+            done => done,
+        }
     }
 
     fn render_frames_of_other(&mut self, first: View, most: u32) -> anyhow::Result<bool> {
@@ -301,6 +340,8 @@ impl Worker {
             if !self.console.explorer.frame(&mut |_| {})? {
                 return Ok(true);
             }
+            // These are not times of the picture.
+            let _ = self.console.explorer.take_stage_times();
             let view = self.console.explorer.settings().view;
             // Both are exposed alike where both are light.
             let stops = if is_light(first) && is_light(view) {
@@ -327,12 +368,11 @@ impl Worker {
         if self.tracing.as_ref().is_some_and(|tracing| tracing.key == key) {
             return;
         }
+        let (gpu, scene) = (explorer.gpu().clone(), scene.clone());
         // The old one goes first: its memory and its time are for the new one.
-        self.tracing = None;
+        self.forget_reference();
         self.jobs += 1;
-        let look = (self.pace.stops, explorer.settings().tone_map);
-        let tracing = jobs::trace(self.jobs, explorer.gpu(), scene, key, look, self.sender.clone());
-        self.tracing = Some(tracing);
+        self.tracing = Some(jobs::trace(self.jobs, gpu, scene, key, self.sender.clone()));
     }
 
     /// More of the reference is there.
@@ -341,16 +381,40 @@ impl Worker {
         let Some(tracing) = tracing else { return };
         tracing.is_over = traced.is_last;
         match traced.result {
-            Ok((picture, samples)) => {
-                self.pace.serial += 1;
-                let (serial, size) = (self.pace.serial, picture.size);
-                let shown = Shown { serial, size, pixels: picture.ldr, frames: samples };
-                self.shared.change(|published| published.other = Some(Arc::new(shown)));
+            Ok(reference) => {
+                let samples = reference.samples;
+                self.reference = Some(reference);
+                if traced.is_last {
+                    let text = format!("the reference is complete: {samples} samples a pixel");
+                    self.log.add(LogKind::Note, &text);
+                }
+                if let Err(error) = self.show_reference() {
+                    self.fail(&error.context("the reference cannot be shown"));
+                }
             }
             Err(error) => {
                 self.fail(&error.context("the reference failed"));
             }
         }
+    }
+
+    /// Publishes the reference, exposed and toned as the picture is, unless it is there like this already.
+    fn show_reference(&mut self) -> anyhow::Result<()> {
+        let Some(reference) = &mut self.reference else { return Ok(()) };
+        let explorer = &self.console.explorer;
+        let look = (self.pace.stops, explorer.settings().tone_map);
+        if reference.shown == Some(look) {
+            return Ok(());
+        }
+        reference.shown = Some(look);
+        let (hdr, size, frames) = (reference.hdr.clone(), reference.size, reference.samples);
+        let (exposure, curve) = (Exposure::Stops(look.0), look.1);
+        let picture = Picture::develop(explorer.gpu(), size, hdr, exposure, curve);
+        let picture = pollster::block_on(picture)?;
+        self.pace.serial += 1;
+        let shown = Shown { serial: self.pace.serial, size, pixels: picture.ldr, frames };
+        self.shared.change(|published| published.other = Some(Arc::new(shown)));
+        Ok(())
     }
 }
 
@@ -358,8 +422,12 @@ impl super::Published {
     /// Tells how far a new scene is on the GPU.
     fn preparing(&mut self, step: Progress) {
         let words = format!("{} ...", crate::progress::words(step.stage));
+        self.under_way(JobModel { words, share: None, cancel: None });
+    }
+
+    /// Tells what keeps the worker.
+    pub(super) fn under_way(&mut self, job: JobModel) {
         let mut model = (*self.model).clone();
-        let job = crate::window::model::JobModel { words, share: None, can_cancel: false };
         model.jobs = vec![job];
         self.model = Arc::new(model);
     }

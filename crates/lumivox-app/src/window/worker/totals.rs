@@ -1,0 +1,84 @@
+//! Times of stages, summed up: the window takes those of each frame apart, and `times` tells the mean.
+
+use std::time::Duration;
+
+use lumivox::gpu::StageTime;
+
+use crate::exit::Failure;
+use crate::report::Times;
+
+/// Sums of the times of passes, with how many frames had them.
+#[derive(Debug, Default)]
+pub struct StageTotals(Vec<(StageTime, u32)>);
+
+impl StageTotals {
+    /// Adds the times of a frame.
+    pub fn add(&mut self, frame: &[StageTime]) {
+        for time in frame {
+            let is_it = |(known, _): &&mut (StageTime, u32)| {
+                known.stage == time.stage && known.pass == time.pass
+            };
+            match self.0.iter_mut().find(is_it) {
+                Some((sum, frames)) => {
+                    sum.duration += time.duration;
+                    *frames += 1;
+                }
+                None => self.0.push((time.clone(), 1)),
+            }
+        }
+    }
+
+    /// Forgets them.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn means(&self) -> Vec<StageTime> {
+        let mean = |(sum, frames): &(StageTime, u32)| {
+            let duration: Duration = sum.duration / *frames;
+            StageTime { duration, ..sum.clone() }
+        };
+        self.0.iter().map(mean).collect()
+    }
+
+    /// What `times [passes]` says.
+    ///
+    /// # Errors
+    /// When the arguments are others.
+    pub fn table(&self, arguments: &[&str]) -> anyhow::Result<String> {
+        let mut times = Times::new(&self.means());
+        match arguments {
+            [] => times.passes.clear(),
+            ["passes"] => {}
+            _ => return Err(Failure::input("times takes passes or nothing").into()),
+        }
+        Ok(times.table("stage").trim_end().to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_over_the_frames_that_had_a_pass() {
+        let time = |pass: &str, ms| StageTime {
+            stage: "trace",
+            pass: pass.to_owned(),
+            duration: Duration::from_millis(ms),
+        };
+        let mut totals = StageTotals::default();
+        totals.add(&[time("a", 2), time("b", 8)]);
+        totals.add(&[time("a", 4)]);
+        assert_eq!(totals.means(), [time("a", 3), time("b", 8)]);
+        assert!(totals.table(&[]).unwrap().contains("11.000"));
+        assert!(totals.table(&["all"]).is_err());
+        totals.clear();
+        assert!(totals.is_empty());
+    }
+}
