@@ -46,7 +46,9 @@ pub fn run(data: &[u8]) {
         let again = line::split(&quoted.join(" ")).expect("quotes close");
         assert_eq!(texts(&again), texts(std::slice::from_ref(words)));
         for word in words {
-            KINDS.iter().for_each(|kind| read(*kind, &word.text));
+            for kind in KINDS {
+                read(kind, &word.text);
+            }
         }
     }
 }

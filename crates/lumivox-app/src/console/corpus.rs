@@ -1,5 +1,7 @@
 //! What was kept for the fuzz target of lines and values runs with the tests.
 
+// The target stands by itself, and so do the files that it takes in.
+#[allow(clippy::duplicate_mod)]
 #[path = "../../../../fuzz/command.rs"]
 mod command;
 

@@ -439,7 +439,8 @@ impl Strengths {
         let Some(before) = before.filter(fits) else {
             return Self { color: phong.diffuse, diffuse: 1.0, ambient: phong.ambient };
         };
-        if before.ambient_share() == phong.ambient {
+        // To the bit: it was computed so, and has not changed since.
+        if before.ambient_share().to_bits() == phong.ambient.to_bits() {
             return *before;
         }
         let share = if before.diffuse > 0.0 { before.diffuse } else { 1.0 };

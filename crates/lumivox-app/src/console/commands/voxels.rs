@@ -168,11 +168,11 @@ fn period(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         let seconds = seconds.or_else(|| console.dynamic.and_then(period_s)).unwrap_or(PERIOD_S);
         return Ok(Reply::say(format!("vox_freq {seconds}")));
     };
-    const WHAT: &str = "the time in seconds";
-    console.explorer.revoxelize = if number(text, WHAT, 0.0..=LONGEST_S)? == 0.0 {
+    let what = "the time in seconds";
+    console.explorer.revoxelize = if number(text, what, 0.0..=LONGEST_S)? == 0.0 {
         Revoxelize::EveryFrame
     } else {
-        Revoxelize::Every(number(text, WHAT, PERIODS)?)
+        Revoxelize::Every(number(text, what, PERIODS)?)
     };
     Ok(Reply::default())
 }
