@@ -19,7 +19,7 @@ impl Worker {
         // What changes while it is read is heard of.
         let watched = match &opening.source {
             SceneSource::File(file) => reload::watch(file, self.sender.clone()).ok(),
-            _ => None,
+            SceneSource::Builtin(_) => None,
         };
         let mut loading = jobs::load(self.jobs, opening, is_reload, self.sender.clone());
         loading.watched = watched;
