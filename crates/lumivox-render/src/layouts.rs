@@ -45,7 +45,12 @@ fn structs_lie_in_memory_alike() {
         "AccumulateSettings",
         AccumulateSettings { frames }
     );
-    assert_layout!(library, "render::composite", "CompositeSettings", CompositeSettings { shown });
+    assert_layout!(
+        library,
+        "render::composite",
+        "CompositeSettings",
+        CompositeSettings { shown, has_cones }
+    );
     assert_layout!(
         library,
         "render::gbuffer_pass",
