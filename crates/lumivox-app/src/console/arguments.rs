@@ -159,3 +159,14 @@ pub fn short(v: Vec3) -> String {
     // Rounded first: what is next to zero has no sign.
     v.to_array().map(|x| format!("{:.3}", (x * 1e3).round() / 1e3 + 0.0)).join(" ")
 }
+
+/// One word that is a number in a range.
+///
+/// # Errors
+/// When there are more or less, or it is none.
+pub fn number_of(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<f32, Failure> {
+    match words {
+        [word] => number(word, what, range),
+        _ => Err(Failure::input(format!("{what} is one number; got {}", words.len()))),
+    }
+}

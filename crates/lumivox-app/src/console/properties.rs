@@ -20,6 +20,22 @@ pub struct Property<T: 'static> {
     pub set: fn(&mut T, &[&str]) -> Result<(), Failure>,
 }
 
+/// The names of a table.
+pub const fn names<T, const COUNT: usize>(table: &[Property<T>]) -> [&'static str; COUNT] {
+    let mut names = [""; COUNT];
+    let mut index = 0;
+    while index < COUNT {
+        names[index] = table[index].name;
+        index += 1;
+    }
+    names
+}
+
+/// The first word of a value.
+pub fn first<'a>(words: &[&'a str]) -> &'a str {
+    words.first().copied().unwrap_or_default()
+}
+
 /// The properties of a thing, a line each.
 pub fn list<T>(table: &[Property<T>], thing: &T) -> String {
     let lines: Vec<String> = table

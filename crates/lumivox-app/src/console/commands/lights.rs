@@ -7,7 +7,7 @@ use crate::console::arguments::{
     PLACE, angle, choice, degrees, direction, number, short, spaces, vector,
 };
 use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
-use crate::console::properties::{self, Property};
+use crate::console::properties::{self, Property, first, names};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
 use crate::report::Table;
@@ -64,19 +64,7 @@ const BRIGHTEST: f32 = 1e10;
 
 type P = Property<Light>;
 
-const NAMES: [&str; PROPERTIES.len()] = {
-    let mut names = [""; PROPERTIES.len()];
-    let mut index = 0;
-    while index < names.len() {
-        names[index] = PROPERTIES[index].name;
-        index += 1;
-    }
-    names
-};
-
-fn first<'a>(words: &[&'a str]) -> &'a str {
-    words.first().copied().unwrap_or_default()
-}
+const NAMES: [&str; PROPERTIES.len()] = names(PROPERTIES);
 
 fn range_of(light: &Light) -> Option<String> {
     match light.kind {
