@@ -109,13 +109,13 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "render::vxct::shade",
+        "render::vxct::uniform",
         "VxctShape",
         VxctShape { width, offset, step_per_diameter }
     );
     assert_layout!(
         library,
-        "render::vxct::shade",
+        "render::vxct::uniform",
         "VxctUniform",
         VxctUniform {
             diffuse,

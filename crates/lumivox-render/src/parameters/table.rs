@@ -413,35 +413,22 @@ const OWN: &[Parameter] = &[
 
 const MIB: f32 = 1_048_576.0;
 
-const VIEWS: [&str; View::ALL.len()] = {
-    let mut names = [""; View::ALL.len()];
-    let mut index = 0;
-    while index < names.len() {
-        names[index] = View::ALL[index].name();
-        index += 1;
-    }
-    names
-};
+/// The names of all values of a type.
+macro_rules! names {
+    ($kind:ty) => {{
+        let mut names = [""; <$kind>::ALL.len()];
+        let mut index = 0;
+        while index < names.len() {
+            names[index] = <$kind>::ALL[index].name();
+            index += 1;
+        }
+        names
+    }};
+}
 
-const TONE_MAPS: [&str; ToneMap::ALL.len()] = {
-    let mut names = [""; ToneMap::ALL.len()];
-    let mut index = 0;
-    while index < names.len() {
-        names[index] = ToneMap::ALL[index].name();
-        index += 1;
-    }
-    names
-};
-
-const VOXELIZERS: [&str; VoxelizeMethod::ALL.len()] = {
-    let mut names = [""; VoxelizeMethod::ALL.len()];
-    let mut index = 0;
-    while index < names.len() {
-        names[index] = VoxelizeMethod::ALL[index].name();
-        index += 1;
-    }
-    names
-};
+const VIEWS: [&str; View::ALL.len()] = names!(View);
+const TONE_MAPS: [&str; ToneMap::ALL.len()] = names!(ToneMap);
+const VOXELIZERS: [&str; VoxelizeMethod::ALL.len()] = names!(VoxelizeMethod);
 
 fn by_name<T: Copy>(all: &[T], name: fn(T) -> &'static str, value: Value, otherwise: T) -> T {
     let Value::Choice(wanted) = value else { return otherwise };

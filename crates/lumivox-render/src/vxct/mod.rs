@@ -27,9 +27,11 @@ pub use settings::{Components, ConeShape, Injected, Look, VxctSettings};
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("vxct::cone", include_str!("cone.wgsl")),
     ("vxct::inject", include_str!("inject.wgsl")),
+    ("vxct::leaving", include_str!("leaving.wgsl")),
     ("vxct::lights", include_str!("lights.wgsl")),
     ("vxct::material", include_str!("material.wgsl")),
     ("vxct::shade", include_str!("shade.wgsl")),
+    ("vxct::uniform", include_str!("uniform.wgsl")),
 ];
 
 /// Bits of `VxctUniform::terms`.
@@ -61,7 +63,7 @@ pub(crate) const CONSTANTS: [(&str, u32); 14] = [
     ("VXCT_TERM_OCCLUSION_CONES", OCCLUSION_CONES),
 ];
 
-/// `VxctShape` of `shade.wgsl`.
+/// `VxctShape` of `uniform.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct VxctShape {
@@ -71,7 +73,7 @@ pub(crate) struct VxctShape {
     padding: u32,
 }
 
-/// `VxctUniform` of `shade.wgsl`.
+/// `VxctUniform` of `uniform.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct VxctUniform {
