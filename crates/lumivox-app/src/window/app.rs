@@ -377,6 +377,10 @@ impl App {
         }
         if pressed(Modifiers::NONE, Key::F2) {
             self.config.console = !self.config.console;
+            if self.config.console {
+                // Who opens it wants to type.
+                ui.memory_mut(|memory| memory.request_focus(console::line()));
+            }
         }
         if pressed(command, Key::O) {
             self.dialogs.open();

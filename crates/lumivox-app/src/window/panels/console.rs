@@ -75,9 +75,14 @@ impl State {
     }
 }
 
+/// The line to type into.
+pub fn line() -> Id {
+    Id::unique("console line")
+}
+
 /// The lines, and one to type into.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
-    let id = Id::unique("console line");
+    let id = line();
     let mut focus = false;
     if ui.memory(|memory| memory.has_focus(id)) {
         let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
