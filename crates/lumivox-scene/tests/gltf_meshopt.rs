@@ -1,6 +1,5 @@
 //! Buffer views compressed with meshoptimizer.
 
-#![cfg(feature = "meshopt")]
 #![allow(
     clippy::unwrap_used,
     clippy::float_cmp,

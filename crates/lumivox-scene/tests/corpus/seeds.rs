@@ -45,7 +45,6 @@ pub fn all() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         ("image", "colors.png", png(4, 4, &[123; 64])),
         ("image", "colors.webp", webp()),
     ];
-    #[cfg(feature = "meshopt")]
     seeds.extend(meshopt());
     seeds
 }
@@ -61,7 +60,6 @@ fn webp() -> Vec<u8> {
 }
 
 /// Streams behind the four bytes that `fuzz/wrap.rs` reads: mode, filter, stride, count.
-#[cfg(feature = "meshopt")]
 fn meshopt() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let corners = [[0.0_f32, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
     let wide = corners.map(|[x, y, z]| [x, y, z, 1.0]);

@@ -11,6 +11,7 @@ use crate::load::files;
 /// Those that are understood.
 const SUPPORTED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
@@ -23,16 +24,11 @@ const SUPPORTED: &[&str] = &[
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
-
-/// Those that need the C++ decoder.
-#[cfg(feature = "meshopt")]
-const MESHOPT: &[&str] = &["EXT_meshopt_compression", "KHR_meshopt_compression"];
-#[cfg(not(feature = "meshopt"))]
-const MESHOPT: &[&str] = &[];
 
 /// Those that say nothing about the picture: metadata, and what a user could do with things.
 const SILENT: &[&str] = &[
@@ -56,7 +52,7 @@ const REPLACED: &[(&str, &str)] = &[
 
 /// Refuses a file that requires what is not understood, and warns of the rest.
 pub(super) fn check(file: &Path, root: &mut Root, notes: &mut Notes) -> Result<(), SceneError> {
-    let supported = || SUPPORTED.iter().chain(MESHOPT).copied();
+    let supported = || SUPPORTED.iter().copied();
     let is_known =
         |name: &str| supported().chain(SILENT.iter().copied()).any(|known| known == name);
     let missing: Vec<String> = root

@@ -1,11 +1,11 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression` (Kapoulkine; Khronos): buffer views as
-//! streams of the meshoptimizer library, whose own decoder reads them. It is made for streams that
-//! nobody trusts.
+//! streams of the meshoptimizer library, read by a decoder in safe Rust that gives the same bytes.
 
 use std::borrow::Cow;
 
 use gltf::json::buffer::View;
 use gltf::json::{Index, Root};
+use meshoptimizer_rs as codec;
 use serde_json::Value;
 
 use super::{Buffers, MESHOPT, Sink, push_buffer};
@@ -74,118 +74,59 @@ fn decode(
         return Err(sink.malformed(part, reason));
     };
     sink.spend(part, bytes)?;
-    let count = count as usize;
     let filter = stream["filter"].as_str().unwrap_or("NONE");
-    let decoded = match (stream["mode"].as_str(), stride) {
-        (Some("ATTRIBUTES"), _) => attributes(encoded, count, stride as usize)
-            .and_then(|bytes| filtered(bytes, stride as usize, filter)),
-        // The library takes this for granted, and would write beyond the end.
+    let layout = (count as usize, stride as usize);
+    decode_stream(encoded, stream["mode"].as_str(), layout, filter)
+        .map_err(|reason| sink.malformed(part, reason))
+}
+
+/// A stream of so many elements of so many bytes.
+fn decode_stream(
+    encoded: &[u8],
+    mode: Option<&str>,
+    (count, stride): (usize, usize),
+    filter: &str,
+) -> Result<Vec<u8>, String> {
+    // What it may take was checked against the budget.
+    let limits = codec::Limits { max_bytes: usize::MAX, max_work: u64::MAX };
+    let workspace = &mut codec::Workspace::new(limits);
+    let bytes = match (mode, stride) {
+        (Some("ATTRIBUTES"), _) if stride == 0 || stride > 256 || !stride.is_multiple_of(4) => {
+            return Err(format!("its stride of {stride} bytes is not a multiple of 4 up to 256"));
+        }
+        (Some("ATTRIBUTES"), _) => codec::decode_vertex_buffer(count, stride, encoded, workspace),
         (Some("TRIANGLES"), _) if !count.is_multiple_of(3) => {
-            Err(format!("its {count} indices are no triangles"))
+            return Err(format!("its {count} indices are no triangles"));
         }
-        (Some("TRIANGLES"), 2) => meshopt::decode_index_buffer::<u16>(encoded, count)
-            .map(|indices| indices.into_iter().flat_map(u16::to_le_bytes).collect())
-            .map_err(|error| error.to_string()),
-        (Some("TRIANGLES"), 4) => meshopt::decode_index_buffer::<u32>(encoded, count)
-            .map(|indices| indices.into_iter().flat_map(u32::to_le_bytes).collect())
-            .map_err(|error| error.to_string()),
-        (Some("INDICES"), 2) => meshopt::decode_index_sequence::<u16>(encoded, count)
-            .map(|indices| indices.into_iter().flat_map(u16::to_le_bytes).collect())
-            .map_err(|error| error.to_string()),
-        (Some("INDICES"), 4) => meshopt::decode_index_sequence::<u32>(encoded, count)
-            .map(|indices| indices.into_iter().flat_map(u32::to_le_bytes).collect())
-            .map_err(|error| error.to_string()),
-        (Some("TRIANGLES" | "INDICES"), _) => Err("indices of a stride of not 2 or 4".to_owned()),
-        _ => Err("its mode is unknown".to_owned()),
+        (Some("TRIANGLES"), 2 | 4) => {
+            codec::decode_index_buffer(count, stride, encoded, workspace)
+        }
+        (Some("INDICES"), 2 | 4) => {
+            codec::decode_index_sequence(count, stride, encoded, workspace)
+        }
+        (Some("TRIANGLES" | "INDICES"), _) => {
+            return Err("indices of a stride of not 2 or 4".to_owned());
+        }
+        _ => return Err("its mode is unknown".to_owned()),
     };
-    decoded.map_err(|reason| sink.malformed(part, reason))
-}
-
-/// An element of so many words of four bytes; the library writes elements of the type's size.
-#[derive(Clone, Copy)]
-struct Words<const N: usize>([u32; N]);
-
-impl<const N: usize> Default for Words<N> {
-    fn default() -> Self {
-        Self([0; N])
+    let mut bytes = bytes.map_err(|error| error.to_string())?;
+    if mode != Some("ATTRIBUTES") {
+        return Ok(bytes);
     }
-}
-
-fn attributes_of<const N: usize>(encoded: &[u8], count: usize) -> Result<Vec<u8>, String> {
-    let elements = meshopt::decode_vertex_buffer::<Words<N>>(encoded, count)
-        .map_err(|error| error.to_string())?;
-    // The bytes lie in memory as in the file.
-    Ok(elements.iter().flat_map(|words| words.0).flat_map(u32::to_ne_bytes).collect())
-}
-
-/// Vertices of any stride that the format allows: multiples of 4 up to 256.
-fn attributes(encoded: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, String> {
-    macro_rules! by_words {
-        ($($words:literal)*) => {
-            match stride {
-                $(stride if stride == $words * 4 => attributes_of::<$words>(encoded, count),)*
-                _ => Err(format!("its stride of {stride} bytes is not a multiple of 4 up to 256")),
-            }
-        };
-    }
-    by_words!(
-        1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
-        33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61
-        62 63 64
-    )
-}
-
-/// Undoes what was done to numbers so that they compress better.
-fn filtered(bytes: Vec<u8>, stride: usize, filter: &str) -> Result<Vec<u8>, String> {
-    let short = |bytes: [u8; 2]| i16::from_ne_bytes(bytes);
-    match (filter, stride) {
-        ("NONE", _) => Ok(bytes),
-        ("OCTAHEDRAL", 4) => {
-            let mut data = quads(&bytes, i8::from_ne_bytes);
-            meshopt::decode_filter_oct(&mut data);
-            Ok(data.into_iter().flatten().flat_map(i8::to_ne_bytes).collect())
+    // Undoes what was done to numbers so that they compress better.
+    let undone = match (filter, stride) {
+        ("NONE", _) => Ok(()),
+        ("OCTAHEDRAL", 4 | 8) => codec::decode_filter_oct(&mut bytes, count, stride, workspace),
+        ("QUATERNION", 8) => codec::decode_filter_quat(&mut bytes, count, stride, workspace),
+        ("COLOR", 4 | 8) => codec::decode_filter_color(&mut bytes, count, stride, workspace),
+        ("EXPONENTIAL", _) => codec::decode_filter_exp(&mut bytes, count, stride, workspace),
+        _ => {
+            let filter = crate::load::files::shorten(filter);
+            return Err(format!(
+                "its filter \"{filter}\" is unknown or does not go with a stride of {stride} bytes"
+            ));
         }
-        ("OCTAHEDRAL", 8) => {
-            let mut data = quads(&bytes, short);
-            meshopt::decode_filter_oct(&mut data);
-            Ok(data.into_iter().flatten().flat_map(i16::to_ne_bytes).collect())
-        }
-        ("QUATERNION", 8) => {
-            let mut data = quads(&bytes, short);
-            meshopt::decode_filter_quat(&mut data);
-            Ok(data.into_iter().flatten().flat_map(i16::to_ne_bytes).collect())
-        }
-        ("COLOR", 4) => {
-            let mut data = quads(&bytes, u8::from_ne_bytes);
-            meshopt::decode_filter_color(&mut data);
-            Ok(data.into_iter().flatten().collect())
-        }
-        ("COLOR", 8) => {
-            let mut data = quads(&bytes, u16::from_ne_bytes);
-            meshopt::decode_filter_color(&mut data);
-            Ok(data.into_iter().flatten().flat_map(u16::to_ne_bytes).collect())
-        }
-        // Strides are multiples of four here.
-        ("EXPONENTIAL", _) => {
-            let words = bytes.as_chunks::<4>().0;
-            let mut data: Vec<[u32; 1]> = words.iter().map(|w| [u32::from_ne_bytes(*w)]).collect();
-            meshopt::decode_filter_exp(&mut data);
-            Ok(data.into_iter().flatten().flat_map(u32::to_ne_bytes).collect())
-        }
-        _ => Err(format!(
-            "its filter \"{}\" is unknown or does not go with a stride of {stride} bytes",
-            crate::load::files::shorten(filter)
-        )),
-    }
-}
-
-/// Elements of four numbers.
-fn quads<T, const N: usize>(bytes: &[u8], number: impl Fn([u8; N]) -> T) -> Vec<[T; 4]> {
-    let numbers = bytes.as_chunks::<N>().0;
-    numbers
-        .as_chunks::<4>()
-        .0
-        .iter()
-        .map(|&[a, b, c, d]| [number(a), number(b), number(c), number(d)])
-        .collect()
+    };
+    undone.map_err(|error| error.to_string())?;
+    Ok(bytes)
 }

@@ -5,7 +5,6 @@
 //! length and against the budget before memory is taken.
 
 mod draco;
-#[cfg(feature = "meshopt")]
 mod meshopt;
 
 use std::borrow::Cow;
@@ -33,8 +32,7 @@ pub(super) fn decompress(
     budget: u64,
 ) -> Result<(), SceneError> {
     let mut sink = Sink { file, budget: GeometryBudget::new(file, budget) };
-    #[cfg(feature = "meshopt")]
-    meshopt::decompress(root, buffers, &mut sink)?;
+        meshopt::decompress(root, buffers, &mut sink)?;
     draco::decompress(root, buffers, &mut sink)
 }
 

@@ -1,0 +1,267 @@
+//! What is beside the picture: another view of it, or the path-traced reference as it gets better.
+//!
+//! With another view the two take turns. After a change each gets one frame, so that both halves show the same moment, then
+//! the left is completed, then the right, and both stand until something changes again. Frames that alternated all the
+//! time would start their means anew each time, and neither picture would get better.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use glam::UVec2;
+use lumivox_render::reference::{PathTracer, ReferenceSettings};
+use lumivox_render::{Exposure, Gpu, Picture, View};
+use web_time::Instant;
+
+use crate::error::WebError;
+use crate::session::{Session, no_scene};
+use crate::types::Split;
+
+/// How long paths are traced before the page hears of it.
+const TRACE_FOR: Duration = Duration::from_millis(150);
+/// Far more than any eye needs.
+const MOST_SAMPLES: u32 = 1 << 20;
+
+/// What is on the right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Right {
+    /// Another view.
+    View(View),
+    /// The path tracer's picture, with so many samples of each pixel.
+    Reference(u32),
+}
+
+impl Right {
+    /// What a split asks for.
+    ///
+    /// # Errors
+    /// When there is no such view, or a number is out of its range.
+    pub fn named(split: &Split) -> Result<Self, WebError> {
+        if !(0.0..=1.0).contains(&split.at) {
+            return Err(WebError::value(format!("the split is at {}, but must be from 0 to 1", split.at)));
+        }
+        if !(1..=MOST_SAMPLES).contains(&split.samples) {
+            return Err(WebError::value(format!(
+                "the reference has {} samples, but must have 1 to {MOST_SAMPLES}",
+                split.samples
+            )));
+        }
+        if split.right == "reference" {
+            return Ok(Self::Reference(split.samples));
+        }
+        let view = View::ALL.into_iter().find(|view| view.name() == split.right).ok_or_else(|| {
+            let names: Vec<&str> = View::ALL.iter().map(|view| view.name()).collect();
+            WebError::value(format!(
+                "there is no view \"{}\"; there are reference, {}",
+                split.right,
+                names.join(", ")
+            ))
+        })?;
+        Ok(Self::View(view))
+    }
+}
+
+/// Whose turn it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Turn {
+    /// One frame of the left.
+    #[default]
+    First,
+    /// One frame of the right.
+    FirstRight,
+    /// The rest of the left.
+    Left,
+    /// The rest of the right.
+    Right,
+    /// Nobody's: all is there.
+    Over,
+}
+
+/// A finished picture that stands.
+#[derive(Debug)]
+struct Still {
+    pixels: Vec<[u8; 4]>,
+    texture: wgpu::Texture,
+}
+
+impl Still {
+    fn new(gpu: &Gpu, size: UVec2, pixels: Vec<[u8; 4]>) -> Self {
+        let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("still"),
+            size: extent,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * size.x),
+            rows_per_image: None,
+        };
+        gpu.queue.write_texture(texture.as_image_copy(), pixels.as_flattened(), layout, extent);
+        Self { pixels, texture }
+    }
+}
+
+impl Drop for Still {
+    /// Browsers would keep it until they collect garbage.
+    fn drop(&mut self) {
+        self.texture.destroy();
+    }
+}
+
+/// What is beside the picture.
+#[derive(Debug)]
+pub struct Beside {
+    /// What it is.
+    pub right: Right,
+    /// Where it begins, from 0 to 1.
+    pub at: f32,
+    turn: Turn,
+    left_still: Option<Still>,
+    right_still: Option<Still>,
+    tracer: Option<Box<PathTracer>>,
+}
+
+impl Beside {
+    /// Nothing of it is there yet.
+    pub fn new(right: Right, at: f32) -> Self {
+        Self { right, at, turn: Turn::First, left_still: None, right_still: None, tracer: None }
+    }
+
+    /// The picture has changed.
+    pub fn start_again(&mut self) {
+        self.turn = Turn::First;
+    }
+
+    /// The scene has changed, or where it is seen from: a reference would be one of something else.
+    pub fn forget(&mut self) {
+        self.tracer = None;
+        if matches!(self.right, Right::Reference(_)) {
+            self.right_still = None;
+        }
+    }
+
+    /// What stands on the left; nothing while the explorer's own picture is that of the left.
+    pub fn left(&self) -> Option<&wgpu::Texture> {
+        self.left_still.as_ref().map(|still| &still.texture)
+    }
+
+    /// Its pixels.
+    pub fn left_pixels(&self) -> Option<&[[u8; 4]]> {
+        self.left_still.as_ref().map(|still| still.pixels.as_slice())
+    }
+
+    /// What stands on the right, once something does.
+    pub fn texture(&self) -> Option<&wgpu::Texture> {
+        self.right_still.as_ref().map(|still| &still.texture)
+    }
+
+    /// Its pixels, and where they begin.
+    pub fn right_pixels(&self) -> Option<(&[[u8; 4]], f32)> {
+        self.right_still.as_ref().map(|still| (still.pixels.as_slice(), self.at))
+    }
+
+    /// Samples of the reference.
+    pub fn samples(&self) -> Option<u32> {
+        match self.right {
+            Right::View(_) => None,
+            Right::Reference(_) => Some(self.tracer.as_ref().map_or(0, |tracer| tracer.samples())),
+        }
+    }
+
+    /// Does what is next; `true` once nothing is left to do.
+    ///
+    /// # Errors
+    /// When a view is refused, or the device fails.
+    pub async fn advance(&mut self, session: &mut Session) -> Result<bool, WebError> {
+        match self.right {
+            Right::View(view) => self.advance_view(session, view).await,
+            Right::Reference(samples) => self.advance_reference(session, samples).await,
+        }
+    }
+
+    async fn advance_view(&mut self, session: &mut Session, view: View) -> Result<bool, WebError> {
+        let is_playing = session.explorer().playback().is_playing;
+        match self.turn {
+            Turn::First => {
+                self.left_still = None;
+                session.render_view(session.view()).await?;
+                self.turn = Turn::FirstRight;
+            }
+            Turn::FirstRight => {
+                self.render_right(session, view).await?;
+                self.turn = if is_playing { Turn::First } else { Turn::Left };
+            }
+            Turn::Left => {
+                self.left_still = None;
+                if !session.render_view(session.view()).await? {
+                    self.turn = Turn::Right;
+                }
+            }
+            Turn::Right => {
+                if !self.render_right(session, view).await? {
+                    self.turn = Turn::Over;
+                }
+            }
+            Turn::Over => {}
+        }
+        Ok(self.turn == Turn::Over)
+    }
+
+    /// One frame of the right, after what is on the left was kept.
+    async fn render_right(&mut self, session: &mut Session, view: View) -> Result<bool, WebError> {
+        let size = session.explorer().size();
+        if self.left_still.is_none() {
+            let pixels = session.screen().await?;
+            self.left_still = Some(Still::new(session.gpu(), size, pixels));
+        }
+        let has_rendered = session.render_view(view).await?;
+        let pixels = session.screen().await?;
+        self.right_still = Some(Still::new(session.gpu(), size, pixels));
+        Ok(has_rendered)
+    }
+
+    /// The left is completed first: it is done at once, compared with a reference.
+    async fn advance_reference(&mut self, session: &mut Session, samples: u32) -> Result<bool, WebError> {
+        self.left_still = None;
+        if session.render_view(session.view()).await? {
+            return Ok(false);
+        }
+        let (gpu, size) = (session.gpu().clone(), session.explorer().size());
+        let tracer = match &mut self.tracer {
+            Some(tracer) => tracer,
+            None => {
+                let scene = session.explorer().scene().ok_or_else(no_scene)?;
+                let camera = Some(session.explorer().camera());
+                let settings = ReferenceSettings { size, samples, ..ReferenceSettings::default() };
+                let tracer = PathTracer::new(&gpu, scene, camera, settings).await?;
+                self.tracer.insert(Box::new(tracer))
+            }
+        };
+        let before = tracer.samples();
+        let start = Instant::now();
+        let mut has_time = |_| match start.elapsed() < TRACE_FOR {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        };
+        if before < samples {
+            tracer.render_batch(&mut has_time).await?;
+        }
+        let is_over = tracer.samples() >= samples;
+        if tracer.samples() > before || self.right_still.is_none() {
+            let settings = session.explorer().settings();
+            let exposure = match session.view().is_light() {
+                true => Exposure::Stops(session.stops()),
+                false => settings.exposure,
+            };
+            let hdr = tracer.layers().picture();
+            let picture = Picture::develop(&gpu, size, hdr, exposure, settings.tone_map).await?;
+            self.right_still = Some(Still::new(&gpu, size, picture.ldr));
+        }
+        Ok(is_over)
+    }
+}

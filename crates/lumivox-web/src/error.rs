@@ -1,0 +1,152 @@
+//! Errors as a page gets them: exceptions with the renderer's own messages, and a code to tell them by.
+
+use lumivox::GiError;
+use lumivox_render::RenderError;
+use lumivox_render::parameters::ParameterError;
+use lumivox_scene::SceneError;
+
+/// What a page can tell errors by: the property `code` of the exception.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Code {
+    /// The browser has no WebGPU at all.
+    NoWebGpu,
+    /// It has, but no GPU for it, or none that offers WebGPU's default limits.
+    NoAdapter,
+    /// The device was lost, or refused a command.
+    Device,
+    /// Something is larger than the browser or the GPU allows.
+    Limit,
+    /// A scene cannot be read.
+    Scene,
+    /// A file or an address cannot be fetched.
+    Fetch,
+    /// A value, a name or a number is not allowed.
+    Value,
+}
+
+impl Code {
+    /// As the page reads it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoWebGpu => "no-webgpu",
+            Self::NoAdapter => "no-adapter",
+            Self::Device => "device",
+            Self::Limit => "limit",
+            Self::Scene => "scene",
+            Self::Fetch => "fetch",
+            Self::Value => "value",
+        }
+    }
+}
+
+/// An error on its way to a page.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct WebError {
+    /// What it is told by.
+    pub code: Code,
+    /// What stands in the way, and what would help.
+    pub message: String,
+}
+
+impl WebError {
+    /// An error of that message.
+    pub fn new(code: Code, message: impl Into<String>) -> Self {
+        Self { code, message: in_words_of_a_page(&message.into()) }
+    }
+
+    /// For what is not allowed.
+    pub fn value(message: impl Into<String>) -> Self {
+        Self::new(Code::Value, message)
+    }
+}
+
+impl From<RenderError> for WebError {
+    fn from(error: RenderError) -> Self {
+        let code = match &error {
+            RenderError::Adapter { .. } | RenderError::NoDevice { .. } => Code::NoAdapter,
+            RenderError::Limit { .. }
+            | RenderError::OutOfMemory { .. }
+            | RenderError::Gi(GiError::Limit { .. }) => Code::Limit,
+            RenderError::Setting { .. } => Code::Value,
+            _ => Code::Device,
+        };
+        Self::new(code, error.to_string())
+    }
+}
+
+impl From<SceneError> for WebError {
+    fn from(error: SceneError) -> Self {
+        Self::new(Code::Scene, error.to_string())
+    }
+}
+
+impl From<ParameterError> for WebError {
+    fn from(error: ParameterError) -> Self {
+        Self::value(error.to_string())
+    }
+}
+
+/// Where a message tells an option of the command line, a page is told the setting: they have the same names, with `_`
+/// for `-`.
+fn in_words_of_a_page(message: &str) -> String {
+    let mut words = String::with_capacity(message.len());
+    let mut rest = message;
+    while let Some(at) = rest.find("--") {
+        let (before, option) = rest.split_at(at);
+        words.push_str(before);
+        let option = &option[2..];
+        let end = option.find(|c: char| c != '-' && !c.is_ascii_lowercase());
+        let (name, after) = option.split_at(end.unwrap_or(option.len()));
+        let starts_word = before.is_empty() || before.ends_with([' ', '(', '"']);
+        if name.is_empty() || !starts_word {
+            words.push_str("--");
+        }
+        words.push_str(&if starts_word { name.replace('-', "_") } else { name.to_owned() });
+        rest = after;
+    }
+    words + rest
+}
+
+#[cfg(target_arch = "wasm32")]
+impl From<WebError> for wasm_bindgen::JsValue {
+    fn from(error: WebError) -> Self {
+        let exception = js_sys::Error::new(&error.message);
+        // An object that was just made takes any property.
+        let _ = js_sys::Reflect::set(&exception, &"code".into(), &error.code.name().into());
+        exception.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_become_settings() {
+        for (message, expected) in [
+            ("store them in an octree (--volume octree)", "store them in an octree (volume octree)"),
+            ("raise --shadow-resolution, or --x", "raise shadow_resolution, or x"),
+            ("a -- b, c--d and 2--3", "a -- b, c--d and 2--3"),
+            ("--frames", "frames"),
+            ("", ""),
+        ] {
+            assert_eq!(in_words_of_a_page(message), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_too_large_is_told_by_its_code() {
+        let error = RenderError::Limit {
+            what: "a picture".to_owned(),
+            needed: 9000,
+            unit: "pixels",
+            limit: "maxTextureDimension2D",
+            available: 8192,
+            remedy: "ask for a smaller picture".to_owned(),
+        };
+        let error = WebError::from(error);
+        assert_eq!(error.code.name(), "limit");
+        assert!(error.message.ends_with("ask for a smaller picture"), "{error}");
+    }
+}

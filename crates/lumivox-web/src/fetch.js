@@ -1,0 +1,52 @@
+// What Rust asks of the browser to get at bytes.
+
+/**
+ * The bytes of an address; null where nothing is there (404).
+ * @param {string} address
+ * @param {(done: number, total: number) => void} tell hears of bytes so far, and of all (0 if unknown)
+ * @returns {Promise<Uint8Array | null>}
+ */
+export async function fetchBytes(address, tell) {
+  const response = await fetch(address);
+  if (response.status === 404) return null;
+  if (!response.ok) throw new Error(`the server answers ${response.status} ${response.statusText}`);
+  const encoded = response.headers.get("content-encoding");
+  const total = encoded ? 0 : Number(response.headers.get("content-length") ?? 0);
+  if (!response.body) return new Uint8Array(await response.arrayBuffer());
+  const pieces = [];
+  let done = 0;
+  const reader = response.body.getReader();
+  for (;;) {
+    const { done: isOver, value } = await reader.read();
+    if (isOver) break;
+    pieces.push(value);
+    done += value.length;
+    tell(done, total);
+  }
+  const bytes = new Uint8Array(done);
+  let at = 0;
+  for (const piece of pieces) {
+    bytes.set(piece, at);
+    at += piece.length;
+  }
+  return bytes;
+}
+
+/**
+ * The bytes of a file.
+ * @param {Blob} file
+ * @returns {Promise<Uint8Array>}
+ */
+export async function readBytes(file) {
+  return new Uint8Array(await file.arrayBuffer());
+}
+
+/** Whether this browser has WebGPU here: it has not on addresses without https, but for localhost. */
+export function hasWebGpu() {
+  return globalThis.navigator?.gpu != null;
+}
+
+/** Lets messages and pictures through. */
+export function breathe() {
+  return new Promise((resolve) => setTimeout(resolve, 0));
+}

@@ -1,0 +1,126 @@
+//! The files of a scene in memory: dropped on a page, or fetched one after the other.
+
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+
+use lumivox_scene::{EXTENSIONS, FileSource, extensions_in_words};
+
+use crate::error::WebError;
+
+/// Files by their paths, separated by `/`. Remembers what was asked for in vain.
+#[derive(Debug, Default)]
+pub struct Files {
+    files: BTreeMap<String, Vec<u8>>,
+    missing: RefCell<BTreeSet<String>>,
+}
+
+impl Files {
+    /// Adds a file; one of the same path is replaced.
+    pub fn add(&mut self, path: &str, bytes: Vec<u8>) {
+        self.files.insert(path.trim_start_matches('/').to_owned(), bytes);
+    }
+
+    /// What a loader asked for since the last call and did not get, in order.
+    pub fn take_missing(&self) -> Vec<String> {
+        std::mem::take(&mut *self.missing.borrow_mut()).into_iter().collect()
+    }
+
+    /// The bytes of a file.
+    pub fn get(&self, path: &str) -> Option<&[u8]> {
+        self.files.get(path).map(Vec::as_slice)
+    }
+
+    /// The one that is a scene: of several formats the first of [`EXTENSIONS`], since text and geometry may belong to
+    /// another.
+    ///
+    /// # Errors
+    /// When there is none, or there are several.
+    pub fn scene(&self) -> Result<&str, WebError> {
+        let of = |extension: &str| -> Vec<&str> {
+            let has_it = |path: &&String| {
+                let found = path.rsplit_once('.').map(|(_, found)| found.to_ascii_lowercase());
+                found.as_deref() == Some(extension)
+            };
+            self.files.keys().filter(has_it).map(String::as_str).collect()
+        };
+        let mut found = EXTENSIONS.iter().map(|extension| of(extension));
+        match found.find(|paths| !paths.is_empty()).as_deref() {
+            Some([scene]) => Ok(scene),
+            Some(several) => Err(WebError::value(format!(
+                "there are several scenes: {}; open one at a time, with its files",
+                several.join(", ")
+            ))),
+            None => {
+                let names: Vec<&str> = self.files.keys().take(8).map(String::as_str).collect();
+                Err(WebError::value(format!(
+                    "none of these is a scene: {}; open a {} file, with the files that it names",
+                    names.join(", "),
+                    extensions_in_words()
+                )))
+            }
+        }
+    }
+
+    /// A file of that path, or else the only one that bears its name: files chosen in a dialog come without their
+    /// folders.
+    fn find(&self, path: &str) -> Option<&Vec<u8>> {
+        if let Some(bytes) = self.files.get(path) {
+            return Some(bytes);
+        }
+        let name = |path: &str| path.rsplit('/').next().unwrap_or(path).to_owned();
+        let wanted = name(path);
+        let mut alike = self.files.iter().filter(|(path, _)| !path.contains('/') && **path == wanted);
+        alike.next().map(|(_, bytes)| bytes)
+    }
+}
+
+impl FileSource for Files {
+    fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>> {
+        self.find(path).map(|bytes| Cow::Borrowed(bytes.as_slice())).ok_or_else(|| {
+            self.missing.borrow_mut().insert(path.to_owned());
+            io::Error::new(io::ErrorKind::NotFound, "it is not among the files that were opened")
+        })
+    }
+
+    fn find_ignoring_case(&self, path: &str) -> Option<String> {
+        let wanted = path.to_lowercase();
+        self.files.keys().find(|path| path.to_lowercase() == wanted).cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(paths: &[&str]) -> Files {
+        let mut files = Files::default();
+        for path in paths {
+            files.add(path, path.as_bytes().to_vec());
+        }
+        files
+    }
+
+    #[test]
+    fn the_scene_among_files_is_found() {
+        assert_eq!(of(&["a/wood.png", "a/room.gltf", "a/room.bin"]).scene().as_deref(), Ok("a/room.gltf"));
+        assert_eq!(of(&["room.mtl", "readme.txt", "room.OBJ"]).scene().as_deref(), Ok("room.OBJ"));
+        let several = of(&["a.glb", "b.glb"]).scene().unwrap_err();
+        assert!(several.message.contains("a.glb, b.glb"), "{several}");
+        let none = of(&["wood.png"]).scene().unwrap_err();
+        assert!(none.message.contains("wood.png") && none.message.contains(".glb"), "{none}");
+    }
+
+    #[test]
+    fn files_without_folders_are_found_by_their_names() {
+        let files = of(&["room.gltf", "wood.png", "b/stone.png"]);
+        assert_eq!(files.read("textures/wood.png").unwrap().as_ref(), b"wood.png");
+        assert_eq!(files.read("b/stone.png").unwrap().as_ref(), b"b/stone.png");
+        // One that has a folder stays there.
+        assert!(files.read("c/stone.png").is_err());
+        assert_eq!(files.take_missing(), ["c/stone.png"]);
+        assert!(files.take_missing().is_empty());
+        assert_eq!(files.find_ignoring_case("B/Stone.PNG").as_deref(), Some("b/stone.png"));
+    }
+}

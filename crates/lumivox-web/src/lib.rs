@@ -1,0 +1,35 @@
+//! Lumivox in the browser: the same library and renderer, compiled to WebAssembly, on WebGPU.
+//!
+//! JavaScript sees [`renderer`]: a class that shows a scene on a canvas. It works in windows and in workers alike; the
+//! page of this project (`page/`) lets a worker own it, so that nothing that takes long holds up its panels.
+//!
+//! | file | is |
+//! | --- | --- |
+//! | `renderer.rs` | what JavaScript calls; calls wait for each other |
+//! | `session.rs` | the state behind it: an explorer, the canvas, what is beside |
+//! | `beside.rs` | another view or the path-traced reference on the right |
+//! | `present.rs` | the last step onto the canvas |
+//! | `exposing.rs` | when pictures are exposed anew |
+//! | `load.rs`, `files.rs` | scenes from addresses and files |
+//! | `settings.rs`, `types.rs` | what is handed over, with declarations for TypeScript |
+//! | `error.rs` | exceptions and their codes |
+
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "in a test a panic is the message"))]
+
+pub mod error;
+pub mod files;
+pub mod settings;
+pub mod types;
+
+#[cfg(target_arch = "wasm32")]
+mod beside;
+#[cfg(target_arch = "wasm32")]
+mod exposing;
+#[cfg(target_arch = "wasm32")]
+mod load;
+#[cfg(target_arch = "wasm32")]
+mod present;
+#[cfg(target_arch = "wasm32")]
+pub mod renderer;
+#[cfg(target_arch = "wasm32")]
+mod session;

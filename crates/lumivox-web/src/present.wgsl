@@ -1,0 +1,32 @@
+// What the canvas shows: one picture, or two beside each other.
+
+struct Split {
+    // Where the right picture begins, px from the left edge.
+    at: f32,
+    // Half the width of the line between the two, px.
+    half_line: f32,
+}
+
+@group(0) @binding(0) var left: texture_2d<f32>;
+@group(0) @binding(1) var right: texture_2d<f32>;
+@group(0) @binding(2) var<uniform> split: Split;
+
+// One triangle that covers everything.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    let corner = vec2<f32>(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+    return vec4<f32>(corner, 0.0, 1.0);
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let texel = vec2<u32>(position.xy);
+    let distance = position.x - split.at;
+    if abs(distance) < split.half_line {
+        return vec4<f32>(1.0);
+    }
+    if distance < 0.0 {
+        return vec4<f32>(textureLoad(left, min(texel, textureDimensions(left) - 1u), 0).rgb, 1.0);
+    }
+    return vec4<f32>(textureLoad(right, min(texel, textureDimensions(right) - 1u), 0).rgb, 1.0);
+}

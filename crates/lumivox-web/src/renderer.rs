@@ -1,0 +1,296 @@
+//! The class and the functions that JavaScript sees.
+
+use std::rc::Rc;
+
+use async_lock::{Mutex, MutexGuard};
+use glam::UVec2;
+use lumivox_render::PresetChoice;
+use tsify::{Ts, Tsify};
+use wasm_bindgen::prelude::*;
+
+use crate::error::{Code, WebError};
+use crate::load::{Listener, load};
+use crate::present::Canvas;
+use crate::session::Session;
+use crate::settings::Settings;
+use crate::types::{
+    Camera, FrameReport, Light, MemoryInfo, Named, ParameterInfo, SceneInfo, Split,
+};
+
+#[wasm_bindgen(typescript_custom_section)]
+const SETTINGS: &'static str = include_str!("settings.d.ts");
+
+#[wasm_bindgen(typescript_custom_section)]
+const OTHERS: &'static str = r#"
+/** Hears how far something is. */
+export type OnProgress = (progress: Progress) => void;
+/** What went wrong: `message` says what stands in the way and what would help, `code` tells errors apart. */
+export interface LumivoxError extends Error {
+  code: "no-webgpu" | "no-adapter" | "device" | "limit" | "scene" | "fetch" | "value";
+}
+"#;
+
+#[wasm_bindgen(module = "/src/fetch.js")]
+extern "C" {
+    #[wasm_bindgen(js_name = hasWebGpu)]
+    fn has_web_gpu() -> bool;
+}
+
+/// What happens once, when the module is loaded.
+#[wasm_bindgen(start)]
+fn start() {
+    use tracing_subscriber::prelude::*;
+    console_error_panic_hook::set_once();
+    let console = tracing_subscriber::fmt::layer()
+        .with_ansi(false)
+        .without_time()
+        .with_writer(tracing_web::MakeWebConsoleWriter::new().with_pretty_level());
+    let filter = tracing_subscriber::filter::LevelFilter::WARN;
+    // Somebody else's subscriber may be there already.
+    let _ = tracing_subscriber::registry().with(console.with_filter(filter)).try_init();
+}
+
+/// The scenes that are built in, for `loadScene("builtin:NAME")`.
+#[wasm_bindgen(js_name = builtinScenes)]
+pub fn builtin_scenes() -> Result<Vec<Ts<Named>>, JsValue> {
+    let scenes = lumivox_scene::builtin::names().iter().filter(|name| !name.ends_with("-rotated"));
+    scenes
+        .map(|name| {
+            let title = name.replace('-', " ");
+            to_js(&Named { name: (*name).to_owned(), title })
+        })
+        .collect()
+}
+
+/// All settings: their names, ranges and defaults.
+#[wasm_bindgen]
+pub fn parameters() -> Result<Vec<Ts<ParameterInfo>>, JsValue> {
+    ParameterInfo::all().iter().map(to_js).collect()
+}
+
+/// Sets of settings, for `setPreset`.
+#[wasm_bindgen]
+pub fn presets() -> Result<Vec<Ts<Named>>, JsValue> {
+    let named = |preset: &PresetChoice| {
+        to_js(&Named { name: preset.name().to_owned(), title: preset.summary().to_owned() })
+    };
+    PresetChoice::ALL.iter().map(named).collect()
+}
+
+/// Makes a renderer that draws on a canvas: an element, or one without for workers.
+///
+/// Throws with the code `no-webgpu` where the browser has no WebGPU, `no-adapter` where it has no GPU for it.
+#[wasm_bindgen(js_name = createRenderer)]
+pub async fn create_renderer(
+    #[wasm_bindgen(unchecked_param_type = "HTMLCanvasElement | OffscreenCanvas")] canvas: JsValue,
+) -> Result<Renderer, JsValue> {
+    if !has_web_gpu() {
+        return Err(WebError::new(
+            Code::NoWebGpu,
+            "this browser has no WebGPU here: Chrome and Edge have it from 113 on, Safari from 26, Firefox from 141 \
+             (Windows) and 145 (macOS), and all of them only at addresses with https, or at localhost",
+        )
+        .into());
+    }
+    let canvas = match canvas.dyn_into::<web_sys::HtmlCanvasElement>() {
+        Ok(element) => Canvas::Element(element),
+        Err(other) => Canvas::Offscreen(other.dyn_into().map_err(|_| {
+            WebError::value("a renderer draws on an HTMLCanvasElement or an OffscreenCanvas")
+        })?),
+    };
+    let session = Session::new(canvas).await?;
+    Ok(Renderer { session: Rc::new(Mutex::new(session)) })
+}
+
+/// Shows a scene with global illumination on a canvas. Calls may overlap: each waits for those before it.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Renderer {
+    session: Rc<Mutex<Session>>,
+}
+
+#[wasm_bindgen]
+impl Renderer {
+    /// Loads a scene and shows it instead of the last one: `"builtin:NAME"`, an address, a `File`, or several files that
+    /// belong together (a .gltf or .obj with what it names). What fails leaves the last scene in place, but for errors
+    /// of the device.
+    #[wasm_bindgen(js_name = loadScene)]
+    pub async fn load_scene(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "string | URL | File | Iterable<File>")] source: JsValue,
+        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        on_progress: Option<js_sys::Function>,
+    ) -> Result<Ts<SceneInfo>, JsValue> {
+        let listener = Listener::new(on_progress);
+        let scene = load(&source, &listener).await?;
+        to_js(&self.session().await.open(scene, &listener).await?)
+    }
+
+    /// What is known of the scene; undefined before one was loaded.
+    pub async fn scene(&self) -> Result<Option<Ts<SceneInfo>>, JsValue> {
+        self.session().await.info().as_ref().map(to_js).transpose()
+    }
+
+    /// All settings by name.
+    #[wasm_bindgen(unchecked_return_type = "Required<Settings>")]
+    pub async fn settings(&self) -> Result<JsValue, JsValue> {
+        let serializer = tsify::serde_wasm_bindgen::Serializer::json_compatible();
+        let settings = self.session().await.settings();
+        Ok(serde::Serialize::serialize(&settings, &serializer)?)
+    }
+
+    /// Changes settings; those that are not named stay. Where one is wrong or the device refuses, nothing has changed.
+    pub async fn set(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Settings")] changes: JsValue,
+        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        on_progress: Option<js_sys::Function>,
+    ) -> Result<(), JsValue> {
+        let changes: Settings = tsify::serde_wasm_bindgen::from_value(changes).map_err(|error| {
+            WebError::value(format!("settings are an object of names and values: {error}"))
+        })?;
+        Ok(self.session().await.set(&changes, &Listener::new(on_progress)).await?)
+    }
+
+    /// The preset that the settings started from.
+    pub async fn preset(&self) -> String {
+        self.session().await.preset().name().to_owned()
+    }
+
+    /// Takes the settings of a preset (`presets()` lists them); picture, view and resolution stay.
+    #[wasm_bindgen(js_name = setPreset)]
+    pub async fn set_preset(
+        &self,
+        name: String,
+        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        on_progress: Option<js_sys::Function>,
+    ) -> Result<(), JsValue> {
+        Ok(self.session().await.set_preset(&name, &Listener::new(on_progress)).await?)
+    }
+
+    /// Where the picture is taken from.
+    pub async fn camera(&self) -> Result<Ts<Camera>, JsValue> {
+        to_js(&self.session().await.camera())
+    }
+
+    /// Moves the camera; the picture starts anew.
+    #[wasm_bindgen(js_name = setCamera)]
+    pub async fn set_camera(&self, camera: Ts<Camera>) -> Result<(), JsValue> {
+        Ok(self.session().await.set_camera(&from_js(&camera, "a camera")?)?)
+    }
+
+    /// Changes the light of a number in `scene().lights`.
+    #[wasm_bindgen(js_name = setLight)]
+    pub async fn set_light(&self, number: usize, light: Ts<Light>) -> Result<(), JsValue> {
+        Ok(self.session().await.set_light(number, &from_js(&light, "a light")?)?)
+    }
+
+    /// Adds a light; its number.
+    #[wasm_bindgen(js_name = addLight)]
+    pub async fn add_light(&self, light: Ts<Light>) -> Result<usize, JsValue> {
+        let light: Light = from_js(&light, "a light")?;
+        let number = self.session().await.edit_lights(|lights| {
+            lights.push(light.to_scene(None)?);
+            Ok(lights.len() - 1)
+        })?;
+        Ok(number)
+    }
+
+    /// Removes the light of a number; those after it move up.
+    #[wasm_bindgen(js_name = removeLight)]
+    pub async fn remove_light(&self, number: usize) -> Result<(), JsValue> {
+        Ok(self.session().await.remove_light(number)?)
+    }
+
+    /// Hides the object of a number in `scene().objects`, or shows it.
+    #[wasm_bindgen(js_name = setHidden)]
+    pub async fn set_hidden(&self, object: usize, hidden: bool) -> Result<(), JsValue> {
+        Ok(self.session().await.set_hidden(object, hidden)?)
+    }
+
+    /// Plays the animation of a number in `scene().animations`; null stops.
+    pub async fn play(&self, animation: Option<usize>) -> Result<(), JsValue> {
+        Ok(self.session().await.play(animation)?)
+    }
+
+    /// Shows a moment of it, in seconds.
+    #[wasm_bindgen(js_name = setTime)]
+    pub async fn set_time(&self, seconds: f32) -> Result<(), JsValue> {
+        Ok(self.session().await.seek(seconds)?)
+    }
+
+    /// Shows another view or the reference on the right; null shows one picture again.
+    #[wasm_bindgen(js_name = setSplit)]
+    pub async fn set_split(&self, split: Option<Ts<Split>>) -> Result<(), JsValue> {
+        let split = split.map(|split| from_js(&split, "a split")).transpose()?;
+        Ok(self.session().await.set_split(split.as_ref())?)
+    }
+
+    /// Whether reports of frames tell the times of stages; that takes some time itself. Default: no.
+    #[wasm_bindgen(js_name = setTimed)]
+    pub async fn set_timed(&self, timed: bool) {
+        self.session().await.set_timed(timed);
+    }
+
+    /// Gives canvas and picture another size, in pixels of the device.
+    pub async fn resize(&self, width: u32, height: u32) -> Result<(), JsValue> {
+        let size = UVec2::new(width, height);
+        Ok(self.session().await.resize(size, &Listener::new(None)).await?)
+    }
+
+    /// Renders one frame more and shows it. Once the report says `complete`, nothing is left to do until something changes.
+    pub async fn render(&self) -> Result<Ts<FrameReport>, JsValue> {
+        to_js(&self.session().await.render().await?)
+    }
+
+    /// What the canvas shows, four bytes a pixel: red, green, blue, 255; row by row from the top.
+    #[wasm_bindgen(js_name = readPixels, unchecked_return_type = "ImageData")]
+    pub async fn read_pixels(&self) -> Result<JsValue, JsValue> {
+        let (size, pixels) = self.session().await.pixels().await?;
+        let opaque: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
+        let clamped = wasm_bindgen::Clamped(opaque.as_slice());
+        let image = web_sys::ImageData::new_with_u8_clamped_array_and_sh(clamped, size.x, size.y)?;
+        Ok(image.into())
+    }
+
+    /// GPU memory by what it holds.
+    pub async fn memory(&self) -> Result<Vec<Ts<MemoryInfo>>, JsValue> {
+        self.session().await.memory().iter().map(to_js).collect()
+    }
+
+    /// The device that all is done with, to be shared with other WebGPU code.
+    #[wasm_bindgen(unchecked_return_type = "GPUDevice")]
+    pub async fn device(&self) -> JsValue {
+        let session = self.session().await;
+        session.gpu().device.as_webgpu().map_or(JsValue::UNDEFINED, |device| device.into())
+    }
+
+    /// Whether the device is lost; then `restore` goes on with another one.
+    #[wasm_bindgen(js_name = isLost)]
+    pub async fn is_lost(&self) -> bool {
+        self.session().await.gpu().is_lost()
+    }
+
+    /// Goes on after the device was lost: all is uploaded to another one.
+    pub async fn restore(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        on_progress: Option<js_sys::Function>,
+    ) -> Result<(), JsValue> {
+        Ok(self.session().await.restore(&Listener::new(on_progress)).await?)
+    }
+}
+
+impl Renderer {
+    async fn session(&self) -> MutexGuard<'_, Session> {
+        self.session.lock().await
+    }
+}
+
+fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {
+    value.into_ts().map_err(|error| WebError::value(error.to_string()).into())
+}
+
+fn from_js<T: Tsify + serde::de::DeserializeOwned>(value: &Ts<T>, what: &str) -> Result<T, WebError> {
+    value.to_rust().map_err(|error| WebError::value(format!("this is not {what}: {error}")))
+}

@@ -1,0 +1,441 @@
+//! What a page works on: a scene at work, the canvas that shows it, and what is shown beside it.
+
+use glam::UVec2;
+use lumivox_explorer::{Explorer, OpenOptions, Opened};
+use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings, View};
+use lumivox_scene::Scene;
+use web_time::Instant;
+
+use crate::beside::{Beside, Right};
+use crate::error::WebError;
+use crate::exposing::Exposing;
+use crate::load::Listener;
+use crate::present::{Canvas, Presenter};
+use crate::settings::{self, Settings};
+use crate::types::{Camera, FrameReport, Light, SceneInfo, Split, StageMs};
+
+/// Everything behind one canvas.
+#[derive(Debug)]
+pub struct Session {
+    explorer: Explorer,
+    presenter: Presenter,
+    exposing: Exposing,
+    /// The view on the left; the explorer has that of the right while its turn lasts.
+    view: View,
+    beside: Option<Beside>,
+    notes: Vec<String>,
+    /// When time was last let go on.
+    ticked: Instant,
+}
+
+impl Session {
+    /// On a canvas in its present size.
+    ///
+    /// # Errors
+    /// When the browser gives no device, or the canvas no context.
+    pub async fn new(canvas: Canvas) -> Result<Self, WebError> {
+        let gpu = Gpu::new(&GpuOptions::default()).await?;
+        let presenter = Presenter::new(&gpu, canvas)?;
+        let size = presenter.canvas().size().max(UVec2::ONE);
+        let settings = RenderSettings { size, ..RenderSettings::default() };
+        let view = settings.view;
+        let explorer = Explorer::new(gpu, settings, PresetChoice::default());
+        let exposing = Exposing::default();
+        let ticked = Instant::now();
+        Ok(Self { explorer, presenter, exposing, view, beside: None, notes: Vec::new(), ticked })
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        self.explorer.gpu()
+    }
+
+    /// Goes on with a new device, after this one was lost.
+    ///
+    /// # Errors
+    /// When the browser gives no other.
+    pub async fn restore(&mut self, listener: &Listener) -> Result<(), WebError> {
+        let gpu = Gpu::new(&GpuOptions::default()).await?;
+        self.presenter = Presenter::new(&gpu, self.presenter.canvas().clone())?;
+        self.explorer.set_gpu(gpu);
+        self.start_again();
+        if let Some(beside) = &mut self.beside {
+            beside.forget();
+        }
+        self.update(listener).await
+    }
+
+    /// Shows another scene.
+    ///
+    /// # Errors
+    /// When it does not fit, or the device fails. The last one is gone then: both at once need not fit.
+    pub async fn open(&mut self, scene: Scene, listener: &Listener) -> Result<SceneInfo, WebError> {
+        let size = self.explorer.size();
+        let options = OpenOptions { aspect: size.x as f32 / size.y as f32, ..OpenOptions::default() };
+        let mut tell = |step: lumivox_render::Progress| {
+            listener.tell(step.stage, step.done.into(), step.total.into());
+        };
+        let opened = Opened::new(scene, options, &mut tell)?;
+        self.notes.clone_from(&opened.scene().notes.warnings);
+        self.notes.extend(opened.default_light().map(|light| {
+            format!("nothing shines in this scene: it is lit by {light}")
+        }));
+        self.explorer.open(opened);
+        self.exposing = Exposing::default();
+        self.beside = None;
+        self.start_again();
+        self.update(listener).await?;
+        self.info().ok_or_else(no_scene)
+    }
+
+    /// What is known of the scene; none before one was opened.
+    pub fn info(&self) -> Option<SceneInfo> {
+        let scene = self.explorer.scene()?;
+        let objects = self.explorer.object_names();
+        Some(SceneInfo::new(scene, self.explorer.camera(), &objects, self.notes.clone()))
+    }
+
+    /// All settings by name.
+    pub fn settings(&self) -> Settings {
+        settings::all(&RenderSettings { view: self.view, ..self.explorer.settings().clone() })
+    }
+
+    /// The preset that they started from.
+    pub fn preset(&self) -> PresetChoice {
+        self.explorer.preset()
+    }
+
+    /// Changes settings; those that are not named stay.
+    ///
+    /// # Errors
+    /// When one is unknown, out of range or refused by the device; then nothing has changed.
+    pub async fn set(&mut self, changes: &Settings, listener: &Listener) -> Result<(), WebError> {
+        let mut asked = RenderSettings { view: self.view, ..self.explorer.settings().clone() };
+        settings::change(&mut asked, changes)?;
+        self.take(asked, self.explorer.preset(), listener).await
+    }
+
+    /// Takes a preset; picture, view and resolution stay.
+    ///
+    /// # Errors
+    /// As [`Self::set`].
+    pub async fn set_preset(&mut self, name: &str, listener: &Listener) -> Result<(), WebError> {
+        let Some(preset) = PresetChoice::named(name) else {
+            let known: Vec<&str> = PresetChoice::ALL.iter().map(|preset| preset.name()).collect();
+            return Err(WebError::value(format!(
+                "there is no preset \"{name}\"; there are {}",
+                known.join(", ")
+            )));
+        };
+        let asked = RenderSettings { view: self.view, ..self.explorer.settings_of(preset) };
+        self.take(asked, preset, listener).await
+    }
+
+    async fn take(
+        &mut self,
+        asked: RenderSettings,
+        preset: PresetChoice,
+        listener: &Listener,
+    ) -> Result<(), WebError> {
+        let view = asked.view;
+        let mut tell = tell_of(listener);
+        // Where it is refused the view may be that of the right; its turn begins anew.
+        self.start_again();
+        self.explorer.try_settings(asked, preset, &mut tell).await?;
+        self.view = view;
+        Ok(())
+    }
+
+    /// Gives canvas and picture another size, px.
+    ///
+    /// # Errors
+    /// When it is nothing, or more than the device allows; then nothing has changed.
+    pub async fn resize(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
+        let asked = RenderSettings { size, view: self.view, ..self.explorer.settings().clone() };
+        self.take(asked, self.explorer.preset(), listener).await?;
+        self.presenter.resize(self.explorer.gpu(), size);
+        self.forget_truth();
+        Ok(())
+    }
+
+    /// Where the picture is taken from.
+    pub fn camera(&self) -> Camera {
+        self.explorer.camera().into()
+    }
+
+    /// Moves the camera.
+    ///
+    /// # Errors
+    /// When it looks nowhere.
+    pub fn set_camera(&mut self, camera: &Camera) -> Result<(), WebError> {
+        let camera = camera.to_scene(self.explorer.camera())?;
+        if camera != *self.explorer.camera() {
+            self.explorer.set_camera(camera);
+            self.change();
+        }
+        Ok(())
+    }
+
+    /// Changes the lights by their list.
+    ///
+    /// # Errors
+    /// What `edit` has to say; then nothing has changed.
+    pub fn edit_lights<T>(
+        &mut self,
+        edit: impl FnOnce(&mut Vec<lumivox_scene::Light>) -> Result<T, WebError>,
+    ) -> Result<T, WebError> {
+        let mut lights = self.explorer.scene().ok_or_else(no_scene)?.lights.clone();
+        let result = edit(&mut lights)?;
+        self.explorer.edit_lights(|scene| scene.lights = lights);
+        self.change();
+        Ok(result)
+    }
+
+    /// Changes one.
+    ///
+    /// # Errors
+    /// When there is none of that number, or it cannot be so.
+    pub fn set_light(&mut self, number: usize, light: &Light) -> Result<(), WebError> {
+        self.edit_lights(|lights| {
+            let count = lights.len();
+            let place = lights.get_mut(number).ok_or_else(|| out_of_range("light", number, count))?;
+            *place = light.to_scene(place.attenuation)?;
+            Ok(())
+        })
+    }
+
+    /// Hides an object, or shows it.
+    ///
+    /// # Errors
+    /// When there is none of that number.
+    pub fn set_hidden(&mut self, object: usize, is_hidden: bool) -> Result<(), WebError> {
+        let count = self.explorer.scene().ok_or_else(no_scene)?.instances.len();
+        if object >= count {
+            return Err(out_of_range("object", object, count));
+        }
+        self.explorer.set_hidden(object, is_hidden);
+        self.change();
+        Ok(())
+    }
+
+    /// Plays the animation of a number, or stops.
+    ///
+    /// # Errors
+    /// When there is none of that number.
+    pub fn play(&mut self, animation: Option<usize>) -> Result<(), WebError> {
+        self.ticked = Instant::now();
+        let Some(number) = animation else {
+            self.explorer.play(false);
+            return Ok(());
+        };
+        let count = self.explorer.scene().ok_or_else(no_scene)?.animations().len();
+        if number >= count {
+            return Err(out_of_range("animation", number, count));
+        }
+        let choice = lumivox_scene::AnimationChoice::One(number);
+        if self.explorer.playback().animation != Some(choice) {
+            self.explorer.set_animation(choice)?;
+        }
+        self.explorer.play(true);
+        self.change();
+        Ok(())
+    }
+
+    /// Shows a moment of what plays, s.
+    ///
+    /// # Errors
+    /// When it is before the start.
+    pub fn seek(&mut self, time_s: f32) -> Result<(), WebError> {
+        if !(time_s >= 0.0 && time_s.is_finite()) {
+            return Err(WebError::value(format!("the time is {time_s} s, but must be at least 0")));
+        }
+        self.explorer.seek(time_s)?;
+        self.change();
+        Ok(())
+    }
+
+    /// Shows something else on the right, or nothing.
+    ///
+    /// # Errors
+    /// When there is no such view, or no such place.
+    pub fn set_split(&mut self, split: Option<&Split>) -> Result<(), WebError> {
+        let Some(split) = split else {
+            self.beside = None;
+            self.start_again();
+            return Ok(());
+        };
+        let right = Right::named(split)?;
+        match &mut self.beside {
+            Some(beside) if beside.right == right => beside.at = split.at,
+            _ => {
+                self.beside = Some(Beside::new(right, split.at));
+                self.start_again();
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether stages are timed; it takes some time itself.
+    pub fn set_timed(&mut self, is_timed: bool) {
+        self.explorer.set_timed(is_timed);
+    }
+
+    /// Something of the scene has changed, or where it is seen from.
+    fn change(&mut self) {
+        self.start_again();
+        self.forget_truth();
+    }
+
+    /// The picture starts anew.
+    fn start_again(&mut self) {
+        self.exposing.start_again();
+        if let Some(beside) = &mut self.beside {
+            beside.start_again();
+        }
+    }
+
+    /// A reference would be one of something else.
+    fn forget_truth(&mut self) {
+        if let Some(beside) = &mut self.beside {
+            beside.forget();
+        }
+    }
+
+    /// Brings everything up to date, so that errors come here and not with the next frame.
+    async fn update(&mut self, listener: &Listener) -> Result<(), WebError> {
+        Ok(self.explorer.update(&mut tell_of(listener)).await?)
+    }
+
+    /// Renders one frame more and shows it.
+    ///
+    /// # Errors
+    /// When something refuses what was asked for, or the device fails.
+    pub async fn render(&mut self) -> Result<FrameReport, WebError> {
+        let start = Instant::now();
+        if self.explorer.playback().is_playing {
+            let seconds = self.ticked.elapsed().as_secs_f32();
+            self.explorer.tick(seconds)?;
+            self.change();
+        }
+        self.ticked = Instant::now();
+        let is_complete = match self.beside.take() {
+            None => !self.render_view(self.view).await?,
+            Some(mut beside) => {
+                let result = beside.advance(self).await;
+                // It stays whatever happened.
+                self.beside = Some(beside);
+                result?
+            }
+        };
+        self.show()?;
+        let gpu = self.explorer.gpu().clone();
+        gpu.finished("showing a picture").await?;
+        let stages = self.stages();
+        let renderer = self.explorer.renderer();
+        Ok(FrameReport {
+            frame: renderer.map_or(0, lumivox_render::Renderer::frame_count),
+            frames: self.explorer.settings().frames,
+            complete: is_complete && !self.explorer.playback().is_playing,
+            frame_ms: start.elapsed().as_secs_f64() * 1000.0,
+            stages,
+            reference_samples: self.beside.as_ref().and_then(Beside::samples),
+        })
+    }
+
+    /// One frame more of a view, drawn for the screen; `false` where there was none to render.
+    pub(crate) async fn render_view(&mut self, view: View) -> Result<bool, WebError> {
+        if self.explorer.settings().view != view {
+            let asked = RenderSettings { view, ..self.explorer.settings().clone() };
+            self.explorer.set_settings(asked)?;
+        }
+        let has_rendered = self.explorer.frame(&mut |_| {}).await?;
+        let Some(renderer) = self.explorer.renderer() else { return Ok(false) };
+        let (frame, frames) = (renderer.frame_count(), self.explorer.settings().frames);
+        if self.exposing.is_due(frame, frame >= frames) {
+            let stops = self.explorer.measure_stops().await?;
+            self.exposing.measured(stops);
+        }
+        self.explorer.draw(self.exposing.stops()).await?;
+        Ok(has_rendered)
+    }
+
+    fn stages(&mut self) -> Vec<StageMs> {
+        let mut stages: Vec<StageMs> = Vec::new();
+        for time in self.explorer.take_stage_times() {
+            let ms = time.duration.as_secs_f64() * 1000.0;
+            match stages.iter_mut().find(|stage| stage.name == time.stage) {
+                Some(stage) => stage.ms += ms,
+                None => stages.push(StageMs { name: time.stage.to_owned(), ms }),
+            }
+        }
+        stages
+    }
+
+    /// Puts what there is on the canvas.
+    fn show(&self) -> Result<(), WebError> {
+        let Some(left) = self.explorer.screen_texture() else { return Ok(()) };
+        let beside = self.beside.as_ref();
+        let left = beside.and_then(Beside::left).unwrap_or(left);
+        let right = beside.and_then(|beside| Some((beside.texture()?, beside.at)));
+        self.presenter.show(self.explorer.gpu(), left, right)
+    }
+
+    /// What the canvas shows: width, height and four bytes a pixel, row by row from the top.
+    ///
+    /// # Errors
+    /// When there is nothing yet, or the device fails.
+    pub async fn pixels(&mut self) -> Result<(UVec2, Vec<[u8; 4]>), WebError> {
+        let size = self.explorer.size();
+        let mut pixels = match self.beside.as_ref().and_then(Beside::left_pixels) {
+            Some(pixels) => pixels.to_vec(),
+            None => self.screen().await?,
+        };
+        if let Some((right, at)) = self.beside.as_ref().and_then(Beside::right_pixels) {
+            let first = (at.clamp(0.0, 1.0) * size.x as f32) as usize;
+            let width = size.x as usize;
+            for (row, other) in pixels.chunks_exact_mut(width).zip(right.chunks_exact(width)) {
+                row[first..].copy_from_slice(&other[first..]);
+            }
+        }
+        Ok((size, pixels))
+    }
+
+    /// The picture of the view that the explorer has, read back.
+    pub(crate) async fn screen(&mut self) -> Result<Vec<[u8; 4]>, WebError> {
+        let stops = self.exposing.stops();
+        self.explorer.screen(stops).await?.ok_or_else(no_scene)
+    }
+
+    /// The explorer, for what is beside.
+    pub(crate) fn explorer(&self) -> &Explorer {
+        &self.explorer
+    }
+
+    /// The view on the left.
+    pub(crate) fn view(&self) -> View {
+        self.view
+    }
+
+    /// The stops that the picture is shown with.
+    pub(crate) fn stops(&self) -> f32 {
+        self.exposing.stops()
+    }
+}
+
+fn tell_of(listener: &Listener) -> impl FnMut(lumivox_render::Progress) {
+    let listener = listener.clone();
+    move |step| listener.tell(step.stage, step.done.into(), step.total.into())
+}
+
+/// There is nothing to look at.
+pub(crate) fn no_scene() -> WebError {
+    WebError::value("no scene is open; call loadScene first")
+}
+
+fn out_of_range(what: &str, number: usize, count: usize) -> WebError {
+    let there_are = match count {
+        0 => "there are none".to_owned(),
+        count => format!("they are numbered from 0 to {}", count - 1),
+    };
+    WebError::value(format!("there is no {what} {number}; {there_are}"))
+}

@@ -1,0 +1,218 @@
+//! Settings by name, as a page has them: the table of `lumivox-render` in JavaScript's values.
+
+use std::collections::BTreeMap;
+
+use glam::Vec3;
+use lumivox_render::RenderSettings;
+use lumivox_render::parameters::{Kind, PARAMETERS, Parameter, Value};
+use serde::{Deserialize, Serialize};
+
+use crate::error::WebError;
+
+/// A value as JavaScript has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum SettingValue {
+    /// A switch.
+    Switch(bool),
+    /// A number, whole or not.
+    Number(f64),
+    /// A choice, or a word for what has no number.
+    Text(String),
+    /// Three numbers.
+    Vector([f64; 3]),
+}
+
+/// Settings by name.
+pub type Settings = BTreeMap<String, SettingValue>;
+
+impl From<Value> for SettingValue {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Switch(on) => Self::Switch(on),
+            Value::Whole(number) => Self::Number(number.into()),
+            Value::Number(number) => Self::Number(shortest(number)),
+            Value::Word(text) | Value::Choice(text) => Self::Text(text.to_owned()),
+            Value::Vector(v) => Self::Vector(v.to_array().map(shortest)),
+        }
+    }
+}
+
+/// The number that is written as the same decimals: 0.1 and not 0.10000000149.
+fn shortest(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}
+
+impl SettingValue {
+    /// As a parameter of some kind has it; `None` where it is none of these.
+    fn of_kind(&self, kind: Kind) -> Option<Value> {
+        match (self, kind) {
+            (Self::Switch(on), Kind::Switch) => Some(Value::Switch(*on)),
+            (Self::Number(number), Kind::Whole { .. }) => {
+                let is_whole = number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(number);
+                is_whole.then_some(Value::Whole(*number as u32))
+            }
+            (Self::Number(number), Kind::Number { .. }) => {
+                number.is_finite().then_some(Value::Number(*number as f32))
+            }
+            (Self::Vector(v), Kind::Vector { .. }) => {
+                Some(Value::Vector(Vec3::from_array(v.map(|number| number as f32))))
+            }
+            _ => None,
+        }
+    }
+
+    fn in_words(&self) -> String {
+        match self {
+            Self::Switch(on) => on.to_string(),
+            Self::Number(number) => number.to_string(),
+            Self::Text(text) => text.clone(),
+            Self::Vector(v) => format!("{},{},{}", v[0], v[1], v[2]),
+        }
+    }
+}
+
+/// All settings by name.
+pub fn all(settings: &RenderSettings) -> Settings {
+    let of = |parameter: &Parameter| {
+        (parameter.name.to_owned(), SettingValue::from(parameter.get(settings)))
+    };
+    PARAMETERS.iter().map(of).collect()
+}
+
+/// Changes settings, in the order of the table, so that what asks for an octree comes before its options whatever the
+/// order in an object.
+///
+/// # Errors
+/// When there is no such setting, or it has no such value; what was changed until then is the caller's to forget.
+pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), WebError> {
+    for name in changes.keys() {
+        find(name)?;
+    }
+    for parameter in PARAMETERS {
+        let Some(value) = changes.get(parameter.name) else { continue };
+        let value = match value.of_kind(parameter.kind) {
+            Some(value) => value,
+            // Texts are read as on a command line, so that fields and addresses need no types.
+            None => parameter.parse(&value.in_words())?,
+        };
+        parameter.set(settings, value)?;
+    }
+    Ok(())
+}
+
+/// The parameter of a name.
+fn find(name: &str) -> Result<&'static Parameter, WebError> {
+    Parameter::find(name).ok_or_else(|| {
+        let alike = PARAMETERS
+            .iter()
+            .map(|parameter| (strsim::jaro_winkler(name, parameter.name), parameter.name))
+            .max_by(|(a, _), (b, _)| a.total_cmp(b));
+        let meant = match alike {
+            Some((similarity, known)) if similarity > 0.75 => format!("did you mean \"{known}\"?"),
+            _ => "parameters() lists them".to_owned(),
+        };
+        WebError::value(format!("there is no setting \"{name}\"; {meant}"))
+    })
+}
+
+/// TypeScript's declaration of all settings.
+pub fn declarations() -> String {
+    let mut text = String::from(
+        "/** All settings by name. Ranges and defaults are in `parameters()`; what is left out stays. */\n\
+         export interface Settings {\n",
+    );
+    let defaults = RenderSettings::default();
+    for parameter in PARAMETERS {
+        let unit = match parameter.unit {
+            "" => String::new(),
+            unit => format!(", {unit}"),
+        };
+        let default = SettingValue::from(parameter.get(&defaults)).in_words();
+        text += &format!(
+            "  /** {}: {}{unit}. Default: {default}. */\n  {}?: {};\n",
+            parameter.summary,
+            parameter.kind.in_words(),
+            parameter.name,
+            type_of(parameter.kind)
+        );
+    }
+    text + "}\n"
+}
+
+fn type_of(kind: Kind) -> String {
+    match kind {
+        Kind::Switch => "boolean".to_owned(),
+        Kind::Whole { .. } | Kind::Number { word: None, .. } => "number".to_owned(),
+        Kind::Number { word: Some(word), .. } => format!("number | \"{word}\""),
+        Kind::Vector { .. } => "[number, number, number]".to_owned(),
+        Kind::Choice(names) => {
+            let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+            quoted.join(" | ")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn changed(changes: &[(&str, SettingValue)]) -> Result<RenderSettings, WebError> {
+        let mut settings = RenderSettings::default();
+        let changes = changes.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
+        change(&mut settings, &changes.collect()).map(|()| settings)
+    }
+
+    fn text(text: &str) -> SettingValue {
+        SettingValue::Text(text.to_owned())
+    }
+
+    #[test]
+    fn all_settings_come_back_as_they_went() {
+        let settings = changed(&[
+            ("resolution", SettingValue::Number(64.0)),
+            ("view", text("indirect")),
+            ("volume", text("octree")),
+            ("half", SettingValue::Switch(true)),
+            ("exposure", SettingValue::Number(-1.5)),
+        ])
+        .unwrap();
+        assert_eq!((settings.resolution, settings.view.name()), (64, "indirect"));
+        let mut again = RenderSettings::default();
+        change(&mut again, &all(&settings)).unwrap();
+        assert_eq!(all(&again), all(&settings));
+        assert_ne!(all(&again), all(&RenderSettings::default()));
+    }
+
+    #[test]
+    fn texts_are_read_as_on_a_command_line() {
+        let settings = changed(&[("resolution", text("96")), ("half", text("on"))]).unwrap();
+        assert_eq!(all(&settings)["resolution"], SettingValue::Number(96.0));
+        assert_eq!(all(&settings)["half"], SettingValue::Switch(true));
+        assert_eq!(all(&changed(&[("exposure", text("auto"))]).unwrap())["exposure"], text("auto"));
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_what_would_be_right() {
+        let message = |name, value| changed(&[(name, value)]).unwrap_err().message;
+        assert_eq!(
+            message("resolutoin", text("64")),
+            "there is no setting \"resolutoin\"; did you mean \"resolution\"?"
+        );
+        assert!(message("zzz", text("64")).contains("parameters()"));
+        assert!(message("view", text("inside")).contains("indirect"));
+        assert!(message("resolution", SettingValue::Number(64.5)).contains("whole number"));
+        assert!(message("resolution", SettingValue::Number(f64::NAN)).contains("whole number"));
+        assert!(message("half", SettingValue::Number(3.0)).contains("on or off"));
+    }
+
+    /// `LUMIVOX_BLESS=1` writes them anew.
+    #[test]
+    fn the_declarations_are_those_of_the_table() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/src/settings.d.ts");
+        if std::env::var_os("LUMIVOX_BLESS").is_some() {
+            std::fs::write(file, declarations()).unwrap();
+        }
+        assert_eq!(std::fs::read_to_string(file).unwrap_or_default(), declarations());
+    }
+}
