@@ -37,10 +37,9 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
-use lumivox_render::{Progress, RenderSettings};
+use lumivox_render::{PresetChoice, Progress, RenderSettings};
 use lumivox_scene::EnvironmentMap;
 
-use crate::args::choices::PresetChoice;
 use crate::cli::{LoadArgs, SourceArgs};
 use crate::exit::Failure;
 use crate::explorer::{Explorer, Opening, Revoxelize};

@@ -25,7 +25,7 @@ impl Explorer {
     }
 
     /// Takes note of the preset that the settings started from.
-    pub fn note_preset(&mut self, preset: crate::args::choices::PresetChoice) {
+    pub fn note_preset(&mut self, preset: lumivox_render::PresetChoice) {
         self.preset = preset;
     }
 

@@ -30,10 +30,9 @@ mod original;
 mod update;
 
 use glam::{UVec2, Vec3};
-use lumivox_render::{Gpu, RenderSettings, Renderer};
+use lumivox_render::{Gpu, PresetChoice, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, Scene};
 
-use crate::args::choices::PresetChoice;
 pub use animation::Playback;
 pub use frames::FrameTimes;
 pub use objects::Placement;
@@ -117,7 +116,7 @@ impl Explorer {
         let last = self.opened.as_ref().map(|last| &last.scene);
         for settings in [&mut self.settings, &mut self.accepted] {
             settings.grid_bounds = self.fitted;
-            crate::commands::settings::show_other(settings, last, &opened.scene);
+            settings.show_other(last, &opened.scene);
         }
         self.opened = Some(opened);
         self.generation += 1;
@@ -229,7 +228,7 @@ impl Explorer {
 
     /// The settings of a preset; picture, view and resolution stay.
     pub fn settings_of(&self, preset: PresetChoice) -> RenderSettings {
-        crate::commands::settings::with_preset(&self.settings, preset, self.scene())
+        self.settings.with_preset(preset, self.scene())
     }
 
     /// Width and height of the picture, px.

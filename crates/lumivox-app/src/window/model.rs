@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use glam::{Mat4, UVec2, Vec3};
-use lumivox_render::{MemoryUse, RenderSettings};
+use lumivox_render::{MemoryUse, PresetChoice, RenderSettings};
 use lumivox_scene::{Bounds, Camera, Light, Material};
 
-use crate::args::choices::PresetChoice;
 use crate::console::Names;
 use crate::explorer::{Explorer, Placement, Playback, Revoxelize};
 

@@ -168,8 +168,7 @@ impl Worker {
             lumivox_render::RenderSettings { size: self.full_size, ..explorer.settings().clone() };
         let resolution = explorer.settings().resolution;
         let defaults = lumivox_render::RenderSettings { resolution, ..Default::default() };
-        let usual =
-            crate::commands::settings::with_preset(&defaults, explorer.preset(), explorer.scene());
+        let usual = defaults.with_preset(explorer.preset(), explorer.scene());
         let resolution = lumivox_render::RenderSettings::default().resolution;
         let usual = lumivox_render::RenderSettings { resolution, ..usual };
         let model = Model {
