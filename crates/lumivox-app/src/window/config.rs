@@ -7,11 +7,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use lumivox_explorer::Explorer;
 use lumivox_render::PresetChoice;
 use lumivox_render::parameters::{Group, PARAMETERS, Parameter};
 use serde::{Deserialize, Serialize};
-
-use crate::explorer::Explorer;
 
 /// Scenes that are remembered.
 const RECENT: usize = 10;

@@ -139,7 +139,7 @@ impl Worker {
     /// The scene as the panels see it.
     pub(super) fn scene(&mut self) -> Option<Arc<SceneModel>> {
         if self.scene_model.is_none() {
-            self.scene_model = scene_model(&self.console.explorer, &self.mesh_bounds).map(Arc::new);
+            self.scene_model = scene_model(&self.console, &self.mesh_bounds).map(Arc::new);
         }
         self.scene_model.clone()
     }
