@@ -23,8 +23,9 @@ MAY_DEPEND_ON = {
     "lumivox-scene": set(),
     "lumivox": set(),
     "lumivox-render": {"lumivox", "lumivox-scene"},
-    "lumivox-app": {"lumivox", "lumivox-render", "lumivox-scene"},
-    "lumivox-web": {"lumivox", "lumivox-render", "lumivox-scene"},
+    "lumivox-explorer": {"lumivox", "lumivox-render", "lumivox-scene"},
+    "lumivox-app": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
+    "lumivox-web": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
 }
 
 ALL_KINDS = {"normal", "build", "dev"}
@@ -48,6 +49,15 @@ MUST_NOT_USE = [
         "the library knows no window and no file format, so that any engine can embed it",
         "Move the code that needs it up, into lumivox-render or lumivox-app (or down, into "
         "lumivox-scene); only tests may use it, under [dev-dependencies].",
+    ),
+    (
+        "lumivox-explorer",
+        {"winit", "egui", "clap", "anyhow", "pollster", "rayon"},
+        SHIPPED_KINDS,
+        "the explorer waits nowhere and knows no window and no command line, so that it works in "
+        "browsers",
+        "Move the code that needs it up, into lumivox-app; what waits for the GPU is an async fn "
+        "that the caller awaits. Only tests may use it, under [dev-dependencies].",
     ),
 ]
 
@@ -134,8 +144,9 @@ def self_test_cases():
                 lumivox_scene="glam gltf image dev:proptest",
                 lumivox="wgpu naga dev:image dev:pollster",
                 lumivox_render="lumivox lumivox-scene wgpu image",
-                lumivox_app="lumivox lumivox-render lumivox-scene winit egui",
-                lumivox_web="lumivox lumivox-render lumivox-scene",
+                lumivox_explorer="lumivox lumivox-render lumivox-scene dev:pollster",
+                lumivox_app="lumivox lumivox-explorer lumivox-render lumivox-scene winit egui",
+                lumivox_web="lumivox lumivox-explorer lumivox-render lumivox-scene",
             ),
             [],
         ),
@@ -161,6 +172,15 @@ def self_test_cases():
             "the renderer may not know the program",
             graph(lumivox_render="lumivox dev:lumivox-app"),
             [f"lumivox-render -> lumivox-app (dev dependency) {wrong_way}"],
+        ),
+        (
+            "the explorer may not know the programs, nor wait as they do",
+            graph(lumivox_explorer="lumivox-render dev:lumivox-app pollster clap"),
+            [
+                f"lumivox-explorer -> lumivox-app (dev dependency) {wrong_way}",
+                f"lumivox-explorer -> pollster (normal dependency) {wrong_way}",
+                f"lumivox-explorer -> clap (normal dependency) {wrong_way}",
+            ],
         ),
         (
             "the two programs may not know each other",

@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use lumivox::GiError;
+use lumivox_explorer::ExplorerError;
 use lumivox_render::RenderError;
 use lumivox_render::compare::CompareError;
 use lumivox_scene::SceneError;
@@ -123,11 +124,16 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
             return of_error(&located.error);
         }
         if let Some(error) = cause.downcast_ref::<SceneError>() {
-            let is_output = matches!(error, SceneError::Write { .. });
-            return if is_output { Exit::Output } else { Exit::Input };
+            return of_scene_error(error);
         }
         if let Some(error) = cause.downcast_ref::<RenderError>() {
             return of_render_error(error);
+        }
+        // What it wraps is no cause of its own.
+        match cause.downcast_ref::<ExplorerError>() {
+            Some(ExplorerError::Render(error)) => return of_render_error(error),
+            Some(ExplorerError::Scene(error)) => return of_scene_error(error),
+            _ => {}
         }
         if cause.is::<CompareError>() {
             return Exit::Input;
@@ -137,6 +143,11 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
         }
     }
     Exit::Internal
+}
+
+fn of_scene_error(error: &SceneError) -> Exit {
+    let is_output = matches!(error, SceneError::Write { .. });
+    if is_output { Exit::Output } else { Exit::Input }
 }
 
 fn of_render_error(error: &RenderError) -> Exit {
@@ -227,6 +238,8 @@ mod tests {
         let known = Vec::new();
         let unknown = SceneError::UnknownBuiltin { name: String::new(), known };
         assert_eq!(codes(unknown.into()), Exit::Input);
+        let empty = SceneError::NothingAtTime { file: "a".into(), time_s: 1.0 };
+        assert_eq!(codes(ExplorerError::from(empty).into()), Exit::Input);
         let limit = || GiError::Limit {
             what: String::new(),
             needed: 2,
@@ -237,6 +250,7 @@ mod tests {
         };
         assert_eq!(codes(limit().into()), Exit::Gpu);
         assert_eq!(codes(RenderError::Gi(limit()).into()), Exit::Gpu);
+        assert_eq!(codes(ExplorerError::from(RenderError::Gi(limit())).into()), Exit::Gpu);
         let write = RenderError::Write { file: "a".into(), reason: String::new() };
         assert_eq!(codes(write.into()), Exit::Output);
         assert_eq!(codes(anyhow::anyhow!("who knows")), Exit::Internal);

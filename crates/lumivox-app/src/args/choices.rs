@@ -2,10 +2,9 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lumivox::{
-    Duplication, Injection, Mipmapping, OctreeBuilder, OctreeOptions, Preset, VolumeKind,
-    VoxelizeMethod,
+    Duplication, Injection, Mipmapping, OctreeBuilder, Preset, VolumeKind, VoxelizeMethod,
 };
-use lumivox_render::{ShadowMethod, ToneMap, View, Wireframe, Wires};
+use lumivox_render::{PresetChoice, ShadowMethod, ToneMap, View, Wireframe, Wires};
 use lumivox_scene::UpAxis;
 
 /// A parser that takes the names of `values` and returns the value, with a line of help for each.
@@ -93,76 +92,18 @@ pub fn voxelizer() -> impl TypedValueParser<Value = VoxelizeMethod> {
 /// How much is spent on the cones.
 pub fn preset() -> impl TypedValueParser<Value = Preset> {
     among(&[Preset::Fast, Preset::Balanced, Preset::High, Preset::Report], |preset| {
-        (preset_name(preset), preset_help(preset))
+        (preset_name(preset), PresetChoice::Cones(preset).summary())
     })
-}
-
-fn preset_help(preset: Preset) -> &'static str {
-    match preset {
-        Preset::Fast => "6 cones, one pixel in four",
-        Preset::Balanced => "6 cones, every pixel",
-        Preset::High => "12 cones, every pixel, samples half as large: fewest leaks",
-        Preset::Report => {
-            "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
-        }
-    }
-}
-
-/// What a picture starts from: presets of the cones, or a look with cones of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PresetChoice {
-    /// The physical look, or what is left of it.
-    Cones(Preset),
-    /// The look of VXCT.
-    Vxct,
-}
-
-impl Default for PresetChoice {
-    fn default() -> Self {
-        Self::Cones(Preset::default())
-    }
 }
 
 /// A preset of the cones, or a look.
 pub fn preset_or_look() -> impl TypedValueParser<Value = PresetChoice> {
-    among(&PresetChoice::ALL, |choice| {
-        let help = match choice {
-            PresetChoice::Cones(preset) => preset_help(preset),
-            PresetChoice::Vxct => {
-                "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values"
-            }
-        };
-        (choice.name(), help)
-    })
+    among(&PresetChoice::ALL, |choice| (choice.name(), choice.summary()))
 }
 
-impl PresetChoice {
-    /// All, in the order of the help.
-    pub const ALL: [Self; 5] = [
-        Self::Cones(Preset::Fast),
-        Self::Cones(Preset::Balanced),
-        Self::Cones(Preset::High),
-        Self::Cones(Preset::Report),
-        Self::Vxct,
-    ];
-
-    /// The name, as on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cones(preset) => preset_name(preset),
-            Self::Vxct => "vxct",
-        }
-    }
-}
-
-/// The name of a preset, as on the command line.
+/// The name of a preset of the cones.
 pub const fn preset_name(preset: Preset) -> &'static str {
-    match preset {
-        Preset::Fast => "fast",
-        Preset::Balanced => "balanced",
-        Preset::High => "high",
-        Preset::Report => "report",
-    }
+    PresetChoice::Cones(preset).name()
 }
 
 /// Something that is on or off.
@@ -222,11 +163,11 @@ pub enum VolumeChoice {
 }
 
 impl VolumeChoice {
-    /// Made as it is made by default.
-    pub fn usual(self) -> VolumeKind {
-        match self {
-            Self::Dense => VolumeKind::Dense,
-            Self::Octree => VolumeKind::Octree(OctreeOptions::default()),
+    /// That of a volume.
+    pub fn of(kind: VolumeKind) -> Self {
+        match kind {
+            VolumeKind::Dense => Self::Dense,
+            VolumeKind::Octree(_) => Self::Octree,
         }
     }
 }

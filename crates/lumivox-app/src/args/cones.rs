@@ -3,10 +3,10 @@
 use std::ops::RangeInclusive;
 
 use clap::Args;
-use lumivox::{Preset, TraceResolution, TraceSettings};
-use lumivox_render::{Look, VxctSettings};
+use lumivox::{TraceResolution, TraceSettings};
+use lumivox_render::{Look, PresetChoice};
 
-use super::choices::{self, PresetChoice};
+use super::choices;
 use super::number::number;
 
 /// What `TraceSettings::validate` allows; a test holds the two together.
@@ -160,18 +160,12 @@ impl ConeArgs {
 
     /// How the picture comes about, with voxels of a resolution.
     pub fn look(&self, resolution: u32) -> Look {
-        match self.preset() {
-            PresetChoice::Cones(_) => Look::Physical,
-            PresetChoice::Vxct => Look::Vxct(VxctSettings::for_resolution(resolution)),
-        }
+        self.preset().look(resolution)
     }
 
     /// The preset's settings with the changes made to it.
     pub fn settings(&self) -> TraceSettings {
-        let preset = TraceSettings::preset(match self.preset() {
-            PresetChoice::Cones(preset) => preset,
-            PresetChoice::Vxct => Preset::default(),
-        });
+        let preset = TraceSettings::preset(self.preset().cones());
         let resolution = match (self.half, self.full) {
             (true, _) => TraceResolution::Half,
             (_, true) => TraceResolution::Full,
@@ -204,6 +198,7 @@ impl ConeArgs {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
+    use lumivox::Preset;
 
     use super::*;
 

@@ -79,6 +79,15 @@ impl ExposureChoice {
     }
 }
 
+impl From<Exposure> for ExposureChoice {
+    fn from(exposure: Exposure) -> Self {
+        match exposure {
+            Exposure::Stops(stops) => Self::Stops(stops),
+            Exposure::Auto => Self::Auto,
+        }
+    }
+}
+
 impl fmt::Display for ExposureChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

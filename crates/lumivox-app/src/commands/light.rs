@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use lumivox_scene::sky::{SkySettings, sky};
-use lumivox_scene::{Camera, Environment, EnvironmentMap, Light, LightKind, Scene, SceneError};
+use lumivox_scene::{
+    Camera, DefaultLight, Environment, EnvironmentMap, Light, LightKind, Scene, SceneError,
+};
 use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
@@ -65,12 +67,17 @@ pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<
 pub fn add_default(scene: &mut Scene, camera: &Camera, progress: &Progress) {
     progress.set("looking for places of lamps", 0, 1);
     if let Some(light) = scene.add_default_light(Some(camera)) {
-        tracing::warn!(
-            "nothing shines in the scene \"{}\": it is lit by {light}; light it with --sun, --sky \
-             or --environment, or leave it dark with --no-default-light",
-            scene.name
-        );
+        tell_default(scene, &light);
     }
+}
+
+/// Says by what a scene is lit in which nothing shone.
+pub fn tell_default(scene: &Scene, light: &DefaultLight) {
+    tracing::warn!(
+        "nothing shines in the scene \"{}\": it is lit by {light}; light it with --sun, --sky \
+         or --environment, or leave it dark with --no-default-light",
+        scene.name
+    );
 }
 
 /// What decides the light, for the index of a sequence.

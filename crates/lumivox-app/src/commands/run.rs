@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use indicatif::MultiProgress;
+use lumivox_explorer::Explorer;
 use lumivox_render::Progress as Step;
 
 use super::open_gpu;
@@ -13,7 +14,7 @@ use super::settings::of_explore;
 use crate::cli::RunArgs;
 use crate::console::{Console, Effect, Queue, help, page, program, script, terminal};
 use crate::exit::{self, Failure, Located};
-use crate::explorer::{self, Explorer, Opening};
+use crate::opening::Opening;
 use crate::progress::{Progress, words};
 use crate::report::print;
 use crate::window::own_command;
@@ -174,9 +175,9 @@ impl Runner {
 
     fn open(&mut self, opening: Opening) -> anyhow::Result<()> {
         let progress = Progress::start(&self.bars, "loading");
-        let opened = explorer::load(opening, &progress)?;
+        let ready = opening.load(&progress)?;
         drop(progress);
-        self.console.explorer.open(opened);
+        self.console.open(ready);
         Ok(())
     }
 
@@ -184,7 +185,7 @@ impl Runner {
         let shown = self.progress.clone();
         for done in 0..frames {
             self.console.explorer.tick(FRAME_S)?;
-            self.console.explorer.frame(&mut |step| tell(&shown, step))?;
+            pollster::block_on(self.console.explorer.frame(&mut |step| tell(&shown, step)))?;
             tell(&shown, Step { stage: "render", done: done + 1, total: frames });
         }
         Ok(())

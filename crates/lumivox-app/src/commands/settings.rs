@@ -1,95 +1,19 @@
 //! The settings of a rendering: from the command line, and back under its names.
 
 use glam::UVec2;
-use lumivox::{Directionality, Injection, Preset, TraceResolution, TraceSettings};
-use lumivox_render::{Look, RenderSettings, ToneMap, VxctDisplay, VxctSettings, vxct_display};
+use lumivox::{Directionality, TraceResolution};
+use lumivox_render::{Companions, Look, RenderSettings, vxct_display};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
-use crate::args::choices::{self, PresetChoice, VolumeChoice};
+use crate::args::choices::{self, VolumeChoice};
 use crate::args::cones::ConeArgs;
 use crate::args::number::ExposureChoice;
 use crate::cli::{ExploreArgs, LightArgs, RenderArgs, VoxelArgs};
 
-/// What a preset brings along besides its cones, where the command line does not say otherwise.
-#[derive(Clone, Copy, Debug)]
-pub struct Companions {
-    pub directionality: Directionality,
-    pub volume: VolumeChoice,
-    pub injection: Injection,
-    pub bounces: u32,
-    pub exposure: ExposureChoice,
-    pub tone_map: ToneMap,
-}
-
-impl Companions {
-    /// Those of a preset.
-    pub fn of(preset: PresetChoice) -> Self {
-        let RenderSettings { directionality, injection, bounces, tone_map, .. } =
-            RenderSettings::default();
-        let (volume, exposure) = (VolumeChoice::Dense, ExposureChoice::Auto);
-        let usual = Self { directionality, volume, injection, bounces, exposure, tone_map };
-        match preset {
-            PresetChoice::Cones(Preset::Fast | Preset::Balanced | Preset::High) => usual,
-            // What is seen are photons that were reflected once.
-            PresetChoice::Cones(Preset::Report) => Self {
-                directionality: Directionality::Isotropic,
-                volume: VolumeChoice::Octree,
-                injection: Injection::Photons,
-                bounces: 1,
-                ..usual
-            },
-            // VXCT computes with display values.
-            PresetChoice::Vxct => Self {
-                directionality: Directionality::Isotropic,
-                bounces: 1,
-                exposure: ExposureChoice::Stops(0.0),
-                tone_map: ToneMap::Raw,
-                ..usual
-            },
-        }
-    }
-}
-
-/// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
-/// where the look changes: VXCT's shows each scene in its own way.
-pub fn with_preset(
-    settings: &RenderSettings,
-    preset: PresetChoice,
-    scene: Option<&Scene>,
-) -> RenderSettings {
-    let companions = Companions::of(preset);
-    let (look, cones) = match preset {
-        PresetChoice::Cones(cones) => (Look::Physical, cones),
-        PresetChoice::Vxct => {
-            (Look::Vxct(VxctSettings::for_resolution(settings.resolution)), Preset::default())
-        }
-    };
-    let is_same_look = matches!(settings.look, Look::Physical) == matches!(look, Look::Physical);
-    let (exposure, tone_map) = match (is_same_look, preset, scene) {
-        (true, ..) => (settings.exposure, settings.tone_map),
-        (false, PresetChoice::Vxct, Some(scene)) => {
-            let VxctDisplay { exposure, tone_map, .. } = vxct_display(scene);
-            (exposure, tone_map)
-        }
-        _ => (companions.exposure.first(), companions.tone_map),
-    };
-    RenderSettings {
-        look,
-        trace: TraceSettings::preset(cones),
-        directionality: companions.directionality,
-        volume: companions.volume.usual(),
-        injection: companions.injection,
-        bounces: companions.bounces,
-        exposure,
-        tone_map,
-        ..settings.clone()
-    }
-}
-
 /// How the pictures of `render` are exposed: as the command line says, or as the preset does.
 pub fn exposure(args: &RenderArgs) -> ExposureChoice {
-    args.exposure.unwrap_or_else(|| Companions::of(args.cones.preset()).exposure)
+    args.exposure.unwrap_or_else(|| Companions::of(args.cones.preset()).exposure.into())
 }
 
 /// Where the look of VXCT shows a scene in physical units, its white and its curve are the scene's, unless the
@@ -103,19 +27,6 @@ pub fn expose_for_look(settings: &mut RenderSettings, args: &RenderArgs, scene: 
         settings.exposure = display.exposure;
     }
     settings.tone_map = args.tone_map.unwrap_or(display.tone_map);
-}
-
-/// In the look of VXCT: exposure and curve of another scene, where those of the last were as the look has them; what was
-/// asked for otherwise stays.
-pub fn show_other(settings: &mut RenderSettings, last: Option<&Scene>, scene: &Scene) {
-    let Companions { exposure, tone_map, .. } = Companions::of(PresetChoice::Vxct);
-    let found = last.map(vxct_display).map(|display| (display.exposure, display.tone_map));
-    let shown = (settings.exposure, settings.tone_map);
-    let is_usual = shown == (exposure.first(), tone_map) || found == Some(shown);
-    if settings.look != Look::Physical && is_usual {
-        let display = vxct_display(scene);
-        (settings.exposure, settings.tone_map) = (display.exposure, display.tone_map);
-    }
 }
 
 /// What the arguments of `render` ask for; times are not taken.
@@ -137,7 +48,7 @@ pub fn of_explore(args: &ExploreArgs) -> RenderSettings {
         view: args.view,
         voxel_level: args.level,
         overlay: args.overlay.overlay(),
-        exposure: args.exposure.unwrap_or(companions.exposure).first(),
+        exposure: args.exposure.map_or(companions.exposure, ExposureChoice::first),
         tone_map: args.tone_map.unwrap_or(companions.tone_map),
         ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
     }
@@ -158,7 +69,7 @@ pub fn still(
         resolution: voxels.resolution,
         grid_offset: voxels.grid_offset,
         directionality: voxels.directionality().unwrap_or(companions.directionality),
-        volume: voxels.volume(companions.volume),
+        volume: voxels.volume(VolumeChoice::of(companions.volume)),
         volume_memory: voxels.volume_memory,
         voxelizer: voxels.voxelizer,
         injection: light.injection.unwrap_or(companions.injection),

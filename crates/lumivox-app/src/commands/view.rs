@@ -1,11 +1,12 @@
 //! `lumivox view`: the window.
 
 use indicatif::MultiProgress;
+use lumivox_explorer::Explorer;
 
 use super::{open_gpu, settings};
 use crate::cli::WindowArgs;
 use crate::console::Console;
-use crate::explorer::{Explorer, Opening};
+use crate::opening::Opening;
 use crate::window::{self, Config, Start};
 
 /// Shows the window until it is closed.

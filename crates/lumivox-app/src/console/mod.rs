@@ -29,7 +29,6 @@ mod names;
 pub mod page;
 mod properties;
 mod queue;
-pub mod suggest;
 pub mod terminal;
 
 use std::collections::HashMap;
@@ -37,16 +36,17 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
-use lumivox_render::{Progress, RenderSettings};
+use lumivox_explorer::{Explorer, Revoxelize};
+use lumivox_render::{PresetChoice, Progress, RenderSettings};
 use lumivox_scene::EnvironmentMap;
 
-use crate::args::choices::PresetChoice;
 use crate::cli::{LoadArgs, SourceArgs};
 use crate::exit::Failure;
-use crate::explorer::{Explorer, Opening, Revoxelize};
+use crate::opening::{Opening, Ready};
 pub use command::{COMMANDS, Command, Group, Takes};
 pub use commands::program;
 pub use line::{quote, split};
+pub use lumivox_explorer::suggest;
 pub use names::Names;
 pub use queue::{Line, Queue, script};
 
@@ -56,7 +56,7 @@ pub enum Effect {
     /// Nothing.
     #[default]
     Nothing,
-    /// Read a scene and give it to [`Explorer::open`].
+    /// Read a scene and give it to [`Console::open`].
     Open(Box<Opening>),
     /// Render this number of frames before the next command.
     Wait(u32),
@@ -94,6 +94,8 @@ pub type Hear = Box<dyn FnMut(Progress) -> ControlFlow<()> + Send>;
 pub struct Console {
     /// What the commands work on.
     pub explorer: Explorer,
+    /// How its scene was opened.
+    opening: Option<Opening>,
     /// How scenes are read and lit that `load` says nothing of.
     defaults: Option<(LoadArgs, SourceArgs)>,
     hear: Hear,
@@ -124,6 +126,7 @@ impl Console {
     pub fn new(explorer: Explorer) -> Self {
         Self {
             explorer,
+            opening: None,
             defaults: None,
             hear: Box::new(|_| ControlFlow::Continue(())),
             generation: 0,
@@ -141,6 +144,23 @@ impl Console {
     pub fn with_defaults(mut self, load: LoadArgs, light: SourceArgs) -> Self {
         self.defaults = Some((load, light));
         self
+    }
+
+    /// Shows a scene from its camera: [`Explorer::open`].
+    pub fn open(&mut self, ready: Ready) {
+        self.explorer.open(ready.opened);
+        self.opening = Some(ready.opening);
+    }
+
+    /// Shows a scene that was read again, with the changes of its objects: [`Explorer::reopen`].
+    pub fn reopen(&mut self, ready: Ready) -> usize {
+        self.opening = Some(ready.opening);
+        self.explorer.reopen(ready.opened)
+    }
+
+    /// How the scene was opened that is shown.
+    pub fn opening(&self) -> Option<&Opening> {
+        self.opening.as_ref().filter(|_| self.explorer.scene().is_some())
     }
 
     /// From now on, this hears how far long commands are, such as `screenshot` and `compare`.
@@ -227,9 +247,10 @@ impl Console {
             explorer.note_preset(preset);
             return Ok(());
         }
-        explorer.try_settings(settings, preset, &mut |progress| {
+        pollster::block_on(explorer.try_settings(settings, preset, &mut |progress| {
             let _ = hear(progress);
-        })
+        }))?;
+        Ok(())
     }
 
     /// Brings the renderer up to date.
@@ -238,9 +259,9 @@ impl Console {
     /// When there is nothing to show, or as [`Explorer::update`].
     fn update(&mut self) -> anyhow::Result<()> {
         let Self { explorer, hear, .. } = self;
-        explorer.update(&mut |progress| {
+        pollster::block_on(explorer.update(&mut |progress| {
             let _ = hear(progress);
-        })?;
+        }))?;
         if explorer.renderer().is_some() { Ok(()) } else { Err(nothing_to_show().into()) }
     }
 }

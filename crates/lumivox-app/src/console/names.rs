@@ -52,7 +52,7 @@ impl Console {
 /// beside its folder (VXCT keeps `models` there).
 pub fn folders(console: &Console) -> Vec<PathBuf> {
     let mut folders = vec![PathBuf::from("scenes")];
-    if let Some(opening) = console.explorer.opening()
+    if let Some(opening) = console.opening()
         && let crate::args::scene::SceneSource::File(file) = &opening.source
     {
         let beside = file.parent().unwrap_or(Path::new("")).to_owned();

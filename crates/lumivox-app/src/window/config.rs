@@ -7,11 +7,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use lumivox_explorer::Explorer;
+use lumivox_render::PresetChoice;
 use lumivox_render::parameters::{Group, PARAMETERS, Parameter};
 use serde::{Deserialize, Serialize};
-
-use crate::args::choices::PresetChoice;
-use crate::explorer::Explorer;
 
 /// Scenes that are remembered.
 const RECENT: usize = 10;
@@ -166,10 +165,9 @@ impl Config {
         let old = (explorer.settings().clone(), explorer.preset());
         let mut settings = old.0.clone();
         let preset = self.preset.as_deref();
-        let preset =
-            preset.and_then(|name| PresetChoice::ALL.into_iter().find(|p| p.name() == name));
+        let preset = preset.and_then(PresetChoice::named);
         if let Some(preset) = preset {
-            settings = crate::commands::settings::with_preset(&settings, preset, None);
+            settings = settings.with_preset(preset, None);
         }
         for (name, text) in &self.settings {
             let Some(parameter) = Parameter::find(name) else { continue };

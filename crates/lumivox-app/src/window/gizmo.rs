@@ -2,9 +2,8 @@
 
 use egui::{Pos2, Rect, pos2};
 use glam::{Quat, Vec2, Vec3};
+use lumivox_explorer::Placement;
 use lumivox_scene::Camera;
-
-use crate::explorer::Placement;
 
 /// What the handles do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

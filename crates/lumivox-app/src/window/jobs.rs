@@ -12,7 +12,7 @@ use lumivox_scene::{Camera, Environment, Instance, Light, Material, Scene};
 
 use super::reload::Watched;
 use super::worker::Order;
-use crate::explorer::{self, Opened, Opening};
+use crate::opening::{Opening, Ready};
 use crate::progress::{Progress, Watch};
 
 /// A scene that is being read.
@@ -36,7 +36,7 @@ pub struct Loaded {
     /// As in [`Loading`].
     pub number: u64,
     /// The scene.
-    pub result: anyhow::Result<Opened>,
+    pub result: anyhow::Result<Ready>,
 }
 
 /// Reads a scene on a thread of its own. Loaders cannot be stopped; what nobody waits for any more is dropped when it
@@ -45,9 +45,8 @@ pub fn load(number: u64, opening: Opening, is_reload: bool, orders: Sender<Order
     let progress = Progress::silent("reading");
     let (watch, title) = (progress.watch(), opening.source.to_string());
     let work = move || {
-        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            explorer::load(opening, &progress)
-        }));
+        let result =
+            std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| opening.load(&progress)));
         let result =
             result.unwrap_or_else(|_| Err(anyhow::anyhow!("the loader failed; see the terminal")));
         // Nobody waits when the window is closed.

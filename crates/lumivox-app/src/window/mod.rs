@@ -45,7 +45,7 @@ pub use lines::own_command;
 
 use crate::console::Console;
 use crate::exit::Failure;
-use crate::explorer::Opening;
+use crate::opening::Opening;
 
 /// What the window starts with.
 #[derive(Debug)]

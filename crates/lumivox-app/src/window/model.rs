@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use glam::{Mat4, UVec2, Vec3};
-use lumivox_render::{MemoryUse, RenderSettings};
+use lumivox_explorer::{Explorer, Placement, Playback, Revoxelize};
+use lumivox_render::{MemoryUse, PresetChoice, RenderSettings};
 use lumivox_scene::{Bounds, Camera, Light, Material};
 
-use crate::args::choices::PresetChoice;
+use crate::console::Console;
 use crate::console::Names;
-use crate::explorer::{Explorer, Placement, Playback, Revoxelize};
 
 /// The stages whose times are shown, as the renderer names them; what is none of these is added to the last.
 pub const STAGES: [&str; 8] =
@@ -258,7 +258,8 @@ pub fn mesh_bounds(explorer: &Explorer) -> Vec<Bounds> {
 }
 
 /// The scene as it is.
-pub fn scene_model(explorer: &Explorer, mesh_bounds: &[Bounds]) -> Option<SceneModel> {
+pub fn scene_model(console: &Console, mesh_bounds: &[Bounds]) -> Option<SceneModel> {
+    let explorer = &console.explorer;
     let scene = explorer.scene()?;
     let names = explorer.object_names();
     let object = |(instance, name): (&lumivox_scene::Instance, String)| ObjectModel {
@@ -279,7 +280,7 @@ pub fn scene_model(explorer: &Explorer, mesh_bounds: &[Bounds]) -> Option<SceneM
     let animations = scene.animations();
     Some(SceneModel {
         name: scene.name.clone(),
-        source: explorer.opening().map(|o| o.source.to_string()).unwrap_or_default(),
+        source: console.opening().map(|o| o.source.to_string()).unwrap_or_default(),
         objects,
         materials: material_names.into_iter().zip(scene.materials.iter().cloned()).collect(),
         lights: light_names.into_iter().zip(scene.lights.iter().cloned()).collect(),

@@ -12,15 +12,13 @@ use anyhow::Context as _;
 use indicatif::MultiProgress;
 use lumivox::TraceSettings;
 use lumivox_render::reference::ReferenceSettings;
-use lumivox_render::{Gpu, RenderSettings, describe};
+use lumivox_render::{Companions, Gpu, PresetChoice, RenderSettings, describe};
 use lumivox_scene::{Scene, builtin};
 
 use super::compare::write_strip;
 use super::open_gpu;
-use crate::args::choices::PresetChoice;
 use crate::args::output;
 use crate::cli::QualityArgs;
-use crate::commands::settings::Companions;
 use crate::exit::Failure;
 use crate::progress::Progress;
 use crate::quality::{Measured, Subject, Truth, reference, strip};
@@ -153,7 +151,7 @@ impl Work<'_> {
         let companions = Companions::of(PresetChoice::Cones(case.preset));
         let settings = RenderSettings {
             directionality: companions.directionality,
-            volume: companions.volume.usual(),
+            volume: companions.volume,
             injection: companions.injection,
             bounces: companions.bounces,
             size: self.args.size,

@@ -11,7 +11,7 @@ use crate::cli::{LoadArgs, SourceArgs};
 use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
 use crate::console::{Console, Effect, Reply, names, suggest};
 use crate::exit::Failure;
-use crate::explorer::Opening;
+use crate::opening::Opening;
 
 const FILES: Command = Command { group: Group::Files, ..PLAIN };
 
@@ -36,7 +36,7 @@ pub const TABLE: &[Command] = &[
         summary: "Open the present scene again, as its file is now, without the changes made to it",
         example: "reload",
         run: |console, _| {
-            let opening = console.explorer.opening().cloned();
+            let opening = console.opening().cloned();
             let opening = opening
                 .ok_or_else(|| Failure::input("no scene is open; `load SCENE` opens one"))?;
             Ok(Reply::ask(Effect::Open(Box::new(opening))))
@@ -100,7 +100,7 @@ struct LoadLine {
 
 fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if arguments.is_empty() {
-        return Ok(Reply::say(match console.explorer.opening() {
+        return Ok(Reply::say(match console.opening() {
             Some(opening) => format!("load {}", line(opening, None)),
             None => "no scene is open; `scenes` lists those that `load` finds by name".to_owned(),
         }));

@@ -153,9 +153,9 @@ fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     }
     console.update()?;
     let Console { explorer, hear, .. } = console;
-    let is_new = explorer.frame(&mut |progress| {
+    let is_new = pollster::block_on(explorer.frame(&mut |progress| {
         let _ = hear(progress);
-    })?;
+    }))?;
     let total = explorer.settings().frames;
     let done = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
     let time = explorer.times().last(1).next().unwrap_or_default();
@@ -172,7 +172,7 @@ fn draw_block(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     let mut tell = |progress| {
         let _ = hear(progress);
     };
-    while explorer.frame(&mut tell)? {
+    while pollster::block_on(explorer.frame(&mut tell))? {
         let done = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
         let total = explorer.settings().frames;
         tell(lumivox_render::Progress { stage: "render", done, total });

@@ -1,12 +1,12 @@
 //! Objects: where they stand, and whether they are there.
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
+use lumivox_explorer::Placement;
 
 use crate::console::arguments::{PLACE, on_or_off, rounded, short, switch, vector, wrong};
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
-use crate::explorer::Placement;
 use crate::report::Table;
 
 const OBJECTS: Command =

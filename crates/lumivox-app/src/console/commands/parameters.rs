@@ -2,9 +2,8 @@
 
 use lumivox::VolumeKind;
 use lumivox_render::parameters::{Group as Of, PARAMETERS, Parameter};
-use lumivox_render::{Look, RenderSettings};
+use lumivox_render::{Look, PresetChoice, RenderSettings};
 
-use crate::args::choices::PresetChoice;
 use crate::console::arguments::{choice, in_words, refused};
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{COMMANDS, Console, Reply, suggest};
@@ -109,7 +108,7 @@ fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
     let preset = console.explorer.preset();
     let defaults = RenderSettings { resolution, ..RenderSettings::default() };
     let scene = console.explorer.scene();
-    let settings = crate::commands::settings::with_preset(&defaults, preset, scene);
+    let settings = defaults.with_preset(preset, scene);
     RenderSettings { resolution: RenderSettings::default().resolution, ..settings }
 }
 
@@ -222,7 +221,7 @@ fn preset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(name) = arguments.first() else {
         return Ok(Reply::say(format!("preset {}", console.explorer.preset().name())));
     };
-    let preset = PresetChoice::ALL.into_iter().find(|preset| preset.name() == *name);
+    let preset = PresetChoice::named(name);
     let Some(preset) = preset else {
         let like = suggest::remedy(name, PRESETS, "help preset");
         let known = in_words(&PRESETS);

@@ -75,9 +75,9 @@ fn screenshot(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply
     output::check(file)?;
     console.update()?;
     let Console { explorer, hear, .. } = console;
-    let picture = explorer.picture(&mut |progress| {
+    let picture = pollster::block_on(explorer.picture(&mut |progress| {
         let _ = hear(progress);
-    })?;
+    }))?;
     let picture = picture.ok_or_else(nothing_to_show)?;
     picture.write(file)?;
     let (size, frames) = (picture.size, explorer.settings().frames);
@@ -142,7 +142,8 @@ fn compare(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let mut tell = |progress| {
         let _: ControlFlow<()> = hear(progress);
     };
-    let picture = explorer.picture(&mut tell)?.ok_or_else(nothing_to_show)?;
+    let picture = pollster::block_on(explorer.picture(&mut tell))?;
+    let picture = picture.ok_or_else(nothing_to_show)?;
     let truth = layers.layer(&layers.radiance);
     let variance = layers.radiance_variance.as_slice();
     // Few samples do not tell their variance.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use lumivox_explorer::Revoxelize;
 use lumivox_render::Look;
 use lumivox_render::parameters::Parameter;
 use lumivox_scene::{Light, Scene, write_atomically};
@@ -11,7 +12,6 @@ use crate::args::output;
 use crate::console::line::quote;
 use crate::console::{Console, Reply, properties};
 use crate::exit::Failure;
-use crate::explorer::Revoxelize;
 
 /// `script [FILE]`
 pub fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
@@ -52,7 +52,7 @@ fn lines(console: &Console) -> Vec<String> {
     if explorer.revoxelize != Revoxelize::WhenMoved {
         lines.push(voxels::revoxelize_line(explorer.revoxelize));
     }
-    let (Some(scene), Some(opening)) = (explorer.scene(), explorer.opening()) else { return lines };
+    let (Some(scene), Some(opening)) = (explorer.scene(), console.opening()) else { return lines };
     let aspect = settings.size.x as f32 / settings.size.y as f32;
     lines.push(format!("load {}", files::line(opening, Some(aspect))));
     if settings.look != Look::Physical {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use lumivox::Grid;
+use lumivox_explorer::{Explorer, Revoxelize};
 use lumivox_render::{RenderSettings, Renderer};
 use lumivox_scene::Bounds;
 
@@ -9,7 +10,6 @@ use crate::console::arguments::{PLACE, commas, number, on_or_off, toggled, vecto
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
-use crate::explorer::{Explorer, Revoxelize};
 use crate::report::{MemoryReport, count, counted, memory_table};
 
 const VOXELS: Command = Command { group: Group::Voxels, takes: &[Takes::Anything], ..PLAIN };

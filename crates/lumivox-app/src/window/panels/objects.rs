@@ -2,10 +2,10 @@
 
 use egui::{RichText, ScrollArea, Ui};
 use glam::Vec3;
+use lumivox_explorer::Placement;
 
 use super::icons::{self, Icon};
 use super::widgets::{count, item, reset, row, vector, weak};
-use crate::explorer::Placement;
 use crate::window::app::App;
 use crate::window::gizmo::Mode;
 use crate::window::lines::quoted;

@@ -6,10 +6,10 @@ use egui::{
 };
 use egui::{pos2, vec2};
 use glam::{UVec2, Vec2, Vec3};
+use lumivox_explorer::Placement;
 use lumivox_scene::{Bounds, Light, LightKind};
 
 use super::objects;
-use crate::explorer::Placement;
 use crate::window::app::App;
 use crate::window::gizmo::{self, Handle, Mode, Projection};
 use crate::window::lines::quoted;

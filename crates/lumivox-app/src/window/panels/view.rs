@@ -2,11 +2,10 @@
 
 use egui::{ComboBox, Ui};
 use lumivox_render::parameters::Group;
-use lumivox_render::{Look, View};
+use lumivox_render::{Look, PresetChoice, View};
 
 use super::parameters;
 use super::widgets::{rest_width, row, weak};
-use crate::args::choices::PresetChoice;
 use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model};

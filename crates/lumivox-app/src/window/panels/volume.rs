@@ -1,11 +1,11 @@
 //! The voxels: how they are made and stored, and what they take.
 
 use egui::{ComboBox, Ui};
+use lumivox_explorer::Revoxelize;
 use lumivox_render::parameters::Group;
 
 use super::parameters;
 use super::widgets::{bytes, count, rest_width, row, weak};
-use crate::explorer::Revoxelize;
 use crate::window::app::App;
 use crate::window::model::Model;
 use crate::window::theme;

@@ -19,6 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glam::{UVec2, Vec2};
+use lumivox_explorer::Revoxelize;
 use lumivox_render::GpuOptions;
 use lumivox_scene::{Bounds, Camera, Picker};
 
@@ -28,7 +29,7 @@ use super::model::{Comparand, FrameTime, Job, LogKind, Model, SceneModel, Select
 use super::reload::Watched;
 use crate::console::terminal::{self, Terminal};
 use crate::console::{Console, Names, Queue};
-use crate::explorer::{Opening, Revoxelize};
+use crate::opening::Opening;
 use model::Log;
 use pictures::{Pace, Turn};
 use totals::StageTotals;

@@ -139,7 +139,7 @@ impl Worker {
     /// The scene as the panels see it.
     pub(super) fn scene(&mut self) -> Option<Arc<SceneModel>> {
         if self.scene_model.is_none() {
-            self.scene_model = scene_model(&self.console.explorer, &self.mesh_bounds).map(Arc::new);
+            self.scene_model = scene_model(&self.console, &self.mesh_bounds).map(Arc::new);
         }
         self.scene_model.clone()
     }
@@ -168,8 +168,7 @@ impl Worker {
             lumivox_render::RenderSettings { size: self.full_size, ..explorer.settings().clone() };
         let resolution = explorer.settings().resolution;
         let defaults = lumivox_render::RenderSettings { resolution, ..Default::default() };
-        let usual =
-            crate::commands::settings::with_preset(&defaults, explorer.preset(), explorer.scene());
+        let usual = defaults.with_preset(explorer.preset(), explorer.scene());
         let resolution = lumivox_render::RenderSettings::default().resolution;
         let usual = lumivox_render::RenderSettings { resolution, ..usual };
         let model = Model {

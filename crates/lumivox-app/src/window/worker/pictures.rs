@@ -8,10 +8,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::UVec2;
+use lumivox_explorer::Revoxelize;
 use lumivox_render::{Exposure, Picture, Progress, RenderSettings, View};
 
 use super::{REST, Worker};
-use crate::explorer::Revoxelize;
 use crate::window::jobs::{self, ReferenceKey, Traced, Tracing};
 use crate::window::model::{Comparand, FrameTime, JobModel, KEPT_FRAMES, LogKind, Shown};
 
@@ -236,7 +236,7 @@ impl Worker {
                 (self.wake)();
             }
         };
-        let has_rendered = self.console.explorer.frame(&mut tell)?;
+        let has_rendered = pollster::block_on(self.console.explorer.frame(&mut tell))?;
         if has_rendered {
             self.losses = 0;
             self.frames_to_wait = self.frames_to_wait.saturating_sub(1);
@@ -276,7 +276,7 @@ impl Worker {
         if explorer.renderer().is_none() {
             self.render_frame()?;
         } else if !self.pace.is_current {
-            explorer.update(&mut |_| {})?;
+            pollster::block_on(explorer.update(&mut |_| {}))?;
             if self.console.explorer.renderer().is_some_and(|renderer| renderer.frame_count() > 0) {
                 self.show()?;
             }
@@ -291,7 +291,7 @@ impl Worker {
         let is_last = frames >= explorer.settings().frames;
         if explorer.settings().exposure.fixed_stops().is_some() || self.pace.is_due(frames, is_last)
         {
-            self.pace.stops = explorer.measure_stops()?;
+            self.pace.stops = pollster::block_on(explorer.measure_stops())?;
             self.pace.measured = Some(Instant::now());
         }
         self.show_reference()?;
@@ -307,7 +307,7 @@ impl Worker {
         self.pace.serial += 1;
         let (serial, size) = (self.pace.serial, explorer.size());
         let frames = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
-        let pixels = explorer.screen(stops)?;
+        let pixels = pollster::block_on(explorer.screen(stops))?;
         Ok(pixels.map(|pixels| Arc::new(Shown { serial, size, pixels, frames })))
     }
 
@@ -318,7 +318,7 @@ impl Worker {
         let other = RenderSettings { view, ..settings.clone() };
         let done = match self.console.explorer.set_settings(other) {
             Ok(()) => self.render_frames_of_other(settings.view, most),
-            Err(error) => Err(error),
+            Err(error) => Err(error.into()),
         };
         // Not one that is refused: it was there before.
         let _ = self.console.explorer.set_settings(settings);
@@ -337,7 +337,7 @@ impl Worker {
     fn render_frames_of_other(&mut self, first: View, most: u32) -> anyhow::Result<bool> {
         let is_light = |view: View| view.is_light();
         for _ in 0..most {
-            if !self.console.explorer.frame(&mut |_| {})? {
+            if !pollster::block_on(self.console.explorer.frame(&mut |_| {}))? {
                 return Ok(true);
             }
             // These are not times of the picture.
@@ -347,7 +347,7 @@ impl Worker {
             let stops = if is_light(first) && is_light(view) {
                 self.pace.stops
             } else {
-                self.console.explorer.measure_stops()?
+                pollster::block_on(self.console.explorer.measure_stops())?
             };
             let shown = self.shown(stops)?;
             self.shared.change(|published| published.other = shown);

@@ -4,7 +4,7 @@ use lumivox_render::Gpu;
 
 use super::Worker;
 use crate::args::scene::SceneSource;
-use crate::explorer::Opening;
+use crate::opening::Opening;
 use crate::window::jobs::{self, Loaded};
 use crate::window::model::{Comparand, Job, JobModel, LogKind, mesh_bounds};
 use crate::window::reload;
@@ -48,7 +48,7 @@ impl Worker {
             }
         };
         if loading.is_reload {
-            let kept = self.console.explorer.reopen(opened);
+            let kept = self.console.reopen(opened);
             let kept = match kept {
                 0 => String::new(),
                 1 => "; the changes of 1 object stay".to_owned(),
@@ -61,7 +61,7 @@ impl Worker {
             };
             self.log.add(LogKind::Note, &format!("read {} again{kept}{dropped}", loading.title));
         } else {
-            self.console.explorer.open(opened);
+            self.console.open(opened);
             self.opened += 1;
             self.selected = None;
             self.selections += 1;
@@ -91,7 +91,7 @@ impl Worker {
     /// Hears of changes of the scene's files from now on.
     fn watch(&mut self) {
         let before = self.watched.take();
-        let source = self.console.explorer.opening().map(|opening| opening.source.clone());
+        let source = self.console.opening().map(|opening| opening.source.clone());
         let Some(SceneSource::File(file)) = source else { return };
         match reload::watch(&file, self.sender.clone()) {
             Ok(watched) => {
@@ -110,7 +110,7 @@ impl Worker {
         let is_loading = self.loading.as_ref().is_some_and(|loading| !loading.is_reload);
         if is_loading {
             self.has_changed = true;
-        } else if let Some(opening) = self.console.explorer.opening().cloned() {
+        } else if let Some(opening) = self.console.opening().cloned() {
             self.open(opening, true);
         }
     }

@@ -1,6 +1,6 @@
 //! What happens as time goes on.
 
-use super::{Explorer, Revoxelize};
+use crate::{Explorer, ExplorerError, Revoxelize};
 
 impl Explorer {
     /// Lets time go on: what plays moves, and voxels are made anew where [`Explorer::revoxelize`] asks for it. Whoever
@@ -8,7 +8,7 @@ impl Explorer {
     ///
     /// # Errors
     /// When nothing of the scene is left at the new time.
-    pub fn tick(&mut self, seconds: f32) -> anyhow::Result<()> {
+    pub fn tick(&mut self, seconds: f32) -> Result<(), ExplorerError> {
         self.advance(seconds)?;
         self.since_voxels_s += seconds;
         let is_due = match self.revoxelize {

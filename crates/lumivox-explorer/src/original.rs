@@ -2,7 +2,7 @@
 
 use lumivox_scene::{Camera, Environment, Light, Material, Scene};
 
-use super::Explorer;
+use crate::Explorer;
 
 /// Lights and materials as they were opened.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub struct Original {
 }
 
 impl Original {
-    pub(super) fn of(scene: &Scene) -> Self {
+    pub(crate) fn of(scene: &Scene) -> Self {
         Self {
             lights: scene.lights.clone(),
             environment: scene.environment.clone(),

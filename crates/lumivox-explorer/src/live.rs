@@ -1,11 +1,12 @@
-//! What a window asks of an explorer besides.
+//! What front ends with a picture on the screen ask of an explorer besides.
 
 use std::collections::HashSet;
 
 use lumivox::gpu::{StageTime, Timing};
+use lumivox_render::PresetChoice;
 
-use super::Explorer;
-use super::opened::Opened;
+use crate::Explorer;
+use crate::opened::Opened;
 
 impl Explorer {
     /// Shows a scene that was read again: the camera, the stored positions and the changes of objects that are still there
@@ -25,7 +26,7 @@ impl Explorer {
     }
 
     /// Takes note of the preset that the settings started from.
-    pub fn note_preset(&mut self, preset: crate::args::choices::PresetChoice) {
+    pub fn note_preset(&mut self, preset: PresetChoice) {
         self.preset = preset;
     }
 

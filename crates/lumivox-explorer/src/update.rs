@@ -4,20 +4,20 @@ use lumivox::GiError;
 use lumivox_render::{Progress, RenderError, Renderer};
 use lumivox_scene::Scene;
 
-use super::{Explorer, Revoxelize};
+use crate::{Explorer, ExplorerError, Revoxelize};
 
 /// What of the scene the renderer has not seen yet.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that may have changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Pending {
+pub(crate) struct Pending {
     /// Lights or surroundings.
-    pub(super) lights: bool,
+    pub(crate) lights: bool,
     /// Places of objects, or which are there.
-    pub(super) objects: bool,
+    pub(crate) objects: bool,
     /// Materials.
-    pub(super) materials: bool,
+    pub(crate) materials: bool,
     /// Voxels are to be made anew, whatever has changed.
-    pub(super) voxels: bool,
+    pub(crate) voxels: bool,
 }
 
 impl Explorer {
@@ -32,7 +32,7 @@ impl Explorer {
     }
 
     /// Lets voxels follow that were left behind under another policy.
-    pub(super) fn catch_up(&mut self) {
+    pub(crate) fn catch_up(&mut self) {
         self.pending.voxels |= self.revoxelize == Revoxelize::WhenMoved && self.has_stale_voxels();
     }
 
@@ -41,7 +41,7 @@ impl Explorer {
     ///
     /// # Errors
     /// When the renderer refuses. Settings that it refuses are those of before again.
-    pub fn update(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<()> {
+    pub async fn update(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let has_grid = opened.scene.grid_bounds.is_some();
         if opened.scene.shown().next().is_none() && !has_grid {
@@ -49,10 +49,10 @@ impl Explorer {
             return Ok(());
         }
         self.fit_grid();
-        pollster::block_on(self.bring(tell))
+        self.bring(tell).await
     }
 
-    async fn bring(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<()> {
+    async fn bring(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
         let Some(renderer) = &mut self.renderer else {

@@ -4,8 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use lumivox_scene::Scene;
 
-use super::Explorer;
-use crate::console::suggest;
+use crate::{Explorer, suggest};
 
 /// There is nothing of a name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -62,7 +61,7 @@ fn unique<'a>(kind: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
 }
 
 /// The objects' names in the order of the instances.
-pub(super) fn names_of_objects(scene: &Scene) -> Vec<String> {
+pub(crate) fn names_of_objects(scene: &Scene) -> Vec<String> {
     unique("object", scene.instances.iter().map(|instance| instance.name.as_str()))
 }
 

@@ -1,5 +1,6 @@
 use glam::{Mat4, Vec3};
 use lumivox::Preset;
+use pollster::block_on;
 
 use super::*;
 
@@ -18,7 +19,7 @@ fn placements_go_there_and_back() {
 
 fn gpu() -> Gpu {
     let options = lumivox_render::GpuOptions { portable: true, ..Default::default() };
-    pollster::block_on(Gpu::new(&options)).expect("a GPU adapter, as ./test installs one")
+    block_on(Gpu::new(&options)).expect("a GPU adapter, as ./test installs one")
 }
 
 fn small() -> RenderSettings {
@@ -32,22 +33,9 @@ fn small() -> RenderSettings {
     }
 }
 
-/// The command line's own defaults.
-fn opening(scene: &str) -> Opening {
-    use clap::Parser as _;
-
-    #[derive(clap::Parser)]
-    struct Line {
-        #[command(flatten)]
-        args: crate::cli::ExploreArgs,
-    }
-    let line = Line::parse_from(["test", "--size", "32x24"]);
-    Opening::of(&line.args, std::ffi::OsString::from(scene).into())
-}
-
 fn opened(scene: &str) -> Opened {
-    let progress = crate::progress::Progress::start(&indicatif::MultiProgress::new(), "loading");
-    load(opening(scene), &progress).unwrap()
+    let scene = lumivox_scene::builtin::scene(scene).unwrap();
+    Opened::new(scene, OpenOptions::default(), &mut |_| {}).unwrap()
 }
 
 fn explorer(scene: &str) -> Explorer {
@@ -56,8 +44,12 @@ fn explorer(scene: &str) -> Explorer {
     explorer
 }
 
+fn shown(explorer: &mut Explorer) -> Option<lumivox_render::Picture> {
+    block_on(explorer.picture(&mut |_| {})).unwrap()
+}
+
 fn picture(explorer: &mut Explorer) -> lumivox_render::Picture {
-    explorer.picture(&mut |_| {}).unwrap().expect("something to show")
+    shown(explorer).expect("something to show")
 }
 
 /// What a renderer makes of the same scene, camera and settings at once.
@@ -66,26 +58,26 @@ fn fresh(explorer: &Explorer) -> lumivox_render::Picture {
     let settings = explorer.settings().clone();
     let ignore = &mut |_| {};
     let renderer = Renderer::new(explorer.gpu(), scene, Some(camera), settings, ignore);
-    pollster::block_on(pollster::block_on(renderer).unwrap().render(ignore)).unwrap()
+    block_on(block_on(renderer).unwrap().render(ignore)).unwrap()
 }
 
 #[test]
 fn without_a_scene_there_is_no_picture() {
     let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
-    assert!(!explorer.frame(&mut |_| {}).unwrap());
-    assert!(explorer.picture(&mut |_| {}).unwrap().is_none());
-    explorer.open(opened("builtin:cornell"));
+    assert!(!block_on(explorer.frame(&mut |_| {})).unwrap());
+    assert!(shown(&mut explorer).is_none());
+    explorer.open(opened("cornell"));
     for object in 0..explorer.object_names().len() {
         explorer.set_hidden(object, true);
     }
-    assert!(explorer.picture(&mut |_| {}).unwrap().is_none(), "all is hidden");
+    assert!(shown(&mut explorer).is_none(), "all is hidden");
     explorer.set_hidden(0, false);
-    assert!(explorer.picture(&mut |_| {}).unwrap().is_some());
+    assert!(shown(&mut explorer).is_some());
 }
 
 #[test]
 fn edits_show_as_in_a_scene_made_so() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     let first = picture(&mut explorer);
     let last = explorer.object_names().len() - 1;
     let was = explorer.placement(last).unwrap();
@@ -102,7 +94,7 @@ fn edits_show_as_in_a_scene_made_so() {
 
 #[test]
 fn what_the_renderer_refuses_is_taken_back() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     let first = picture(&mut explorer);
     let accepted = explorer.settings().clone();
     let asked = RenderSettings { bounces: 99, ..small() };
@@ -111,7 +103,10 @@ fn what_the_renderer_refuses_is_taken_back() {
     explorer.note_preset(PresetChoice::Cones(Preset::High));
     let asked = RenderSettings { volume_memory: Some(1), ..explorer.settings().clone() };
     explorer.set_settings(asked).unwrap();
-    assert!(explorer.update(&mut |_| {}).is_err(), "only the volume itself knows what it takes");
+    assert!(
+        block_on(explorer.update(&mut |_| {})).is_err(),
+        "only the volume itself knows what it takes"
+    );
     assert_eq!(*explorer.settings(), accepted);
     assert_eq!(explorer.preset(), PresetChoice::Cones(Preset::Balanced));
     assert!(picture(&mut explorer) == first);
@@ -119,7 +114,7 @@ fn what_the_renderer_refuses_is_taken_back() {
 
 #[test]
 fn voxels_follow_when_they_shall() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     picture(&mut explorer);
     explorer.revoxelize = Revoxelize::WhenAsked;
     let last = explorer.object_names().len() - 1;
@@ -142,7 +137,7 @@ fn voxels_follow_when_they_shall() {
 /// The grid is wide enough for what leaves it, and does not shrink again.
 #[test]
 fn the_grid_widens() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     picture(&mut explorer);
     let last = explorer.object_names().len() - 1;
     explorer.transform(last, Mat4::from_translation(Vec3::X * 3.0));
@@ -156,7 +151,7 @@ fn the_grid_widens() {
 
 #[test]
 fn objects_have_names_of_their_own() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     let names = explorer.object_names();
     let first = names[0].clone();
     let opened = explorer.opened.as_mut().unwrap();
@@ -178,7 +173,7 @@ fn objects_have_names_of_their_own() {
 /// Many objects of the same name are named, found and hidden without counting from the start for each.
 #[test]
 fn many_objects_of_a_name_are_told_apart() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     let opened = explorer.opened.as_mut().unwrap();
     let like =
         lumivox_scene::Instance { name: "a".to_owned(), ..opened.scene.instances[0].clone() };
@@ -197,7 +192,7 @@ fn many_objects_of_a_name_are_told_apart() {
 
 #[test]
 fn a_closed_scene_leaves_nothing_behind() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     explorer.store_position(0);
     picture(&mut explorer);
     explorer.close();
@@ -208,7 +203,7 @@ fn a_closed_scene_leaves_nothing_behind() {
 
 #[test]
 fn positions_are_kept() {
-    let mut explorer = explorer("builtin:cornell");
+    let mut explorer = explorer("cornell");
     let first = explorer.camera().clone();
     explorer.store_position(1);
     explorer.set_camera(Camera::look_at(Vec3::ONE, Vec3::ZERO, 1.0));
@@ -216,4 +211,72 @@ fn positions_are_kept() {
     assert_eq!(explorer.position(2), None);
     let seen = picture(&mut explorer);
     assert!(seen == fresh(&explorer));
+}
+
+/// A scene in which nothing shines is lit unless that is not wanted, and says by what; one that shines is left alone.
+#[test]
+fn dark_scenes_are_lit_and_say_so() {
+    let mut dark = lumivox_scene::builtin::scene("cornell").unwrap();
+    let shining = Opened::new(dark.clone(), OpenOptions::default(), &mut |_| {}).unwrap();
+    assert_eq!(shining.default_light(), None);
+    assert_eq!(shining.scene(), &dark);
+
+    dark.lights.clear();
+    for material in &mut dark.materials {
+        material.emissive = Vec3::ZERO;
+    }
+    let left = OpenOptions { default_light: false, ..OpenOptions::default() };
+    let left = Opened::new(dark.clone(), left, &mut |_| {}).unwrap();
+    assert!(left.default_light().is_none() && !left.scene().shines());
+    let mut stages = Vec::new();
+    let mut tell = |step: Progress| stages.push(step.stage);
+    let lit = Opened::new(dark, OpenOptions::default(), &mut tell).unwrap();
+    assert!(lit.default_light().is_some() && lit.scene().shines());
+    assert_eq!(stages, ["looking for places of lamps"]);
+}
+
+#[test]
+fn cameras_are_the_wanted_ones_or_found() {
+    let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
+    let own = scene.cameras[0].clone();
+    let wanted = Camera::look_at(Vec3::ONE, Vec3::ZERO, 1.0);
+    let camera = |scene: &Scene, options| {
+        Opened::new(scene.clone(), options, &mut |_| {}).unwrap().camera().clone()
+    };
+    assert_eq!(camera(&scene, OpenOptions::default()), own);
+    let options = OpenOptions { camera: Some(wanted.clone()), ..OpenOptions::default() };
+    assert_eq!(camera(&scene, options), wanted);
+    scene.cameras.clear();
+    let found = camera(&scene, OpenOptions { aspect: 1.0, ..OpenOptions::default() });
+    assert_eq!(found, scene.default_camera(1.0));
+}
+
+/// Messages are those of the crates below, to the letter, and so is what stands behind them.
+#[test]
+fn errors_keep_their_words() {
+    let mut explorer = explorer("cornell");
+    let asked = RenderSettings { bounces: 99, ..small() };
+    let limits = explorer.gpu().device.limits();
+    let below = asked.validate(&limits).unwrap_err().to_string();
+    let error = explorer.set_settings(asked).unwrap_err();
+    assert!(matches!(error, ExplorerError::Render(_)) && error.to_string() == below, "{error}");
+    let unknown = explorer.object("zzz").unwrap_err();
+    assert_eq!(ExplorerError::from(unknown.clone()).to_string(), unknown.to_string());
+}
+
+/// What was asked for together with what is refused stays as it was; what is taken is there at once.
+#[test]
+fn settings_are_tried_at_once() {
+    let mut explorer = explorer("cornell");
+    let first = picture(&mut explorer);
+    let report = PresetChoice::Cones(Preset::Report);
+    let settings = RenderSettings { volume_memory: Some(1), ..explorer.settings_of(report) };
+    assert!(block_on(explorer.try_settings(settings, report, &mut |_| {})).is_err());
+    assert_eq!(explorer.preset(), PresetChoice::Cones(Preset::Balanced));
+    assert!(picture(&mut explorer) == first);
+    let settings = explorer.settings_of(report);
+    block_on(explorer.try_settings(settings.clone(), report, &mut |_| {})).unwrap();
+    assert_eq!((explorer.preset(), explorer.settings()), (report, &settings));
+    assert_eq!(explorer.renderer().unwrap().settings(), &settings);
+    assert!(picture(&mut explorer) == fresh(&explorer));
 }

@@ -2,13 +2,13 @@
 
 use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
 
-use super::Explorer;
-use super::names::NotFound;
-use super::opened::Opened;
+use crate::Explorer;
+use crate::names::NotFound;
+use crate::opened::Opened;
 
 /// What was changed of an object.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Edit {
+pub(crate) struct Edit {
     /// Applied before the place that the file or the animation gives it.
     local: Mat4,
     is_hidden: Option<bool>,
@@ -50,7 +50,7 @@ impl Placement {
 
 impl Opened {
     /// Brings the instances up to date with the edits.
-    pub(super) fn apply_edits(&mut self) {
+    pub(crate) fn apply_edits(&mut self) {
         for object in 0..self.scene.instances.len() {
             self.apply_edit(object);
         }

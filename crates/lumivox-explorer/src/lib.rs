@@ -1,43 +1,73 @@
-//! A scene that is looked at and changed while it is rendered: what the console, scripts and the window work on.
+//! A scene that is looked at and changed while it is rendered: what consoles, scripts, windows and pages work on.
 //!
 //! [`Explorer`] holds the state: the scene with all changes made to it, the camera, the settings. Changes are made to
 //! the state alone, and are cheap; [`Explorer::update`] then brings the renderer up to date with all of them at once.
 //! What the renderer refuses is taken back, so that there is always a state that can be shown.
 //!
-//! Nothing here knows of text or of windows, and everything happens on the caller's thread. [`load`] is apart, so that
-//! a scene can be read beside the frames of another.
+//! Nothing here knows of windows, files, command lines or threads, so that it works in browsers, too. What waits for the
+//! GPU is `async` and is to be awaited to its end: a change that is dropped halfway may be lost. [`Opened::new`] needs no
+//! GPU, so that a scene can be made ready beside the frames of another.
+//!
+//! ```no_run
+//! # async fn show() -> Result<(), Box<dyn std::error::Error>> {
+//! use lumivox_explorer::{Explorer, OpenOptions, Opened};
+//! use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings};
+//!
+//! let gpu = Gpu::new(&GpuOptions::default()).await?;
+//! let mut explorer = Explorer::new(gpu, RenderSettings::default(), PresetChoice::default());
+//! let scene = lumivox_scene::builtin::scene("cornell")?;
+//! explorer.open(Opened::new(scene, OpenOptions::default(), &mut |_| {})?);
+//! while explorer.frame(&mut |_| {}).await? {
+//!     let stops = explorer.measure_stops().await?;
+//!     let pixels = explorer.screen(stops).await?; // show them
+//! }
+//! explorer.set_hidden(0, true); // the next frame starts anew
+//! # drop(explorer);
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `opened.rs` | reading a scene, and what is remembered of it |
+//! | `opened.rs` | a scene made ready, and what is remembered of it |
 //! | `objects.rs` | its instances: found by name, moved, hidden |
 //! | `names.rs` | names of objects, materials and lights, each once |
+//! | `suggest.rs` | what was meant, where a name is wrong |
 //! | `original.rs` | what the scene was before it was changed |
 //! | `animation.rs` | what it plays |
 //! | `clock.rs` | what happens as time goes on |
 //! | `update.rs` | bringing the renderer up to date |
 //! | `frames.rs` | rendering frame by frame, and their times |
-//! | `live.rs` | what a window asks besides: reading a scene again, times of stages |
+//! | `live.rs` | what a screen asks besides: reading a scene again, times of stages |
+
+#![cfg_attr(
+    test,
+    allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")
+)]
 
 mod animation;
 mod clock;
+mod error;
 mod frames;
 mod live;
 mod names;
 mod objects;
 mod opened;
 mod original;
+pub mod suggest;
 mod update;
 
 use glam::{UVec2, Vec3};
-use lumivox_render::{Gpu, RenderSettings, Renderer};
+use lumivox_render::{Gpu, PresetChoice, Progress, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, Scene};
 
-use crate::args::choices::PresetChoice;
 pub use animation::Playback;
+pub use error::ExplorerError;
 pub use frames::FrameTimes;
+pub use names::NotFound;
 pub use objects::Placement;
-pub use opened::{Opened, Opening, load};
+pub use opened::{OpenOptions, Opened};
+pub use original::Original;
 use update::Pending;
 
 /// When triangles that have moved become voxels again.
@@ -117,7 +147,7 @@ impl Explorer {
         let last = self.opened.as_ref().map(|last| &last.scene);
         for settings in [&mut self.settings, &mut self.accepted] {
             settings.grid_bounds = self.fitted;
-            crate::commands::settings::show_other(settings, last, &opened.scene);
+            settings.show_other(last, &opened.scene);
         }
         self.opened = Some(opened);
         self.generation += 1;
@@ -152,11 +182,6 @@ impl Explorer {
         self.generation
     }
 
-    /// How the scene was opened.
-    pub fn opening(&self) -> Option<&Opening> {
-        self.opened.as_ref().map(|opened| &opened.opening)
-    }
-
     /// The device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
@@ -177,7 +202,7 @@ impl Explorer {
     ///
     /// # Errors
     /// When one is out of range; then nothing changes.
-    pub fn set_settings(&mut self, settings: RenderSettings) -> anyhow::Result<()> {
+    pub fn set_settings(&mut self, settings: RenderSettings) -> Result<(), ExplorerError> {
         settings.validate(&self.gpu.device.limits())?;
         self.settings = settings;
         Ok(())
@@ -193,19 +218,19 @@ impl Explorer {
     ///
     /// # Errors
     /// As [`Self::set_settings`] and [`Self::update`].
-    pub fn try_settings(
+    pub async fn try_settings(
         &mut self,
         settings: RenderSettings,
         preset: PresetChoice,
-        tell: &mut dyn FnMut(lumivox_render::Progress),
-    ) -> anyhow::Result<()> {
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<(), ExplorerError> {
         let before = (self.settings.clone(), self.preset, self.fitted);
         self.set_settings(settings)?;
         self.preset = preset;
         if self.renderer.is_none() {
             return Ok(());
         }
-        let updated = self.update(tell);
+        let updated = self.update(tell).await;
         if updated.is_err() {
             (self.settings, self.preset, self.fitted) = before;
         }
@@ -229,7 +254,7 @@ impl Explorer {
 
     /// The settings of a preset; picture, view and resolution stay.
     pub fn settings_of(&self, preset: PresetChoice) -> RenderSettings {
-        crate::commands::settings::with_preset(&self.settings, preset, self.scene())
+        self.settings.with_preset(preset, self.scene())
     }
 
     /// Width and height of the picture, px.

@@ -1,11 +1,12 @@
 //! Rendering frame by frame, and how long it took.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lumivox_render::{Picture, Progress};
+use web_time::Instant;
 
-use super::Explorer;
+use crate::{Explorer, ExplorerError};
 
 /// Frames whose times are kept.
 const KEPT: usize = 4096;
@@ -52,9 +53,9 @@ impl Explorer {
     ///
     /// # Errors
     /// As [`Explorer::update`], and when the device fails.
-    pub fn frame(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<bool> {
+    pub async fn frame(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<bool, ExplorerError> {
         self.catch_up();
-        self.update(tell)?;
+        self.update(tell).await?;
         let frames = self.settings.frames;
         let Some(renderer) = &mut self.renderer else { return Ok(false) };
         let is_complete = renderer.frame_count() >= frames;
@@ -66,9 +67,9 @@ impl Explorer {
         let start = Instant::now();
         // An overlay that came later catches up with the picture.
         if is_complete {
-            pollster::block_on(renderer.render_overlay_frame())?;
+            renderer.render_overlay_frame().await?;
         } else {
-            pollster::block_on(renderer.render_frame())?;
+            renderer.render_frame().await?;
         }
         self.gpu.wait("rendering a frame")?;
         self.times.add(start.elapsed());
@@ -79,44 +80,47 @@ impl Explorer {
     ///
     /// # Errors
     /// As [`Self::frame`].
-    pub fn picture(&mut self, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<Option<Picture>> {
-        while self.frame(tell)? {
+    pub async fn picture(
+        &mut self,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<Option<Picture>, ExplorerError> {
+        while self.frame(tell).await? {
             if let Some(renderer) = &self.renderer {
                 let done = renderer.frame_count();
                 tell(Progress { stage: "render", done, total: self.settings.frames });
             }
         }
         if let Some(renderer) = &mut self.renderer {
-            pollster::block_on(renderer.complete_overlay())?;
+            renderer.complete_overlay().await?;
         }
-        self.finish()
+        self.finish().await
     }
 
     /// The picture of the frames so far, one at least.
     ///
     /// # Errors
     /// When the device fails.
-    pub fn finish(&mut self) -> anyhow::Result<Option<Picture>> {
+    pub async fn finish(&mut self) -> Result<Option<Picture>, ExplorerError> {
         let Some(renderer) = &mut self.renderer else { return Ok(None) };
-        Ok(Some(pollster::block_on(renderer.finish())?))
+        Ok(Some(renderer.finish().await?))
     }
 
     /// What a screen shows of the frames so far, exposed by `stops`; see [`Self::measure_stops`].
     ///
     /// # Errors
     /// When the device fails.
-    pub fn screen(&mut self, stops: f32) -> anyhow::Result<Option<Vec<[u8; 4]>>> {
+    pub async fn screen(&mut self, stops: f32) -> Result<Option<Vec<[u8; 4]>>, ExplorerError> {
         let Some(renderer) = &mut self.renderer else { return Ok(None) };
-        Ok(Some(pollster::block_on(renderer.screen(stops))?))
+        Ok(Some(renderer.screen(stops).await?))
     }
 
     /// The stops that the exposure asks for, given the frames so far.
     ///
     /// # Errors
     /// When the device fails.
-    pub fn measure_stops(&self) -> anyhow::Result<f32> {
+    pub async fn measure_stops(&self) -> Result<f32, ExplorerError> {
         let Some(renderer) = &self.renderer else { return Ok(0.0) };
-        Ok(pollster::block_on(renderer.measure_stops())?)
+        Ok(renderer.measure_stops().await?)
     }
 
     /// How long frames took.

@@ -2,8 +2,8 @@
 
 use lumivox_scene::AnimationChoice;
 
-use super::Explorer;
-use super::opened::Opened;
+use crate::opened::Opened;
+use crate::{Explorer, ExplorerError};
 
 /// An animation that plays, or stands still.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Playback {
 }
 
 impl Playback {
-    pub(super) fn of(opened: &Opened) -> Self {
+    pub(crate) fn of(opened: &Opened) -> Self {
         let animations = opened.scene.animations();
         let first = animations.first();
         Self {
@@ -49,7 +49,7 @@ impl Explorer {
     ///
     /// # Errors
     /// When the scene has no such animation, or nothing is left of it there.
-    pub fn set_animation(&mut self, animation: AnimationChoice) -> anyhow::Result<()> {
+    pub fn set_animation(&mut self, animation: AnimationChoice) -> Result<(), ExplorerError> {
         let Some(scene) = self.scene() else { return Ok(()) };
         let mut durations = scene.animations().into_iter().map(|a| a.duration_s);
         self.playback.duration_s = match animation {
@@ -64,7 +64,7 @@ impl Explorer {
     ///
     /// # Errors
     /// When nothing of the scene is left at that time.
-    pub fn seek(&mut self, time_s: f32) -> anyhow::Result<()> {
+    pub fn seek(&mut self, time_s: f32) -> Result<(), ExplorerError> {
         let Playback { animation, duration_s, .. } = self.playback;
         let (Some(animation), Some(opened)) = (animation, &mut self.opened) else { return Ok(()) };
         // The end itself is shown.
@@ -83,7 +83,7 @@ impl Explorer {
     ///
     /// # Errors
     /// As [`Self::seek`].
-    pub fn advance(&mut self, seconds: f32) -> anyhow::Result<()> {
+    pub fn advance(&mut self, seconds: f32) -> Result<(), ExplorerError> {
         if self.playback.is_playing { self.seek(self.playback.time_s + seconds) } else { Ok(()) }
     }
 }

@@ -1,0 +1,120 @@
+//! A scene made ready to be looked at, and what is remembered of it.
+
+use std::collections::BTreeMap;
+
+use glam::Mat4;
+use lumivox_render::Progress;
+use lumivox_scene::{AnimationChoice, Bounds, Camera, DefaultLight, Scene};
+
+use crate::ExplorerError;
+use crate::names::names_of_objects;
+use crate::objects::Edit;
+use crate::original::Original;
+
+/// How a scene is made ready.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OpenOptions {
+    /// Where it is seen from. Default: the scene's first camera, or else the view that shows it best.
+    pub camera: Option<Camera>,
+    /// Width over height of the picture that such a view is found for. Default: 16/9.
+    pub aspect: f32,
+    /// Whether a scene is lit in which nothing shines, by sun and sky or by lamps. Default: yes.
+    pub default_light: bool,
+}
+
+impl Default for OpenOptions {
+    fn default() -> Self {
+        Self { camera: None, aspect: 16.0 / 9.0, default_light: true }
+    }
+}
+
+/// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it since.
+#[derive(Debug)]
+pub struct Opened {
+    /// As it is shown.
+    pub(crate) scene: Scene,
+    pub(crate) camera: Camera,
+    /// What the grid is fitted to.
+    pub(crate) grid_bounds: Option<Bounds>,
+    /// The objects' names, each once, in the order of the scene's instances.
+    pub(crate) names: Vec<String>,
+    /// The objects' places without edits, in the same order.
+    pub(crate) posed: Vec<Mat4>,
+    /// Changes of objects by their names.
+    pub(crate) edits: BTreeMap<String, Edit>,
+    /// Lights and materials before they were changed.
+    pub(crate) original: Original,
+    default_light: Option<DefaultLight>,
+}
+
+/// Steps of an animation at which the room that it takes is measured.
+const POSES: u32 = 32;
+
+impl Opened {
+    /// Finds a scene's camera, lights it where nothing shines, and measures the room that its animation takes. This may
+    /// take seconds and needs no GPU; `tell` hears how far it is.
+    ///
+    /// # Errors
+    /// When nothing of the scene is left at some time of its animation.
+    pub fn new(
+        mut scene: Scene,
+        options: OpenOptions,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<Self, ExplorerError> {
+        let OpenOptions { camera, aspect, default_light } = options;
+        let camera = camera.or_else(|| scene.cameras.first().cloned()).unwrap_or_else(|| {
+            tell(Progress { stage: "looking for a camera", done: 0, total: 1 });
+            scene.default_camera(aspect)
+        });
+        let default_light = if default_light && !scene.shines() {
+            tell(Progress { stage: "looking for places of lamps", done: 0, total: 1 });
+            scene.add_default_light(Some(&camera))
+        } else {
+            None
+        };
+        let grid_bounds = bounds_of_all_poses(&mut scene, tell)?;
+        let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
+        let (names, original) = (names_of_objects(&scene), Original::of(&scene));
+        let edits = BTreeMap::new();
+        Ok(Self { scene, camera, grid_bounds, names, posed, edits, original, default_light })
+    }
+
+    /// The scene, lit.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Where it is seen from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The light that was added since nothing shone; users want to hear of it.
+    pub fn default_light(&self) -> Option<&DefaultLight> {
+        self.default_light.as_ref()
+    }
+
+    /// The scene's second and third camera: those to come back to.
+    pub(crate) fn positions(&self) -> [Option<Camera>; 2] {
+        [1, 2].map(|number| self.scene.cameras.get(number).cloned())
+    }
+}
+
+/// The box around what moves, in all its poses; a grid that follows them would flicker.
+fn bounds_of_all_poses(
+    scene: &mut Scene,
+    tell: &mut dyn FnMut(Progress),
+) -> Result<Option<Bounds>, ExplorerError> {
+    let animations = scene.animations();
+    let Some(first) = animations.first() else { return Ok(None) };
+    let rest = scene.clone();
+    let mut bounds = scene.bounds();
+    for step in 0..=POSES {
+        tell(Progress { stage: "measuring the animation", done: step, total: POSES });
+        let time_s = first.duration_s * step as f32 / POSES as f32;
+        scene.pose(AnimationChoice::One(0), time_s)?;
+        bounds = bounds.union(scene.bounds());
+    }
+    *scene = rest;
+    Ok(Some(bounds))
+}
