@@ -145,6 +145,7 @@ impl Shared {
 pub fn words(stage: &'static str) -> &'static str {
     match stage {
         "upload" => "uploading",
+        "compile" => "compiling shaders",
         "voxelize" => "voxelizing",
         "light" => "lighting the voxels",
         "render" => "frame",

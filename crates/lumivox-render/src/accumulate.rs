@@ -7,7 +7,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    uniform_buffer,
 };
 
 use crate::composite::PICTURE_FORMAT;
@@ -39,7 +40,7 @@ impl AccumulatePass {
     /// # Errors
     /// When the shader does not link.
     pub(crate) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         textures: &mut ScreenTextures<'_>,
         size: UVec2,

@@ -6,7 +6,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, Lights, TraceTargets};
 
@@ -50,11 +51,7 @@ impl CompositePass {
     ///
     /// # Errors
     /// When the shader does not link.
-    pub fn new(
-        device: &wgpu::Device,
-        shaders: &ShaderLibrary,
-        gi: &Gi,
-    ) -> Result<Self, ShaderError> {
+    pub fn new(device: &Pipelines, shaders: &ShaderLibrary, gi: &Gi) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute().uniform();
         let layout = (0..5)
             .fold(layout, |layout, _| layout.texture_2d_unfilterable())

@@ -35,7 +35,7 @@ impl Picture {
             Directionality::default(),
         ));
         let mut textures = ScreenTextures::new(&gpu.device, size);
-        let pass = ToneMapPass::new(&gpu.device, &shaders, &mut textures, size)?;
+        let pass = ToneMapPass::new(&gpu.pipelines, &shaders, &mut textures, size)?;
         let format = wgpu::TextureFormat::Rgba32Float;
         let texture = textures.create("picture", format, wgpu::TextureUsages::COPY_DST);
         gpu.queue.write_texture(

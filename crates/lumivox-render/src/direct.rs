@@ -1,7 +1,9 @@
 //! Light that reaches the visible surfaces straight from lamps and sun: Lambert's diffuse reflection
 //! and the microfacet gloss of `package::trace::brdf`, per pixel and light.
 
-use lumivox::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use lumivox::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+};
 use lumivox::{GBuffer, Gi, Lights};
 
 use crate::textures::ScreenTextures;
@@ -30,11 +32,7 @@ impl DirectPass {
     ///
     /// # Errors
     /// When the shader does not link.
-    pub fn new(
-        device: &wgpu::Device,
-        shaders: &ShaderLibrary,
-        gi: &Gi,
-    ) -> Result<Self, ShaderError> {
+    pub fn new(device: &Pipelines, shaders: &ShaderLibrary, gi: &Gi) -> Result<Self, ShaderError> {
         let d2 = wgpu::TextureViewDimension::D2;
         let layout = LayoutBuilder::compute()
             .storage_texture(d2, FORMAT)

@@ -17,11 +17,15 @@
 //! Where it is not and its glass has a colour, a second pass multiplies that onto the tint of the pixel.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::perspective_infinite_reverse;
 use glam::{Mat4, UVec2, Vec2};
-use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use lumivox::gpu::pipelines::{DrawPipeline, Shader};
+use lumivox::gpu::{
+    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+};
 use lumivox::{GBufferViews, View};
 use lumivox_scene::Camera;
 
@@ -70,11 +74,11 @@ struct Variant {
 /// Renders the G-buffer.
 #[derive(Debug)]
 pub struct GBufferPass {
-    module: wgpu::ShaderModule,
+    shader: Shader,
     /// Those that the scene needs.
-    pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
+    pipelines: BTreeMap<Variant, DrawPipeline>,
     /// Those for what is tinted.
-    tint_pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
+    tint_pipelines: BTreeMap<Variant, DrawPipeline>,
     view: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
@@ -124,41 +128,51 @@ impl GBufferPass {
     /// # Errors
     /// When the shader does not link.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         scene: &GpuScene,
     ) -> Result<Self, ShaderError> {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let layout = LayoutBuilder::new(stages).uniform().storage().build(device, "raster view");
-        let (module, _) = shaders.create(device, "render::gbuffer_pass")?;
+        let shader = device.shader(shaders, "render::gbuffer_pass")?;
         let view = lumivox::gpu::uniform_buffer(device, "raster view", &RasterView::zeroed());
         let group = bind(device, &layout, &view, scene);
         let (pipelines, tint_pipelines) = (BTreeMap::new(), BTreeMap::new());
-        let mut pass = Self { module, pipelines, tint_pipelines, view, layout, group };
-        pass.make_pipelines(device, scene);
+        let mut pass = Self { shader, pipelines, tint_pipelines, view, layout, group };
+        pass.make_pipelines(device, scene)?;
         Ok(pass)
     }
 
     /// Takes up another pose of the scene that it was made for.
-    pub(crate) fn set_scene(&mut self, device: &wgpu::Device, scene: &GpuScene) {
-        self.group = bind(device, &self.layout, &self.view, scene);
+    ///
+    /// # Errors
+    /// When the shader has not what a material needs.
+    pub(crate) fn set_scene(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+    ) -> Result<(), ShaderError> {
+        self.group = bind(pipelines, &self.layout, &self.view, scene);
         // What was hidden may be there now.
-        self.make_pipelines(device, scene);
+        self.make_pipelines(pipelines, scene)
     }
 
     /// Makes those that are not there yet.
-    fn make_pipelines(&mut self, device: &wgpu::Device, scene: &GpuScene) {
+    fn make_pipelines(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+    ) -> Result<(), ShaderError> {
         let targets = FORMATS.map(|format| Some(format.into()));
         let tint_targets = [Some(wgpu::ColorTargetState {
             format: TINT_FORMAT,
             blend: Some(wgpu::BlendState { color: MULTIPLY, alpha: MULTIPLY }),
             write_mask: wgpu::ColorWrites::ALL,
         })];
-        let (module, layout) = (&self.module, &self.layout);
+        let (shader, layout) = (&self.shader, &self.layout);
         let create = |variant: Variant, is_tint: bool| {
             RasterPipeline {
-                label: if is_tint { "tint" } else { "G-buffer" },
-                module,
+                shader,
                 vertex: variant.vertex(),
                 fragment: Some(if is_tint { "tint_fragment" } else { variant.fragment() }),
                 targets: if is_tint { &tint_targets } else { &targets },
@@ -167,15 +181,21 @@ impl GBufferPass {
                 cull_mode: (!variant.is_double_sided).then_some(wgpu::Face::Back),
                 writes_depth: !is_tint,
             }
-            .create(device)
+            .create(pipelines)
         };
         for draw in &scene.draws {
             let variant = Variant::of(scene, draw);
-            self.pipelines.entry(variant).or_insert_with(|| create(variant, false));
-            if scene.materials[draw.material].is_tinted {
-                self.tint_pipelines.entry(variant).or_insert_with(|| create(variant, true));
+            if let Entry::Vacant(slot) = self.pipelines.entry(variant) {
+                slot.insert(create(variant, false)?);
+            }
+            if !scene.materials[draw.material].is_tinted {
+                continue;
+            }
+            if let Entry::Vacant(slot) = self.tint_pipelines.entry(variant) {
+                slot.insert(create(variant, true)?);
             }
         }
+        Ok(())
     }
 
     /// Renders a scene. The view takes effect at the next submission: one frame per recorder.
@@ -239,7 +259,7 @@ impl GBufferPass {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         scene: &GpuScene,
-        pipelines: &BTreeMap<Variant, wgpu::RenderPipeline>,
+        pipelines: &BTreeMap<Variant, DrawPipeline>,
         is_wanted: impl Fn(&GpuMaterial) -> bool,
     ) {
         pass.set_bind_group(0, &self.group, &[]);

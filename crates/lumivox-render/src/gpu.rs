@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use lumivox::gpu::Pipelines;
+
 use crate::RenderError;
 
 /// The APIs that lumivox runs on. OpenGL is left out: it lacks what WebGPU's default limits promise,
@@ -28,6 +30,8 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
+    /// All that is made on the device shares its pipelines.
+    pub pipelines: Pipelines,
     /// Which adapter it is.
     pub adapter_info: wgpu::AdapterInfo,
     /// The first error that nobody asked about.
@@ -64,7 +68,8 @@ impl Gpu {
         let is_lost = Arc::new(AtomicBool::new(false));
         hear_errors(&device, &fault, &is_lost);
         tracing::debug!("rendering on {}", describe(&adapter_info));
-        Ok(Self { device, queue, adapter_info, fault, is_lost })
+        let pipelines = Pipelines::new(&device);
+        Ok(Self { device, queue, pipelines, adapter_info, fault, is_lost })
     }
 
     /// Whether the adapter is a software driver, running on the CPU.

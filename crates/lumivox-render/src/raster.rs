@@ -1,5 +1,8 @@
 //! What the passes that rasterize share: vertex layouts, reversed depth, draws.
 
+use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
+use lumivox::gpu::{Pipelines, ShaderError};
+
 use crate::upload::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers};
 
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -36,8 +39,7 @@ pub(crate) const fn streams(attributes: Attributes) -> Streams {
 /// A pipeline that draws triangles against a reversed depth buffer: what is nearer is greater.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RasterPipeline<'a> {
-    pub(crate) label: &'a str,
-    pub(crate) module: &'a wgpu::ShaderModule,
+    pub(crate) shader: &'a Shader,
     pub(crate) vertex: &'a str,
     pub(crate) fragment: Option<&'a str>,
     pub(crate) targets: &'a [Option<wgpu::ColorTargetState>],
@@ -49,22 +51,15 @@ pub(crate) struct RasterPipeline<'a> {
 }
 
 impl RasterPipeline<'_> {
-    pub(crate) fn create(self, device: &wgpu::Device) -> wgpu::RenderPipeline {
-        let groups: Vec<_> = self.groups.iter().map(|group| Some(*group)).collect();
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(self.label),
-            bind_group_layouts: &groups,
-            immediate_size: 0,
-        });
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(self.label),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: self.module,
-                entry_point: Some(self.vertex),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: self.vertex_buffers,
-            },
+    /// # Errors
+    /// When the shader has no such entry point.
+    pub(crate) fn create(self, pipelines: &Pipelines) -> Result<DrawPipeline, ShaderError> {
+        let fragment = self.fragment.map(|entry| self.shader.entry(entry)).transpose()?;
+        Ok(pipelines.draw(DrawPlan {
+            fragment,
+            targets: self.targets.to_vec(),
+            vertex_buffers: self.vertex_buffers.to_vec(),
+            groups: self.groups.iter().map(|group| (*group).clone()).collect(),
             primitive: wgpu::PrimitiveState {
                 front_face: wgpu::FrontFace::Ccw,
                 cull_mode: self.cull_mode,
@@ -77,16 +72,8 @@ impl RasterPipeline<'_> {
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: self.fragment.map(|entry| wgpu::FragmentState {
-                module: self.module,
-                entry_point: Some(entry),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: self.targets,
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+            ..DrawPlan::new(self.shader, self.vertex)?
+        }))
     }
 }
 

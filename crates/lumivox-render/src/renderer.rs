@@ -19,12 +19,12 @@ use crate::vxct::{VxctFrame, VxctLook};
 use crate::{Gpu, Look, Picture, RenderError, RenderSettings, View};
 use passes::Passes;
 pub use prepare::global_illumination;
-use prepare::{bind_lights, environment_map, upload, voxelize};
+use prepare::{bind_lights, compile, environment_map, upload, voxelize};
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// What is under way: `upload`, `voxelize`, `light` or `render`.
+    /// What is under way: `upload`, `compile`, `voxelize`, `light` or `render`.
     pub stage: &'static str,
     /// Steps done, from 0 to `total`.
     pub done: u32,
@@ -64,7 +64,7 @@ impl Renderer {
     /// Prepares a scene: uploads it, fits the grid to its bounds, voxelizes it and lights the voxels.
     ///
     /// The camera is the one given, else the scene's first, else one that frames all of it. `progress`
-    /// hears of the stages `upload`, `voxelize` and `light`.
+    /// hears of the stages `upload`, `compile` (if the device has not all pipelines yet), `voxelize` and `light`.
     ///
     /// # Errors
     /// When a setting is out of range, when nothing of the scene is in the grid (unless it has a grid of its own,
@@ -97,16 +97,19 @@ impl Renderer {
         scene.bounds = bounds.union(shown_bounds);
         progress(Progress { stage: "upload", done: 1, total: 1 });
 
+        let mut gi = global_illumination(gpu, settings.gi_config(grid)).await?;
+        let passes = Passes::new(gpu, &gi, &scene, &settings)?;
+        let targets = passes.targets(gpu, &gi, &scene, &settings).await?;
+        gpu.check("making the picture's textures")?;
+        compile(gpu, progress).await?;
+
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let config = settings.gi_config(grid);
-        let mut gi = global_illumination(gpu, config).await?;
         let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await?;
         times.add(voxelized.times);
         gpu.check("voxelizing")?;
         progress(Progress { stage: "voxelize", done: 1, total: 1 });
 
         progress(Progress { stage: "light", done: 0, total: 1 });
-        let passes = Passes::new(gpu, &gi, &scene, &settings)?;
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
         let map = environment_map(gpu, &lighting)?;
         let (lights, shadow_bytes) = bind_lights(
@@ -131,8 +134,6 @@ impl Renderer {
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
 
-        let targets = passes.targets(gpu, &gi, &scene, &settings).await?;
-        gpu.check("making the picture's textures")?;
         Ok(Self {
             gpu: gpu.clone(),
             settings,

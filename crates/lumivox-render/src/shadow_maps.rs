@@ -9,12 +9,16 @@
 //! filter evens out.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse};
 use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec3};
-use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use lumivox::gpu::pipelines::{DrawPipeline, Shader};
+use lumivox::gpu::{
+    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+};
 use lumivox::{Light, LightSource, Shadow, ShadowLayer, ShadowMaps};
 use lumivox_scene::Bounds;
 
@@ -45,10 +49,10 @@ pub(crate) struct ShadowView {
 /// Renders shadow maps.
 #[derive(Debug)]
 pub struct ShadowMapPass {
-    module: wgpu::ShaderModule,
+    shader: Shader,
     layout: wgpu::BindGroupLayout,
     /// Those that the scene needs.
-    pipelines: BTreeMap<Variant, wgpu::RenderPipeline>,
+    pipelines: BTreeMap<Variant, DrawPipeline>,
 }
 
 /// What a pipeline is made for; draws come in this order.
@@ -74,11 +78,11 @@ impl Variant {
 
     fn create(
         self,
-        device: &wgpu::Device,
-        module: &wgpu::ShaderModule,
+        pipelines: &Pipelines,
+        shader: &Shader,
         layout: &wgpu::BindGroupLayout,
         material_layout: &wgpu::BindGroupLayout,
-    ) -> wgpu::RenderPipeline {
+    ) -> Result<DrawPipeline, ShaderError> {
         let groups = [layout, material_layout];
         let (fragment, attributes, groups) = match self {
             Self::Solid => (None, None, &groups[..1]),
@@ -92,8 +96,7 @@ impl Variant {
             Some(Attributes::All) => "colored_vertex",
         };
         RasterPipeline {
-            label: "shadow maps",
-            module,
+            shader,
             vertex,
             fragment,
             targets: &[],
@@ -103,7 +106,7 @@ impl Variant {
             cull_mode: None,
             writes_depth: true,
         }
-        .create(device)
+        .create(pipelines)
     }
 }
 
@@ -113,7 +116,7 @@ impl ShadowMapPass {
     /// # Errors
     /// When the shader does not link.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         scene: &GpuScene,
     ) -> Result<Self, ShaderError> {
@@ -121,20 +124,29 @@ impl ShadowMapPass {
             .uniform()
             .storage()
             .build(device, "shadow view");
-        let (module, _) = shaders.create(device, "render::shadow_maps")?;
-        let mut pass = Self { module, layout, pipelines: BTreeMap::new() };
-        pass.set_scene(device, scene);
+        let shader = device.shader(shaders, "render::shadow_maps")?;
+        let mut pass = Self { shader, layout, pipelines: BTreeMap::new() };
+        pass.set_scene(device, scene)?;
         Ok(pass)
     }
 
     /// Takes up another pose of the scene that it was made for: what was hidden may be there now.
-    pub(crate) fn set_scene(&mut self, device: &wgpu::Device, scene: &GpuScene) {
+    ///
+    /// # Errors
+    /// When the shader has not what a material needs.
+    pub(crate) fn set_scene(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+    ) -> Result<(), ShaderError> {
         for draw in &scene.draws {
-            let variant = Variant::of(scene, draw);
-            self.pipelines.entry(variant).or_insert_with(|| {
-                variant.create(device, &self.module, &self.layout, &scene.material_layout)
-            });
+            if let Entry::Vacant(slot) = self.pipelines.entry(Variant::of(scene, draw)) {
+                let (shader, layouts) = (&self.shader, (&self.layout, &scene.material_layout));
+                let pipeline = slot.key().create(pipelines, shader, layouts.0, layouts.1)?;
+                slot.insert(pipeline);
+            }
         }
+        Ok(())
     }
 
     /// Renders the shadow maps of `lights` and tells each light its layers; lights that find no room

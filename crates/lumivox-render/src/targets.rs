@@ -80,7 +80,7 @@ impl Targets {
         resolution: TraceResolution,
         is_tinted: bool,
     ) -> Result<Self, RenderError> {
-        let device = &gpu.device;
+        let device = &gpu.pipelines;
         let mut textures = ScreenTextures::new(device, size);
         let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
         let view = lumivox::View {

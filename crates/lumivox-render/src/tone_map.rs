@@ -8,7 +8,8 @@ mod curve;
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    uniform_buffer,
 };
 
 use crate::textures::{ScreenTextures, view};
@@ -79,7 +80,7 @@ impl ToneMapPass {
     /// # Errors
     /// When the shader does not link.
     pub(crate) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         textures: &mut ScreenTextures<'_>,
         size: UVec2,

@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 
-use crate::gpu::{Recorder, ShaderLibrary, StageTime, Timing};
+use crate::gpu::{Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{
     DirectLight, EnvironmentLight, EnvironmentMap, FaceLight, Injection, Light, Lighting, Lights,
     ShadowMaps, lights_layout,
@@ -64,7 +64,8 @@ pub struct Voxelized {
 /// dynamic draws do), [`Self::light`] when lights or triangles change, [`Self::trace`] every frame.
 #[derive(Debug)]
 pub struct Gi {
-    device: wgpu::Device,
+    /// They stand for the device, too.
+    device: Pipelines,
     queue: wgpu::Queue,
     config: GiConfig,
     shaders: ShaderLibrary,
@@ -85,14 +86,28 @@ pub struct Gi {
 }
 
 impl Gi {
-    /// Makes the volume and compiles all kernels.
+    /// Makes the volume, and links all kernels, which the first use compiles. Another `Gi` of the same device shares
+    /// nothing with this one: [`Self::with_pipelines`] does.
+    ///
+    /// # Errors
+    /// As [`Self::with_pipelines`].
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        config: GiConfig,
+    ) -> Result<Self, GiError> {
+        Self::with_pipelines(&Pipelines::new(device), queue, config)
+    }
+
+    /// As [`Self::new`], with the pipelines that are made on a device already; [`Pipelines::compile`] makes those that are
+    /// not, all at once.
     ///
     /// # Errors
     /// [`GiError::Limit`] when the device cannot hold the volume: it names the limit and what would fit;
     /// [`GiError::Budget`] when a dense volume takes more than it may; [`GiError::Shader`] when a kernel does not link,
     /// which is a defect of this crate.
-    pub fn new(
-        device: &wgpu::Device,
+    pub fn with_pipelines(
+        device: &Pipelines,
         queue: &wgpu::Queue,
         config: GiConfig,
     ) -> Result<Self, GiError> {
@@ -298,6 +313,11 @@ impl Gi {
     /// against them to sample the volume yourself.
     pub fn shaders(&self) -> &ShaderLibrary {
         &self.shaders
+    }
+
+    /// The pipelines of its device: make your own there.
+    pub fn pipelines(&self) -> &Pipelines {
+        &self.device
     }
 
     /// What it was made for.

@@ -2,12 +2,13 @@
 
 mod common;
 
-use lumivox::gpu::{Recorder, Scan, read_buffer, upload};
+use lumivox::gpu::{Pipelines, Recorder, Scan, read_buffer, upload};
 
 #[test]
 fn scan_equals_a_loop() {
     let (device, queue) = common::device();
-    let scan = Scan::new(&device, &lumivox::shaders::library()).expect("the shader links");
+    let scan = Scan::new(&Pipelines::new(&device), &lumivox::shaders::library())
+        .expect("the shader links");
     for count in [1_u32, 2, 7, 2047, 2048, 2049, 5000, 4_200_000] {
         let values: Vec<u32> =
             (0..count).map(|i| i.wrapping_mul(2_654_435_761).rotate_left(7) % 97).collect();

@@ -1,7 +1,10 @@
 //! The edges of the scene's triangles.
 
 use bytemuck::{Pod, Zeroable};
-use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, ShaderError, ShaderLibrary, upload};
+use lumivox::gpu::pipelines::DrawPipeline;
+use lumivox::gpu::{
+    BindGroupBuilder, LayoutBuilder, Pipelines, ShaderError, ShaderLibrary, upload,
+};
 
 use super::segment;
 use crate::upload::{GpuScene, SceneDraw};
@@ -22,7 +25,7 @@ pub(crate) struct EdgeRange {
 /// Draws them.
 #[derive(Debug)]
 pub(super) struct Edges {
-    pipeline: wgpu::RenderPipeline,
+    pipeline: DrawPipeline,
     /// For each batch, its positions and indices.
     layout: wgpu::BindGroupLayout,
 }
@@ -31,7 +34,7 @@ impl Edges {
     /// # Errors
     /// When the shader does not link.
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         view: &wgpu::BindGroupLayout,
     ) -> Result<Self, ShaderError> {
@@ -39,9 +42,9 @@ impl Edges {
             .storage()
             .storage()
             .build(device, "edges");
-        let (module, _) = shaders.create(device, "render::overlay::edges")?;
+        let shader = device.shader(shaders, "render::overlay::edges")?;
         let entries = ("edge_vertex", "edge_fragment");
-        let pipeline = segment::pipeline(device, &module, entries, [view, &layout]);
+        let pipeline = segment::pipeline(device, &shader, entries, [view, &layout])?;
         Ok(Self { pipeline, layout })
     }
 

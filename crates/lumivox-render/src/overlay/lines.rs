@@ -3,7 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use lumivox::Grid;
-use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, ShaderError, ShaderLibrary, upload};
+use lumivox::gpu::pipelines::DrawPipeline;
+use lumivox::gpu::{
+    BindGroupBuilder, LayoutBuilder, Pipelines, ShaderError, ShaderLibrary, upload,
+};
 use lumivox_scene::Bounds;
 
 use super::{GRID_BOX_COLOR, HIDDEN_SHARE, LINE_WIDTH, Overlay, OverlayLine, segment};
@@ -23,7 +26,7 @@ pub(crate) struct LineRecord {
 /// Draws lines.
 #[derive(Debug)]
 pub(super) struct Lines {
-    pipeline: wgpu::RenderPipeline,
+    pipeline: DrawPipeline,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     count: u32,
@@ -33,16 +36,16 @@ impl Lines {
     /// # Errors
     /// When the shader does not link.
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         view: &wgpu::BindGroupLayout,
         lines: &[OverlayLine],
     ) -> Result<Self, ShaderError> {
-        let (module, _) = shaders.create(device, "render::overlay::lines")?;
+        let shader = device.shader(shaders, "render::overlay::lines")?;
         let layout =
             LayoutBuilder::new(wgpu::ShaderStages::VERTEX).storage().build(device, "lines");
         let entries = ("line_vertex", "line_fragment");
-        let pipeline = segment::pipeline(device, &module, entries, [view, &layout]);
+        let pipeline = segment::pipeline(device, &shader, entries, [view, &layout])?;
         let group = group(device, &layout, lines);
         Ok(Self { pipeline, layout, group, count: lines.len() as u32 })
     }

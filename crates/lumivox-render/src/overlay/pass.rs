@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, Pipelines, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, View};
 
@@ -64,7 +64,7 @@ impl OverlayPass {
     ///
     /// # Errors
     /// When a shader does not link.
-    pub(crate) fn new(device: &wgpu::Device, gi: &Gi, size: UVec2) -> Result<Self, ShaderError> {
+    pub(crate) fn new(device: &Pipelines, gi: &Gi, size: UVec2) -> Result<Self, ShaderError> {
         let shaders = crate::shaders::library(gi.shaders());
         let mut textures = ScreenTextures::new(device, size);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT;
@@ -121,7 +121,7 @@ impl OverlayPass {
             self.reset();
         }
         let device = recorder.device().clone();
-        self.prepare(&device, seen.gi, is_new)?;
+        self.prepare(seen.gi, is_new)?;
         let overlay = &self.shown.overlay;
         let background = if overlay.hides_surfaces { BACKGROUND } else { [0.0; 4] };
         recorder.stage("overlay");
@@ -140,7 +140,8 @@ impl OverlayPass {
     }
 
     /// Makes the pipelines that are needed and not there yet.
-    fn prepare(&mut self, device: &wgpu::Device, gi: &Gi, is_new: bool) -> Result<(), ShaderError> {
+    fn prepare(&mut self, gi: &Gi, is_new: bool) -> Result<(), ShaderError> {
+        let device = gi.pipelines();
         let (overlay, shaders, layout) = (&self.shown.overlay, &self.shaders, &self.segment_layout);
         if overlay.wireframe != Wireframe::Off && self.edges.is_none() {
             self.edges = Some(Edges::new(device, shaders, layout)?);

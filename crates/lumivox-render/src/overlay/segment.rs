@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4, Vec4Swizzles as _};
 use lumivox::View;
-use lumivox::gpu::LayoutBuilder;
+use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
+use lumivox::gpu::{LayoutBuilder, Pipelines, ShaderError};
 
 use super::{Overlay, WIREFRAME_COLOR, WIREFRAME_WIDTH, Wireframe};
 
@@ -47,7 +48,7 @@ impl SegmentView {
 }
 
 /// Bindings 0 to 4 of group 0: the view, the draws, depth and normals of surfaces, the draws' triangles.
-pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub(super) fn layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::new(wgpu::ShaderStages::VERTEX_FRAGMENT)
         .uniform()
         .storage()
@@ -58,40 +59,24 @@ pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 /// A pipeline that draws quads over what is there, without a depth buffer: fragments test for themselves.
+///
+/// # Errors
+/// When the shader has no such entry points.
 pub(super) fn pipeline(
-    device: &wgpu::Device,
-    module: &wgpu::ShaderModule,
+    pipelines: &Pipelines,
+    shader: &Shader,
     (vertex, fragment): (&str, &str),
     groups: [&wgpu::BindGroupLayout; 2],
-) -> wgpu::RenderPipeline {
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(vertex),
-        bind_group_layouts: &groups.map(Some),
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(vertex),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: FRAME_FORMAT,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+) -> Result<DrawPipeline, ShaderError> {
+    let target = wgpu::ColorTargetState {
+        format: FRAME_FORMAT,
+        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        write_mask: wgpu::ColorWrites::ALL,
+    };
+    Ok(pipelines.draw(DrawPlan {
+        fragment: Some(shader.entry(fragment)?),
+        targets: vec![Some(target)],
+        groups: groups.map(Clone::clone).to_vec(),
+        ..DrawPlan::new(shader, vertex)?
+    }))
 }

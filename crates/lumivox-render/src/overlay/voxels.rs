@@ -2,7 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    uniform_buffer,
 };
 use lumivox::{GBuffer, Gi};
 
@@ -34,7 +35,7 @@ impl WireVoxels {
     /// # Errors
     /// When the shader does not link.
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         gi: &Gi,
     ) -> Result<Self, ShaderError> {

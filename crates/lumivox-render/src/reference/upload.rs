@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable as _};
 use glam::{DVec3, UVec2, Vec3};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, ShaderLibrary, storage_buffer, upload,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, ShaderLibrary, storage_buffer, upload,
 };
 use lumivox::shaders::library_with_volume;
 use lumivox::{Directionality, Light, LightSource, VolumeKind};
@@ -117,7 +117,7 @@ impl Uploaded {
         };
         let sheen = float_texture(gpu, [SHEEN_EDGE; 2], row_format, &sheen);
 
-        let layout = layout(device);
+        let layout = layout(&gpu.pipelines);
         let builder = BindGroupBuilder::new(&layout).buffer(&world_buffer);
         let group = buffers
             .iter()
@@ -150,7 +150,8 @@ impl Uploaded {
             Directionality::default(),
         ));
         features.set(&mut shaders);
-        let kernel = Kernel::new(device, &shaders, "render::reference::path", "main", &[&layout])?;
+        let kernel =
+            Kernel::new(&gpu.pipelines, &shaders, "render::reference::path", "main", &[&layout])?;
         if scope.pop().await.is_some() {
             let bytes = size_of_val(triangles.triangles.as_slice())
                 + size_of_val(triangles.vertices.as_slice())
@@ -241,7 +242,7 @@ impl Features {
 }
 
 /// The layout of group 0: the eight storage buffers that WebGPU grants, and textures.
-pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub(super) fn layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     let texels = wgpu::TextureSampleType::Float { filterable: false };
     (0..7)
         .fold(LayoutBuilder::compute(), |layout, _| layout.storage())

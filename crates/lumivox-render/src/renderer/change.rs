@@ -10,7 +10,9 @@ use lumivox::{Grid, Voxelized};
 use lumivox_scene::Scene;
 
 use super::passes::Passes;
-use super::prepare::{bind_lights, environment_map, global_illumination, upload, voxelize};
+use super::prepare::{
+    bind_lights, compile, environment_map, global_illumination, upload, voxelize,
+};
 use super::{Progress, Renderer, validate, validate_level};
 use crate::upload::{Lighting, radiance_unit_within};
 use crate::{Exposure, Look, RenderError, RenderSettings, View};
@@ -75,13 +77,14 @@ impl Renderer {
         validate_level(settings.voxel_level, &grid)?;
         let redo = Redo::between(&self.settings, &settings, grid == *self.gi.grid());
         if redo.volume {
-            progress(Progress { stage: "voxelize", done: 0, total: 1 });
             let mut gi = global_illumination(&self.gpu, settings.gi_config(grid)).await?;
+            let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
+            let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
+            compile(&self.gpu, progress).await?;
+            progress(Progress { stage: "voxelize", done: 0, total: 1 });
             let (geometry, timing) = (&self.scene.geometry, settings.timing);
             let voxelized = voxelize(&mut gi, geometry, timing, self.may_be_empty).await?;
             self.gpu.check("voxelizing")?;
-            let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
-            let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
             self.took(voxelized);
             (self.gi, self.passes, self.targets) = (gi, passes, targets);
             self.grid_bounds = bounds;
@@ -96,6 +99,7 @@ impl Renderer {
             if settings.shadows != self.settings.shadows {
                 self.passes.set_shadows(&self.gpu, &self.scene, settings.shadows)?;
             }
+            compile(&self.gpu, progress).await?;
         }
         self.settings = settings;
         if redo.light {
@@ -127,6 +131,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         self.take_pose(scene)?;
         progress(Progress { stage: "upload", done: 1, total: 1 });
+        compile(&self.gpu, progress).await?;
         self.voxelize(progress).await?;
         self.relight(progress).await?;
         self.targets.accumulate.reset();
@@ -175,6 +180,7 @@ impl Renderer {
             let Self { gpu, gi, scene, passes, settings, .. } = self;
             self.targets = passes.targets(gpu, gi, scene, settings).await?;
         }
+        compile(&self.gpu, progress).await?;
         self.vxct.set_scene(scene, self.scene.radiance_unit);
         self.set_scene(scene, progress).await
     }
@@ -284,7 +290,7 @@ impl Renderer {
     /// Uploads what moves, and what shines.
     fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
-        self.passes.set_scene(&self.gpu, &self.scene);
+        self.passes.set_scene(&self.gpu, &self.scene)?;
         self.scene_bounds = scene.voxel_bounds();
         self.shown_bounds = scene.bounds();
         self.scene.bounds = self.grid_bounds.union(self.shown_bounds);

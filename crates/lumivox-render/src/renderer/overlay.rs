@@ -111,7 +111,7 @@ impl Renderer {
         let pass = match &mut targets.overlay {
             Some(pass) => pass,
             slot => {
-                let pass = OverlayPass::new(&gpu.device, gi, settings.size)?;
+                let pass = OverlayPass::new(&gpu.pipelines, gi, settings.size)?;
                 targets.bytes += pass.bytes;
                 slot.insert(pass)
             }

@@ -30,7 +30,7 @@ impl Passes {
         scene: &GpuScene,
         settings: &RenderSettings,
     ) -> Result<Self, RenderError> {
-        let device = &gpu.device;
+        let device = &gpu.pipelines;
         let shaders = crate::shaders::library(gi.shaders());
         let mut passes = Self {
             gbuffer: GBufferPass::new(device, &shaders, scene)?,
@@ -51,18 +51,19 @@ impl Passes {
         method: ShadowMethod,
     ) -> Result<(), RenderError> {
         self.shadows = match method {
-            ShadowMethod::Map => Some(ShadowMapPass::new(&gpu.device, &self.shaders, scene)?),
+            ShadowMethod::Map => Some(ShadowMapPass::new(&gpu.pipelines, &self.shaders, scene)?),
             ShadowMethod::Cone => None,
         };
         Ok(())
     }
 
     /// Takes up the same scene, moved or in other materials of the same layout.
-    pub(super) fn set_scene(&mut self, gpu: &Gpu, scene: &GpuScene) {
-        self.gbuffer.set_scene(&gpu.device, scene);
+    pub(super) fn set_scene(&mut self, gpu: &Gpu, scene: &GpuScene) -> Result<(), RenderError> {
+        self.gbuffer.set_scene(&gpu.pipelines, scene)?;
         if let Some(pass) = &mut self.shadows {
-            pass.set_scene(&gpu.device, scene);
+            pass.set_scene(&gpu.pipelines, scene)?;
         }
+        Ok(())
     }
 
     /// All that has the picture's size.

@@ -8,6 +8,7 @@ use lumivox::{
 };
 use lumivox_scene::{Bounds, Scene};
 
+use super::Progress;
 use crate::estimate::MemoryEstimate;
 use crate::shadow_maps::ShadowMapPass;
 use crate::upload::{GpuScene, Lighting, corners};
@@ -36,7 +37,20 @@ pub(super) async fn upload(
     uploaded
 }
 
-/// Makes the voxels' volume and compiles the library's kernels.
+/// Compiles all pipelines that were asked for and are not there, at once.
+///
+/// # Errors
+/// When the device refuses one.
+pub(super) async fn compile(
+    gpu: &Gpu,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(), RenderError> {
+    let mut report = |done, total| progress(Progress { stage: "compile", done, total });
+    gpu.pipelines.compile(&mut report).await;
+    gpu.check("compiling pipelines")
+}
+
+/// Makes the voxels' volume and links the library's kernels.
 ///
 /// # Errors
 /// [`RenderError::OutOfMemory`] and the library's own, when something does not fit.
@@ -44,7 +58,7 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     // What is done with a texture that could not be made is refused in turn.
     let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let gi = Gi::new(&gpu.device, &gpu.queue, config);
+    let gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config);
     let is_short = scope.pop().await.is_some();
     let refused = followers.pop().await;
     if is_short {

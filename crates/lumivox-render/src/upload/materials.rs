@@ -1,7 +1,7 @@
 //! Materials and their textures on the GPU, for the rasterizer and for the voxels.
 
 use glam::Vec3;
-use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, uniform_buffer};
+use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, uniform_buffer};
 use lumivox::{SurfaceMaterial, SurfaceTexture};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
 
@@ -65,7 +65,7 @@ pub(crate) struct VertexColors {
 }
 
 /// Group 1 of the passes that rasterize: 9 of WebGPU's 16 textures and samplers.
-pub(crate) fn material_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub(crate) fn material_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     let layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT).uniform();
     (0..=TEXTURE_COUNT)
         .fold(layout, |layout, _| layout.texture_2d().sampler())

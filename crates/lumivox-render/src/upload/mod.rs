@@ -108,7 +108,7 @@ impl GpuScene {
         lighting: &Lighting,
         radiance_unit: f32,
     ) -> Result<Self, RenderError> {
-        let material_layout = material_layout(&gpu.device);
+        let material_layout = material_layout(&gpu.pipelines);
         let white = reference_white(scene, lighting);
         let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, white, &material_layout);
         let colors = colors_of_materials(scene);

@@ -10,7 +10,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, Lights, VolumeKind};
 
@@ -67,7 +68,7 @@ impl VoxelViewPass {
     /// # Errors
     /// When the shader does not link.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         gi: &Gi,
         targets: &CompositeTargets,
@@ -124,7 +125,7 @@ impl VoxelViewPass {
         (view, level): (View, u32),
         vertical_fov_rad: f32,
     ) -> Result<(), ShaderError> {
-        self.prepare(recorder.device(), gi, view)?;
+        self.prepare(gi, view)?;
         let pixel_slope = 2.0 * (0.5 * vertical_fov_rad).tan() / gbuffer.size.y as f32;
         let settings = VoxelViewSettings { level, pixel_slope, padding: [0; 2] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
@@ -151,7 +152,7 @@ impl VoxelViewPass {
     }
 
     /// Compiles what a view needs and is not there yet.
-    fn prepare(&mut self, device: &wgpu::Device, gi: &Gi, view: View) -> Result<(), ShaderError> {
+    fn prepare(&mut self, gi: &Gi, view: View) -> Result<(), ShaderError> {
         let (slot, name, own) = match view {
             View::Lod => (&mut self.lod, "lod", &self.layout),
             View::WireVoxels => (&mut self.wires, "wires", &self.wires_layout),
@@ -161,7 +162,7 @@ impl VoxelViewPass {
             let shaders = crate::shaders::library(gi.shaders());
             let groups = [gi.globals_layout(), own, gi.lights_layout(), gi.gbuffer_layout()];
             let module = format!("render::voxel_view::{name}");
-            *slot = Some(Kernel::new(device, &shaders, &module, "main", &groups)?);
+            *slot = Some(Kernel::new(gi.pipelines(), &shaders, &module, "main", &groups)?);
         }
         Ok(())
     }

@@ -356,7 +356,7 @@ impl VxctLook {
 
 impl ShadePass {
     fn new(gpu: &Gpu, gi: &Gi) -> Result<Self, ShaderError> {
-        let device = &gpu.device;
+        let device = &gpu.pipelines;
         let layout = LayoutBuilder::compute()
             .uniform()
             .storage()
@@ -373,7 +373,7 @@ impl ShadePass {
 
 impl InjectPass {
     fn new(gpu: &Gpu, gi: &Gi) -> Result<Self, ShaderError> {
-        let device = &gpu.device;
+        let device = &gpu.pipelines;
         let layout = LayoutBuilder::compute()
             .uniform()
             .storage()

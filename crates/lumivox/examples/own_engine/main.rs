@@ -90,10 +90,12 @@ async fn render() -> Result<Vec<u8>, Failure> {
     // The engine's shading kernel, linked against Lumivox's shader modules.
     let mut shaders = gi.shaders().clone();
     shaders.add("engine::shade", include_str!("shade.wgsl"));
-    let layout =
-        LayoutBuilder::compute().texture_2d_unfilterable().storage_mut().build(&device, "shade");
+    let layout = LayoutBuilder::compute()
+        .texture_2d_unfilterable()
+        .storage_mut()
+        .build(gi.pipelines(), "shade");
     let layouts = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
-    let shade = Kernel::new(&device, &shaders, "engine::shade", "shade", &layouts)?;
+    let shade = Kernel::new(gi.pipelines(), &shaders, "engine::shade", "shade", &layouts)?;
     let bytes = u64::from(SIZE.element_product()) * 16;
     let picture = storage_buffer(&device, "picture", bytes);
     let group = BindGroupBuilder::new(&layout)

@@ -1,5 +1,7 @@
 //! Bind group layouts and bind groups, with the bindings numbered in the order in which they are listed.
 
+use crate::gpu::Pipelines;
+
 /// Lists the bindings of a layout; binding `i` is the `i`-th one added.
 #[derive(Clone, Debug)]
 pub struct LayoutBuilder {
@@ -145,12 +147,9 @@ impl LayoutBuilder {
         self.binding(wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison))
     }
 
-    /// The layout.
-    pub fn build(self, device: &wgpu::Device, label: &str) -> wgpu::BindGroupLayout {
-        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &self.entries,
-        })
+    /// The layout: one of the same entries, if there is one.
+    pub fn build(self, pipelines: &Pipelines, label: &str) -> wgpu::BindGroupLayout {
+        pipelines.layout(self.entries, label)
     }
 }
 

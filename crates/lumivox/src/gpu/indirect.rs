@@ -2,7 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+};
 use crate::gpu::{storage_buffer, upload};
 
 /// `Run` of `indirect.wgsl`: the bounds of a run, as places in the prefix sum of the items.
@@ -27,7 +29,7 @@ impl Indirect {
     pub const STRIDE: u64 = 12;
 
     /// Compiles the kernel.
-    pub fn new(device: &wgpu::Device, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
+    pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
             .storage()
             .storage()

@@ -1,6 +1,7 @@
 //! A compute kernel: an entry point with its pipeline and the workgroup size that naga reflects from it.
 
-use crate::gpu::{Recorder, ShaderError, ShaderLibrary};
+use crate::gpu::pipelines::{ComputePlan, LazyCompute};
+use crate::gpu::{Pipelines, Recorder, ShaderError, ShaderLibrary};
 
 /// Invocations of a workgroup of kernels that run over a list (`@workgroup_size(LINEAR_WORKGROUP_SIZE)`).
 pub const LINEAR_WORKGROUP_SIZE: u32 = 64;
@@ -11,48 +12,28 @@ pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
 /// A compute pipeline that knows its workgroup size.
 #[derive(Clone, Debug)]
 pub struct Kernel {
-    pipeline: wgpu::ComputePipeline,
+    pipeline: LazyCompute,
     workgroup_size: [u32; 3],
     label: String,
 }
 
 impl Kernel {
-    /// The entry point `entry` of the shader module `module`; bind group `i` has the layout `layouts[i]`.
+    /// The entry point `entry` of the shader module `module`; bind group `i` has the layout `layouts[i]`. The pipeline
+    /// is made by [`Pipelines::compile`] or at its first use.
     ///
     /// # Errors
     /// When the module does not link or validate, or has no such entry point.
     pub fn new(
-        device: &wgpu::Device,
+        pipelines: &Pipelines,
         shaders: &ShaderLibrary,
         module: &str,
         entry: &str,
         layouts: &[&wgpu::BindGroupLayout],
     ) -> Result<Self, ShaderError> {
-        let (shader, reflected) = shaders.create(device, module)?;
-        let label = format!("{module}::{entry}");
-        let workgroup_size = reflected
-            .entry_points
-            .iter()
-            .find(|point| point.name == entry)
-            .map(|point| point.workgroup_size)
-            .ok_or_else(|| ShaderError {
-                module: module.to_owned(),
-                message: format!("there is no entry point `{entry}`"),
-            })?;
-        let layouts: Vec<_> = layouts.iter().map(|layout| Some(*layout)).collect();
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(&label),
-            bind_group_layouts: &layouts,
-            immediate_size: 0,
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(&label),
-            layout: Some(&layout),
-            module: &shader,
-            entry_point: Some(entry),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
+        let entry = pipelines.shader(shaders, module)?.entry(entry)?;
+        let (workgroup_size, label) = (entry.workgroup_size(), entry.label());
+        let groups = layouts.iter().map(|layout| (*layout).clone()).collect();
+        let pipeline = pipelines.compute(ComputePlan { entry, groups });
         Ok(Self { pipeline, workgroup_size, label })
     }
 
@@ -62,7 +43,7 @@ impl Kernel {
     }
 
     fn set(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[&wgpu::BindGroup]) {
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(self.pipeline.get());
         for (index, group) in groups.iter().enumerate() {
             pass.set_bind_group(index as u32, *group, &[]);
         }

@@ -1,4 +1,5 @@
-//! Small helpers that every stage shares: linked shaders, kernels, prefix sums, recording with timings.
+//! Small helpers that every stage shares: linked shaders, pipelines made once a device, kernels, prefix sums, recording
+//! with timings.
 
 mod bindings;
 mod buffers;
@@ -6,6 +7,7 @@ mod indirect;
 mod kernel;
 #[cfg(test)]
 mod layouts;
+pub mod pipelines;
 mod recorder;
 mod scan;
 mod shaders;
@@ -17,6 +19,7 @@ pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 #[cfg(test)]
 pub(crate) use layouts::assert_layout;
+pub use pipelines::Pipelines;
 pub use recorder::{Recorder, StageTime, Timing};
 pub use scan::Scan;
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};

@@ -2,7 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary};
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+};
 use crate::gpu::{storage_buffer, uniform_buffer};
 
 /// Invocations of a workgroup.
@@ -32,7 +34,7 @@ impl Scan {
     ///
     /// # Errors
     /// When the shader does not link.
-    pub fn new(device: &wgpu::Device, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
+    pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
             .uniform()
             .storage_mut()

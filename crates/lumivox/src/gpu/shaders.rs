@@ -9,6 +9,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use crate::gpu::LINEAR_WORKGROUP_SIZE;
 
@@ -31,9 +32,15 @@ pub struct StructLayout {
     pub members: Vec<(String, u32)>,
 }
 
-/// The modules that shaders are linked from.
-#[derive(Clone, Debug)]
+/// The modules that shaders are linked from. Clones are cheap: they share what they have not changed.
+#[derive(Clone, Debug, Default)]
 pub struct ShaderLibrary {
+    content: Arc<Content>,
+}
+
+/// All that what is linked depends on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Content {
     modules: BTreeMap<String, Cow<'static, str>>,
     constants: BTreeMap<&'static str, String>,
 }
@@ -41,7 +48,7 @@ pub struct ShaderLibrary {
 impl ShaderLibrary {
     /// An empty library with the constants that all stages share.
     pub(crate) fn new(modules: &[(&str, &'static str)]) -> Self {
-        let mut library = Self { modules: BTreeMap::new(), constants: BTreeMap::new() };
+        let mut library = Self::default();
         library.constant_u32("LINEAR_WORKGROUP_SIZE", LINEAR_WORKGROUP_SIZE);
         for (path, source) in modules {
             library.add(path, *source);
@@ -51,25 +58,35 @@ impl ShaderLibrary {
 
     /// Adds the module `path` (without the leading `package::`), or replaces it.
     pub fn add(&mut self, path: &str, source: impl Into<Cow<'static, str>>) -> &mut Self {
-        self.modules.insert(format!("package::{path}"), source.into());
+        self.content_mut().modules.insert(format!("package::{path}"), source.into());
         self
     }
 
     /// Defines a `u32` constant of the module `package::constants`.
     pub fn constant_u32(&mut self, name: &'static str, value: u32) -> &mut Self {
-        self.constants.insert(name, format!("const {name}: u32 = {value}u;"));
+        let declaration = format!("const {name}: u32 = {value}u;");
+        self.content_mut().constants.insert(name, declaration);
         self
     }
 
     /// Defines an `f32` constant of the module `package::constants`.
     pub fn constant_f32(&mut self, name: &'static str, value: f32) -> &mut Self {
-        self.constants.insert(name, format!("const {name}: f32 = {value:?}f;"));
+        let declaration = format!("const {name}: f32 = {value:?}f;");
+        self.content_mut().constants.insert(name, declaration);
         self
+    }
+
+    fn content_mut(&mut self) -> &mut Content {
+        Arc::make_mut(&mut self.content)
+    }
+
+    pub(crate) fn content(&self) -> &Arc<Content> {
+        &self.content
     }
 
     /// The paths of all modules, without the leading `package::`.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
-        self.modules.keys().map(|path| path.trim_start_matches("package::"))
+        self.content.modules.keys().map(|path| path.trim_start_matches("package::"))
     }
 
     /// Plain WGSL of the module `path` with everything that it imports; unused declarations are dropped.
@@ -91,12 +108,12 @@ impl ShaderLibrary {
     fn compile(&self, path: &str, strip: bool) -> Result<String, ShaderError> {
         let fail = |message: String| ShaderError { module: path.to_owned(), message };
         let mut resolver = wesl::VirtualResolver::new();
-        for (path, source) in &self.modules {
+        for (path, source) in &self.content.modules {
             let parsed = path.parse().map_err(|e| fail(format!("{path}: {e}")))?;
             resolver.add_module(parsed, Cow::Borrowed(source));
         }
         let mut constants = String::new();
-        for declaration in self.constants.values() {
+        for declaration in self.content.constants.values() {
             let _ = writeln!(constants, "{declaration}");
         }
         let constants_path = "package::constants".parse().map_err(|e| fail(format!("{e}")))?;
@@ -151,22 +168,5 @@ impl ShaderLibrary {
             .map(|member| (member.name.clone().unwrap_or_default(), member.offset))
             .collect();
         Ok(StructLayout { size: *span, members })
-    }
-
-    /// The shader module `path` on a device.
-    ///
-    /// # Errors
-    /// When it does not link, parse or validate.
-    pub fn create(
-        &self,
-        device: &wgpu::Device,
-        path: &str,
-    ) -> Result<(wgpu::ShaderModule, naga::Module), ShaderError> {
-        let (reflected, source) = self.reflect(path)?;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(path),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        Ok((module, reflected))
     }
 }

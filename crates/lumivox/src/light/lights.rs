@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use super::environment::{EnvironmentLight, EnvironmentMap};
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, uniform_buffer, upload};
+use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, uniform_buffer, upload};
 
 /// Values of `Light::kind` in the shaders.
 pub(crate) const LIGHT_DIRECTIONAL: u32 = 0;
@@ -218,7 +218,7 @@ impl Light {
 }
 
 /// The layout of group 2: lights, environment, shadow maps.
-pub fn lights_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub fn lights_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::compute()
         .uniform()
         .storage()

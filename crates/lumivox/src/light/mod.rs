@@ -14,7 +14,7 @@ mod tests;
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
     uniform_buffer,
 };
 use crate::trace::{ConeSettings, TraceSettings};
@@ -109,7 +109,7 @@ impl Faces {
 
 impl Lighting {
     pub(crate) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         config: &GiConfig,
         globals: &wgpu::BindGroupLayout,

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec3};
 
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, upload};
+use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, upload};
 
 /// The camera of a G-buffer, for one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub struct GBuffer {
 }
 
 /// The layout of group 3: the camera and the G-buffer.
-pub fn gbuffer_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub fn gbuffer_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::compute()
         .storage()
         .depth_2d()

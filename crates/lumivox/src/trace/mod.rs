@@ -14,7 +14,7 @@ use glam::UVec2;
 
 use crate::GiError;
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, uniform_buffer,
 };
 
 #[cfg(test)]
@@ -122,7 +122,7 @@ pub struct TraceTargets {
 
 impl Tracer {
     pub(crate) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,

@@ -3,7 +3,7 @@
 use glam::{UVec3, Vec3, Vec4};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing, storage_buffer, upload,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer, upload,
 };
 use crate::testing::{busy_room, device, read};
 use crate::volume::{Level, read_levels};
@@ -253,9 +253,11 @@ fn assert_marches_like_its_twin(settings: &TraceSettings) {
     let mut shaders = gi.shaders().clone();
     let look = format!("{:?}, {:?}", settings.width_attenuation, settings.level_gain.log2());
     shaders.add("test::cones", CONES_WGSL.replace("LOOK", &look));
-    let layout = LayoutBuilder::compute().storage().storage_mut().build(&device, "test cones");
+    let layout =
+        LayoutBuilder::compute().storage().storage_mut().build(gi.pipelines(), "test cones");
     let layouts = [gi.globals_layout(), &layout];
-    let kernel = Kernel::new(&device, &shaders, "test::cones", "main", &layouts).expect("it links");
+    let kernel =
+        Kernel::new(gi.pipelines(), &shaders, "test::cones", "main", &layouts).expect("it links");
     let input = upload(&device, "cones", &cones);
     let output = storage_buffer(&device, "traced", cones.len() as u64 * 16);
     let group =
@@ -305,10 +307,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 #[test]
 fn cells_cover_the_hemisphere_by_cosine() {
     let (device, queue) = device();
+    let pipelines = Pipelines::new(&device);
     let mut shaders = crate::shaders::library();
     shaders.add("test::cells", CELLS_WGSL);
-    let layout = LayoutBuilder::compute().storage_mut().uniform().build(&device, "test cells");
-    let kernel = Kernel::new(&device, &shaders, "test::cells", "main", &[&layout]).expect("links");
+    let layout = LayoutBuilder::compute().storage_mut().uniform().build(&pipelines, "test cells");
+    let kernel =
+        Kernel::new(&pipelines, &shaders, "test::cells", "main", &[&layout]).expect("links");
     let normal = Vec3::new(0.3, -0.8, -0.5).normalize();
     for cell_count in [6_u32, 9, 12] {
         let count = 4096 * cell_count;

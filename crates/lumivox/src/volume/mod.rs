@@ -13,7 +13,7 @@ mod dense;
 mod level_range;
 mod octree;
 
-use crate::gpu::{LayoutBuilder, Recorder, ShaderLibrary};
+use crate::gpu::{LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
@@ -116,7 +116,7 @@ pub(crate) struct Cells<'a> {
 
 /// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes, its one texture,
 /// and how that is filtered.
-fn globals_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::compute()
         .uniform()
         .uniform()
@@ -149,7 +149,7 @@ impl Volume {
     /// Makes an empty volume over a grid, and mounts its shaders. It refuses to take more than `budget`
     /// bytes: a dense volume at once, an octree once there are voxels.
     pub(crate) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
         (kind, directionality): (VolumeKind, Directionality),

@@ -5,6 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::input::{DrawGroup, PreparedBatch};
 use super::kernels::{Detail, Kernels, Layouts};
 use super::memory::{Memory, Remedy};
+use crate::gpu::pipelines::DrawPipeline;
 use crate::gpu::{
     BindGroupBuilder, Indirect, Kernel, Recorder, Run, storage_buffer, uniform_buffer, upload,
 };
@@ -176,7 +177,7 @@ impl SplitBatch {
         grid: &wgpu::BindGroup,
         pass_group: &wgpu::BindGroup,
         planes: u32,
-        choose: impl Fn(Detail) -> &'p wgpu::RenderPipeline,
+        choose: impl Fn(Detail) -> &'p DrawPipeline,
     ) {
         for group in &self.groups {
             pass.set_pipeline(choose(group.detail));

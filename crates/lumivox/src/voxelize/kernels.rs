@@ -1,7 +1,7 @@
 //! The kernels of the voxelizer and the layouts of their bind groups.
 
 use super::method::VoxelizeMethod;
-use crate::gpu::{Indirect, Kernel, LayoutBuilder, Scan, ShaderError, ShaderLibrary};
+use crate::gpu::{Indirect, Kernel, LayoutBuilder, Pipelines, Scan, ShaderError, ShaderLibrary};
 use crate::voxels::ListBuilder;
 
 /// Layouts of bind groups. Group 0 is the grid, group 1 a batch's triangles, group 2 what a pass reads and
@@ -23,7 +23,7 @@ pub(super) struct Layouts {
 }
 
 impl Layouts {
-    fn new(device: &wgpu::Device, method: VoxelizeMethod) -> Self {
+    fn new(device: &Pipelines, method: VoxelizeMethod) -> Self {
         use wgpu::ShaderStages;
         let compute = LayoutBuilder::compute;
         // The rasterizer walks in other stages; what walks exactly asks nothing of them.
@@ -103,7 +103,7 @@ pub(super) struct Kernels {
 
 impl Kernels {
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         method: VoxelizeMethod,
     ) -> Result<Self, ShaderError> {

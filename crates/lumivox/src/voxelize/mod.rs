@@ -46,8 +46,8 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Recorder, ShaderLibrary, StageTime, Timing, read_buffer, storage_buffer,
-    uniform_buffer,
+    BindGroupBuilder, Pipelines, Recorder, ShaderLibrary, StageTime, Timing, read_buffer,
+    storage_buffer, uniform_buffer,
 };
 use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList};
 use crate::{Geometry, GiError, Grid};
@@ -159,7 +159,7 @@ impl Voxelizer {
     ///
     /// # Errors
     /// [`GiError::Shader`] when a shader does not link, which is a defect of this crate.
-    pub fn new(device: &wgpu::Device, shaders: &ShaderLibrary) -> Result<Self, GiError> {
+    pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, GiError> {
         Self::with_method(device, shaders, VoxelizeMethod::Exact)
     }
 
@@ -168,7 +168,7 @@ impl Voxelizer {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_method(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         method: VoxelizeMethod,
     ) -> Result<Self, GiError> {

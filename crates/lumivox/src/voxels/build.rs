@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderError, ShaderLibrary,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Scan, ShaderError, ShaderLibrary,
     uniform_buffer,
 };
 use crate::voxelize::{Memory, Remedy};
@@ -45,7 +45,7 @@ pub(crate) struct ListBuilder {
 impl ListBuilder {
     /// Compiles the kernels; group 0 is the grid.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, ShaderError> {

@@ -4,7 +4,8 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::Grid;
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    uniform_buffer,
 };
 
 /// `PyramidParams` of `pyramid.wgsl`.
@@ -44,7 +45,7 @@ pub(crate) struct Pyramid {
 impl Pyramid {
     /// Compiles the kernel; group 0 is the grid.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, ShaderError> {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use bytemuck::Pod;
 use glam::{UVec3, Vec3};
-use lumivox::gpu::{Timing, read_buffer};
+use lumivox::gpu::{Pipelines, Timing, read_buffer};
 use lumivox::voxels::{FaceRecord, NodeRecord};
 use lumivox::{Geometry, Grid, KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
 
@@ -23,7 +23,7 @@ pub struct ReadList {
 
 /// A device with the kernels.
 pub struct Lab {
-    pub device: wgpu::Device,
+    pub device: Pipelines,
     pub queue: wgpu::Queue,
     pub voxelizer: Voxelizer,
 }
@@ -35,10 +35,10 @@ impl Lab {
 
     pub fn with_method(method: VoxelizeMethod) -> Self {
         let (device, queue) = crate::common::device();
-        Self::on_device(device, queue, method)
+        Self::on_device(Pipelines::new(&device), queue, method)
     }
 
-    fn on_device(device: wgpu::Device, queue: wgpu::Queue, method: VoxelizeMethod) -> Self {
+    fn on_device(device: Pipelines, queue: wgpu::Queue, method: VoxelizeMethod) -> Self {
         let library = lumivox::shaders::library();
         let voxelizer = Voxelizer::with_method(&device, &library, method).expect("kernels");
         Self { device, queue, voxelizer }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use glam::Vec3;
-use lumivox::gpu::Timing;
+use lumivox::gpu::{Pipelines, Timing};
 use lumivox::{Geometry, Grid, SurfaceMaterial, Voxelizer};
 
 use crate::common;
@@ -21,13 +21,7 @@ fn cpu_seconds() -> f64 {
 }
 
 /// Voxelizes a few times; prints the best time, and the passes of one timed run.
-fn report(
-    name: &str,
-    grid: &Grid,
-    geometry: &Geometry,
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-) {
+fn report(name: &str, grid: &Grid, geometry: &Geometry, device: &Pipelines, queue: &wgpu::Queue) {
     let voxelizer = Voxelizer::new(device, &lumivox::shaders::library()).expect("it works");
     let run = |timing| {
         pollster::block_on(voxelizer.voxelize(device, queue, grid, geometry, timing))
@@ -63,22 +57,23 @@ fn report(
 #[ignore = "prints times; says nothing about right or wrong"]
 fn speed() {
     let (device, queue) = common::device();
+    let pipelines = Pipelines::new(&device);
     let cornell = cornell_box().geometry(&device, SurfaceMaterial::default());
     for resolution in [64, 128, 256] {
         let grid =
             Grid::fit(Vec3::ZERO, Vec3::splat(2.0), resolution, Vec3::ZERO).expect("it works");
-        report("cornell", &grid, &cornell, &device, &queue);
+        report("cornell", &grid, &cornell, &pipelines, &queue);
     }
     let segments = std::env::var("SEGMENTS").map_or(708, |s| s.parse().expect("a number"));
     let sphere =
         Mesh::sphere(Vec3::ZERO, 1.0, segments).geometry(&device, SurfaceMaterial::default());
     let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 64, Vec3::ZERO).expect("it works");
-    report("sphere", &grid, &sphere, &device, &queue);
+    report("sphere", &grid, &sphere, &pipelines, &queue);
     let wall = Mesh::from_triangles(&[[
         Vec3::new(-1.0, -1.0, -0.9),
         Vec3::new(1.0, -1.0, 0.3),
         Vec3::new(-0.9, 1.0, 0.8),
     ]]);
     let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 256, Vec3::ZERO).expect("it works");
-    report("wall", &grid, &wall.geometry(&device, SurfaceMaterial::default()), &device, &queue);
+    report("wall", &grid, &wall.geometry(&device, SurfaceMaterial::default()), &pipelines, &queue);
 }

@@ -100,7 +100,7 @@ impl Found {
         method: VoxelizeMethod,
     ) -> anyhow::Result<Self> {
         let library = lumivox::shaders::library();
-        let voxelizer = Voxelizer::with_method(&gpu.device, &library, method)?;
+        let voxelizer = Voxelizer::with_method(&gpu.pipelines, &library, method)?;
         let once = || {
             let work = voxelizer.voxelize(&gpu.device, &gpu.queue, grid, geometry, Timing::Off);
             match pollster::block_on(work) {

@@ -43,6 +43,7 @@ fn ask(scene: &Scene, queries: &[Query]) -> Vec<Query> {
     let size = UVec2::new(64, queries.len().div_ceil(128) as u32);
     let tracer = tracer(scene, &ReferenceSettings { size, ..settings(1, 1) });
     let (device, queue) = (&tracer.gpu.device, &tracer.gpu.queue);
+    let pipelines = &tracer.gpu.pipelines;
     let mut shaders = crate::shaders::library(&library_with_volume(
         VolumeKind::default(),
         Directionality::default(),
@@ -52,7 +53,7 @@ fn ask(scene: &Scene, queries: &[Query]) -> Vec<Query> {
     let module = "render::reference::rays_test";
     shaders.add(module, include_str!("rays.wgsl"));
     let kernel =
-        Kernel::new(device, &shaders, module, "main", &[&layout(device)]).expect("a shader");
+        Kernel::new(pipelines, &shaders, module, "main", &[&layout(pipelines)]).expect("a shader");
     let film = &tracer.uploaded.film;
     queue.write_buffer(film, 0, bytemuck::cast_slice(queries));
     let mut recorder = Recorder::new(device, queue);

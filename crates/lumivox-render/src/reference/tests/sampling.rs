@@ -98,9 +98,10 @@ fn draw(surfaces: &[Seen]) -> Vec<Drawn> {
         Directionality::default(),
     ));
     shaders.add("render::reference::sampling_test", include_str!("sampling.wgsl"));
-    let layout = LayoutBuilder::compute().storage().storage_mut().build(&gpu.device, "sampling");
+    let layout = LayoutBuilder::compute().storage().storage_mut().build(&gpu.pipelines, "sampling");
     let module = "render::reference::sampling_test";
-    let kernel = Kernel::new(&gpu.device, &shaders, module, "main", &[&layout]).expect("a shader");
+    let kernel =
+        Kernel::new(&gpu.pipelines, &shaders, module, "main", &[&layout]).expect("a shader");
     let case = |seen: &Seen| Case {
         toward: at_cosine(seen.cosine).as_vec3().to_array(),
         alpha: seen.lobes.alpha as f32,
@@ -255,8 +256,9 @@ fn the_panorama_is_drawn_in_proportion_to_its_light() {
     let module = "render::reference::panorama_test";
     shaders.add(module, include_str!("panorama.wgsl"));
     let (device, queue) = (&tracer.gpu.device, &tracer.gpu.queue);
+    let pipelines = &tracer.gpu.pipelines;
     let kernel =
-        Kernel::new(device, &shaders, module, "main", &[&layout(device)]).expect("a shader");
+        Kernel::new(pipelines, &shaders, module, "main", &[&layout(pipelines)]).expect("a shader");
     let film = &tracer.uploaded.film;
     let draws = film.size() / size_of::<Drawn>() as u64;
     let mut recorder = Recorder::new(device, queue);

@@ -31,7 +31,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
     uniform_buffer,
 };
 use crate::light::lights::{Lights, MappedLight};
@@ -158,7 +158,7 @@ struct List {
 
 impl Photons {
     pub(crate) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &Grid,
         lights: &wgpu::BindGroupLayout,

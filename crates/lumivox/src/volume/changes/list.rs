@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 use crate::GiError;
 use crate::Grid;
 use crate::gpu::{
-    BindGroupBuilder, Indirect, Kernel, LayoutBuilder, Recorder, Run, Scan, ShaderLibrary,
-    storage_buffer, uniform_buffer,
+    BindGroupBuilder, Indirect, Kernel, LayoutBuilder, Pipelines, Recorder, Run, Scan,
+    ShaderLibrary, storage_buffer, uniform_buffer,
 };
 use crate::voxels::level_first_word;
 
@@ -100,7 +100,7 @@ pub(super) struct Lister {
 
 impl Lister {
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         globals: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {

@@ -18,7 +18,7 @@ mod tests;
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
     uniform_buffer,
 };
 use crate::voxels::{Pyramid, VoxelList, level_first_word};
@@ -92,7 +92,7 @@ pub(crate) struct Changes {
 
 impl Changes {
     pub(crate) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &Grid,
     ) -> Result<Self, GiError> {

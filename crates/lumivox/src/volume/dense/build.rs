@@ -1,7 +1,7 @@
 //! Storing faces into the dense volume, filtering its pyramid, and clearing what an earlier list had written: all where
 //! anything has changed.
 
-use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary};
+use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 use crate::volume::changes::{ChangedCells, LevelWords};
 use crate::{GiError, Grid};
 
@@ -26,7 +26,7 @@ pub(super) struct Build {
 
 impl Build {
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         directionality: Directionality,
         grid: &Grid,

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderLibrary, storage_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
     uniform_buffer,
 };
 use crate::volume::level_range::NodeRange;
@@ -41,7 +41,7 @@ pub(super) struct Masks {
 
 impl Masks {
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &Grid,
         globals: &wgpu::BindGroupLayout,

@@ -13,7 +13,9 @@ mod tests;
 
 use glam::UVec3;
 
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, ShaderLibrary, uniform_buffer};
+use crate::gpu::{
+    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, uniform_buffer,
+};
 use crate::volume::changes::ChangedCells;
 use crate::volume::{CELL_FORMAT, Cells, Directionality, Lists, budget};
 use crate::{GiError, Grid};
@@ -65,7 +67,7 @@ pub(crate) struct DenseVolume {
 
 impl DenseVolume {
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &Grid,
         directionality: Directionality,

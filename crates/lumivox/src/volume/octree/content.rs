@@ -7,7 +7,7 @@ use super::layout::AtlasSize;
 use super::topology::{NodeRanks, Topology};
 use super::{Duplication, Input, Mipmapping, OctreeOptions};
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderLibrary, read_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Scan, ShaderLibrary, read_buffer,
     storage_buffer, uniform_buffer,
 };
 use crate::volume::CELL_FORMAT;
@@ -115,7 +115,7 @@ pub(super) struct ContentKernels {
 
 impl ContentKernels {
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &Grid,
         options: OctreeOptions,

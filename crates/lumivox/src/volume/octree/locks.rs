@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Indirect, Kernel, LayoutBuilder, Recorder, Run, ShaderLibrary, read_buffer,
-    storage_buffer, uniform_buffer,
+    BindGroupBuilder, Indirect, Kernel, LayoutBuilder, Pipelines, Recorder, Run, ShaderLibrary,
+    read_buffer, storage_buffer, uniform_buffer,
 };
 use crate::voxelize::{Memory, Remedy};
 use crate::voxels::VoxelList;
@@ -46,7 +46,7 @@ pub(super) struct LockBuilder {
 
 impl LockBuilder {
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         tree_layout: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {

@@ -24,7 +24,9 @@ mod locks;
 mod tests;
 mod topology;
 
-use crate::gpu::{BindGroupBuilder, Recorder, ShaderLibrary, storage_buffer, uniform_buffer};
+use crate::gpu::{
+    BindGroupBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer, uniform_buffer,
+};
 use crate::volume::changes::ChangedCells;
 use crate::volume::{Cells, Lists};
 use crate::voxels::VoxelList;
@@ -170,7 +172,7 @@ struct Built {
 
 impl OctreeVolume {
     pub(super) fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
         options: OctreeOptions,

@@ -5,7 +5,7 @@ use super::layout::TreeLayout;
 use super::locks::LockBuilder;
 use super::{Input, OctreeBuilder, OctreeStats};
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Scan, ShaderLibrary, read_buffer,
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Scan, ShaderLibrary, read_buffer,
     uniform_buffer,
 };
 use crate::volume::budget;
@@ -58,7 +58,7 @@ pub(super) struct TopologyKernels {
 
 impl TopologyKernels {
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         builder: OctreeBuilder,
     ) -> Result<Self, GiError> {

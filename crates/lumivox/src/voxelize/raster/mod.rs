@@ -6,7 +6,8 @@
 //! no geometry shader that could choose the plane or widen a triangle; the picture has a pixel for each column
 //! of voxels, and nothing is drawn into it.
 
-use crate::gpu::{Recorder, ShaderError, ShaderLibrary};
+use crate::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
+use crate::gpu::{Pipelines, Recorder, ShaderError, ShaderLibrary};
 use crate::{Grid, VoxelizeMethod};
 
 use super::batch::SplitBatch;
@@ -43,7 +44,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
 }
 
 /// The pipelines of a walk, one for each [`Detail`].
-type Variants = [wgpu::RenderPipeline; 3];
+type Variants = [DrawPipeline; 3];
 
 /// The pipelines of one method.
 #[derive(Debug)]
@@ -61,7 +62,7 @@ impl Raster {
     /// # Errors
     /// When a shader does not link.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Pipelines,
         shaders: &ShaderLibrary,
         layouts: &Layouts,
         method: VoxelizeMethod,
@@ -74,20 +75,13 @@ impl Raster {
         };
         let mut shaders = shaders.clone();
         shaders.constant_u32("RASTER_METHOD", constant);
-        let (corners, _) = shaders.create(device, "voxelize::raster::corners")?;
+        let corners = device.shader(&shaders, "voxelize::raster::corners")?;
         let pipelines = |module: &str, entries: [&str; 3], pass: &wgpu::BindGroupLayout| {
-            let (fragments, _) = shaders.create(device, module)?;
-            let groups = [&layouts.grid, &layouts.triangles, pass, &layouts.run].map(Some);
-            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(module),
-                bind_group_layouts: &groups,
-                immediate_size: 0,
-            });
-            let pipeline = |entry| pipeline(device, &layout, &corners, &fragments, module, entry);
-            let [uniform, varied, pierced] = entries;
-            let first = pipeline(uniform);
-            let second = if varied == uniform { first.clone() } else { pipeline(varied) };
-            Ok::<_, ShaderError>([first, second, pipeline(pierced)])
+            let fragments = device.shader(&shaders, module)?;
+            let groups = [&layouts.grid, &layouts.triangles, pass, &layouts.run];
+            let [uniform, varied, pierced] =
+                entries.map(|entry| pipeline(device, groups, &corners, &fragments, entry));
+            Ok::<_, ShaderError>([uniform?, varied?, pierced?])
         };
         // Where the surface itself does not matter, what is not pierced is all alike.
         let by_holes = ["opaque", "opaque", "covered"];
@@ -150,38 +144,22 @@ fn picture(device: &wgpu::Device, grid: &Grid) -> wgpu::TextureView {
 }
 
 fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    corners: &wgpu::ShaderModule,
-    fragments: &wgpu::ShaderModule,
-    module: &str,
+    pipelines: &Pipelines,
+    groups: [&wgpu::BindGroupLayout; 4],
+    corners: &Shader,
+    fragments: &Shader,
     entry: &str,
-) -> wgpu::RenderPipeline {
+) -> Result<DrawPipeline, ShaderError> {
     let target = wgpu::ColorTargetState {
         format: PICTURE_FORMAT,
         blend: None,
         write_mask: wgpu::ColorWrites::empty(),
     };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(&format!("{module}::{entry}")),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: corners,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        // Both sides of a triangle are surface.
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: fragments,
-            entry_point: Some(entry),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(target)],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    // Both sides of a triangle are surface.
+    Ok(pipelines.draw(DrawPlan {
+        fragment: Some(fragments.entry(entry)?),
+        targets: vec![Some(target)],
+        groups: groups.map(Clone::clone).to_vec(),
+        ..DrawPlan::new(corners, "main")?
+    }))
 }

@@ -4,7 +4,7 @@ use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse
 use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec3};
 
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, Recorder, uniform_buffer};
+use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, uniform_buffer};
 use crate::{Geometry, LightSource, ShadowLayer, ShadowMaps};
 
 const DEPTH_WGSL: &str = "
@@ -86,7 +86,7 @@ pub(super) fn draw(
     let layout = LayoutBuilder::new(wgpu::ShaderStages::VERTEX)
         .uniform()
         .storage()
-        .build(&device, "test maps");
+        .build(&Pipelines::new(&device), "test maps");
     let pipeline = pipeline(&device, &layout);
     for (index, layer) in layers.iter().enumerate() {
         let view = texture.create_view(&wgpu::TextureViewDescriptor {

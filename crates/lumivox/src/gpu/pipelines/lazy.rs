@@ -1,0 +1,111 @@
+//! Pipelines that are made when they are needed.
+
+use std::sync::{Arc, OnceLock};
+
+use super::{ComputePlan, DrawPlan};
+
+/// What a pipeline is made from.
+pub(crate) trait Plan {
+    type Pipeline: std::fmt::Debug;
+
+    fn create(&self, device: &wgpu::Device) -> Self::Pipeline;
+}
+
+/// A pipeline that is made once, at its first use if not before. Clones share it.
+#[derive(Debug)]
+pub(crate) struct Lazy<P: Plan>(Arc<Slot<P>>);
+
+#[derive(Debug)]
+struct Slot<P: Plan> {
+    device: wgpu::Device,
+    plan: P,
+    pipeline: OnceLock<P::Pipeline>,
+}
+
+pub(crate) type LazyCompute = Lazy<ComputePlan>;
+
+impl<P: Plan> Lazy<P> {
+    pub(super) fn new(device: &wgpu::Device, plan: P) -> Self {
+        Self(Arc::new(Slot { device: device.clone(), plan, pipeline: OnceLock::new() }))
+    }
+
+    pub(crate) fn get(&self) -> &P::Pipeline {
+        self.0.pipeline.get_or_init(|| self.0.plan.create(&self.0.device))
+    }
+
+    pub(super) fn is_made(&self) -> bool {
+        self.0.pipeline.get().is_some()
+    }
+}
+
+impl<P: Plan> Clone for Lazy<P> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+/// One of either kind.
+#[derive(Clone, Debug)]
+pub(super) enum Pending {
+    Compute(LazyCompute),
+    Draw(Lazy<DrawPlan>),
+}
+
+impl Pending {
+    pub(super) fn is_made(&self) -> bool {
+        match self {
+            Self::Compute(pipeline) => pipeline.is_made(),
+            Self::Draw(pipeline) => pipeline.is_made(),
+        }
+    }
+
+    /// Makes it, if it is not there.
+    pub(super) fn make(&self) {
+        match self {
+            Self::Compute(pipeline) => {
+                pipeline.get();
+            }
+            Self::Draw(pipeline) => {
+                pipeline.get();
+            }
+        }
+    }
+
+    /// Makes one that is thrown away: for what wgpu calls on the way.
+    #[cfg(target_arch = "wasm32")]
+    pub(super) fn rehearse(&self) {
+        match self {
+            Self::Compute(pipeline) => drop(pipeline.0.plan.create(&pipeline.0.device)),
+            Self::Draw(pipeline) => drop(pipeline.0.plan.create(&pipeline.0.device)),
+        }
+    }
+}
+
+impl Plan for ComputePlan {
+    type Pipeline = wgpu::ComputePipeline;
+
+    fn create(&self, device: &wgpu::Device) -> wgpu::ComputePipeline {
+        let label = self.entry.label();
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&pipeline_layout(device, &label, &self.groups)),
+            module: self.entry.module(),
+            entry_point: Some(self.entry.name()),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        })
+    }
+}
+
+pub(super) fn pipeline_layout(
+    device: &wgpu::Device,
+    label: &str,
+    groups: &[wgpu::BindGroupLayout],
+) -> wgpu::PipelineLayout {
+    let groups: Vec<_> = groups.iter().map(Some).collect();
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    })
+}

@@ -1,0 +1,208 @@
+//! A cache of shaders, layouts and pipelines, one a device.
+//!
+//! All that is made on a device with one [`Pipelines`] shares what is in it: a second scene, another resolution or a
+//! volume that was there before find their pipelines made. What counts is content. A shader is known by its linked
+//! WGSL, a bind group layout by its entries, a pipeline by both. So a layout of an older object fits a bind group of a
+//! newer one.
+//!
+//! Asking for a pipeline links and validates its shader, so that errors come early, and makes nothing on the device.
+//! [`Pipelines::compile`] makes all that was asked for, at once: on all cores, or by the browser beside the page. What it
+//! has not made, the first use makes.
+//!
+//! Nothing is given up before the last clone goes: pipelines number with the kinds of volumes, materials and
+//! views that were in use, not with scenes.
+
+#[cfg(target_arch = "wasm32")]
+mod browser;
+mod draw;
+mod lazy;
+#[cfg(not(target_arch = "wasm32"))]
+mod native;
+mod shader;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::ops::Deref;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::shaders::Content;
+use super::{ShaderError, ShaderLibrary};
+pub use draw::{DrawPipeline, DrawPlan};
+pub(crate) use lazy::LazyCompute;
+use lazy::{Lazy, Pending};
+pub use shader::{Shader, ShaderEntry};
+
+/// What [`LazyCompute`] is made from.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ComputePlan {
+    pub(crate) entry: ShaderEntry,
+    pub(crate) groups: Vec<wgpu::BindGroupLayout>,
+}
+
+/// The cache of one device, which it stands for as well (by `Deref`). Clones share it.
+#[derive(Clone, Debug)]
+pub struct Pipelines {
+    device: wgpu::Device,
+    cache: Arc<Cache>,
+}
+
+#[derive(Debug, Default)]
+struct Cache {
+    linked: Mutex<Linked>,
+    layouts: Mutex<HashMap<Vec<wgpu::BindGroupLayoutEntry>, wgpu::BindGroupLayout>>,
+    compute: Mutex<HashMap<ComputePlan, LazyCompute>>,
+    draw: Mutex<HashMap<DrawPlan, DrawPipeline>>,
+    /// Asked for, and not known to be made.
+    pending: Mutex<Vec<Pending>>,
+}
+
+/// Shaders by where they come from and by what they are.
+#[derive(Debug, Default)]
+struct Linked {
+    /// Every library so far that differs from the others.
+    libraries: Vec<Arc<Content>>,
+    /// By the library's place in the list, and the module's path.
+    by_path: HashMap<(usize, String), Shader>,
+    by_source: HashMap<String, Shader>,
+}
+
+/// How many there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PipelineCounts {
+    /// Shader modules whose WGSL differs.
+    pub shaders: usize,
+    /// Bind group layouts whose entries differ.
+    pub layouts: usize,
+    /// Pipelines that were asked for.
+    pub pipelines: usize,
+    /// Of those, the ones that the device has made.
+    pub made: usize,
+}
+
+impl Pipelines {
+    /// An empty cache for a device.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { device: device.clone(), cache: Arc::default() }
+    }
+
+    /// The device.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The shader module `path` of a library, linked and validated once for the same sources and constants.
+    ///
+    /// # Errors
+    /// When it does not link, parse or validate.
+    pub fn shader(&self, library: &ShaderLibrary, path: &str) -> Result<Shader, ShaderError> {
+        let mut linked = lock(&self.cache.linked);
+        let content = library.content();
+        let known = linked.libraries.iter().position(|known| known == content);
+        let number = known.unwrap_or_else(|| {
+            linked.libraries.push(content.clone());
+            linked.libraries.len() - 1
+        });
+        let key = (number, path.to_owned());
+        if let Some(shader) = linked.by_path.get(&key) {
+            return Ok(shader.clone());
+        }
+        let (reflected, source) = library.reflect(path)?;
+        let shader = linked
+            .by_source
+            .entry(source)
+            .or_insert_with_key(|source| Shader::new(&self.device, path, source, &reflected))
+            .clone();
+        linked.by_path.insert(key, shader.clone());
+        Ok(shader)
+    }
+
+    /// The layout of bind groups with the given entries; the first label that it was asked for with stays.
+    pub(crate) fn layout(
+        &self,
+        entries: Vec<wgpu::BindGroupLayoutEntry>,
+        label: &str,
+    ) -> wgpu::BindGroupLayout {
+        let mut layouts = lock(&self.cache.layouts);
+        let create = |entries: &Vec<_>| {
+            let label = Some(label);
+            self.device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries })
+        };
+        layouts.entry(entries).or_insert_with_key(create).clone()
+    }
+
+    /// A compute pipeline, which is made by [`Self::compile`] or at its first use.
+    pub(crate) fn compute(&self, plan: ComputePlan) -> LazyCompute {
+        self.ask(&self.cache.compute, plan, |plan| Lazy::new(&self.device, plan), Pending::Compute)
+    }
+
+    /// A pipeline that draws, which is made by [`Self::compile`] or at its first use.
+    pub fn draw(&self, plan: DrawPlan) -> DrawPipeline {
+        let create = |plan| DrawPipeline(Lazy::new(&self.device, plan));
+        self.ask(&self.cache.draw, plan, create, |made| Pending::Draw(made.0))
+    }
+
+    /// What is there for a plan, or a new one, which is then pending.
+    fn ask<Plan: Clone + Eq + Hash, Asked: Clone>(
+        &self,
+        known: &Mutex<HashMap<Plan, Asked>>,
+        plan: Plan,
+        create: impl FnOnce(Plan) -> Asked,
+        pending: impl FnOnce(Asked) -> Pending,
+    ) -> Asked {
+        let mut known = lock(known);
+        if let Some(asked) = known.get(&plan) {
+            return asked.clone();
+        }
+        let asked = create(plan.clone());
+        known.insert(plan, asked.clone());
+        lock(&self.cache.pending).push(pending(asked.clone()));
+        asked
+    }
+
+    /// Makes all pipelines that were asked for and are not there: on all cores, or in browsers without holding the page up.
+    /// `progress` hears how many of how many are made, if any are left to make.
+    ///
+    /// What the device refuses it reports as any failed call, not here.
+    pub async fn compile(&self, progress: &mut dyn FnMut(u32, u32)) {
+        let mut pending = std::mem::take(&mut *lock(&self.cache.pending));
+        pending.retain(|pipeline| !pipeline.is_made());
+        if pending.is_empty() {
+            return;
+        }
+        progress(0, pending.len() as u32);
+        #[cfg(not(target_arch = "wasm32"))]
+        native::make(&pending, progress).await;
+        #[cfg(target_arch = "wasm32")]
+        browser::make(&self.device, &pending, progress).await;
+    }
+
+    /// How many there are of each.
+    pub fn counts(&self) -> PipelineCounts {
+        let compute = lock(&self.cache.compute);
+        let draw = lock(&self.cache.draw);
+        let made = compute.values().filter(|pipeline| pipeline.is_made()).count()
+            + draw.values().filter(|pipeline| pipeline.0.is_made()).count();
+        PipelineCounts {
+            shaders: lock(&self.cache.linked).by_source.len(),
+            layouts: lock(&self.cache.layouts).len(),
+            pipelines: compute.len() + draw.len(),
+            made,
+        }
+    }
+}
+
+impl Deref for Pipelines {
+    type Target = wgpu::Device;
+
+    fn deref(&self) -> &wgpu::Device {
+        &self.device
+    }
+}
+
+/// A panic elsewhere leaves nothing half done in these maps.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

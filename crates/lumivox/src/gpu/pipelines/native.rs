@@ -1,0 +1,33 @@
+//! Making many pipelines at once, outside of browsers.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use super::lazy::Pending;
+
+/// Makes them on all cores. It blocks, as waiting for the device does outside of browsers.
+pub(super) fn make(
+    pending: &[Pending],
+    progress: &mut dyn FnMut(u32, u32),
+) -> std::future::Ready<()> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let next = AtomicUsize::new(0);
+    let (made, hear) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..cores.min(pending.len()) {
+            let (made, next) = (made.clone(), &next);
+            scope.spawn(move || {
+                while let Some(pipeline) = pending.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    pipeline.make();
+                    // Nobody hears of it if the caller's progress has panicked.
+                    let _ = made.send(());
+                }
+            });
+        }
+        drop(made);
+        for (done, ()) in (1..).zip(hear) {
+            progress(done, pending.len() as u32);
+        }
+    });
+    std::future::ready(())
+}
