@@ -71,7 +71,7 @@ impl Explorer {
         } else {
             renderer.render_frame().await?;
         }
-        self.gpu.wait("rendering a frame")?;
+        self.gpu.finished("rendering a frame").await?;
         self.times.add(start.elapsed());
         Ok(true)
     }
@@ -112,6 +112,22 @@ impl Explorer {
     pub async fn screen(&mut self, stops: f32) -> Result<Option<Vec<[u8; 4]>>, ExplorerError> {
         let Some(renderer) = &mut self.renderer else { return Ok(None) };
         Ok(Some(renderer.screen(stops).await?))
+    }
+
+    /// The same left on the device, in [`Self::screen_texture`].
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn draw(&mut self, stops: f32) -> Result<(), ExplorerError> {
+        match &mut self.renderer {
+            Some(renderer) => Ok(renderer.draw_screen(stops).await?),
+            None => Ok(()),
+        }
+    }
+
+    /// What [`Self::draw`] drew last; see [`lumivox_render::Renderer::screen_texture`].
+    pub fn screen_texture(&self) -> Option<&wgpu::Texture> {
+        self.renderer.as_ref().map(lumivox_render::Renderer::screen_texture)
     }
 
     /// The stops that the exposure asks for, given the frames so far.

@@ -9,8 +9,11 @@ use crate::RenderError;
 
 /// The APIs that lumivox runs on. OpenGL is left out: it lacks what WebGPU's default limits promise,
 /// and probing for it prints errors on machines without a display.
+#[cfg(not(target_arch = "wasm32"))]
 const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+#[cfg(target_arch = "wasm32")]
+const BACKENDS: wgpu::Backends = wgpu::Backends::BROWSER_WEBGPU;
 
 /// How a device is chosen and opened.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -93,8 +96,27 @@ impl Gpu {
         fault.map_or(Ok(()), |reason| Err(RenderError::Device { doing, reason }))
     }
 
+    /// An instance of the APIs that devices are looked for in, to make surfaces with.
+    pub fn instance() -> wgpu::Instance {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = BACKENDS;
+        wgpu::Instance::new(descriptor)
+    }
+
+    /// Waits until the device has done all that was submitted; in browsers the page goes on meanwhile.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] when the device is lost.
+    pub async fn finished(&self, doing: &'static str) -> Result<(), RenderError> {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.wait(doing)?;
+        #[cfg(target_arch = "wasm32")]
+        lumivox::gpu::submitted_work_done(&self.queue).await;
+        self.check(doing)
+    }
+
     /// Waits until the device has done all that was submitted. In browsers, where nothing may block,
-    /// it returns at once.
+    /// it returns at once; see [`Self::finished`].
     ///
     /// # Errors
     /// [`RenderError::Device`] when the device is lost.
@@ -123,9 +145,17 @@ pub fn describe(info: &wgpu::AdapterInfo) -> String {
 }
 
 async fn adapters() -> Vec<wgpu::Adapter> {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = BACKENDS;
-    let mut adapters = wgpu::Instance::new(descriptor).enumerate_adapters(BACKENDS).await;
+    // Browsers show one adapter, and take a hint which.
+    #[cfg(target_arch = "wasm32")]
+    let mut adapters = {
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        Vec::from_iter(Gpu::instance().request_adapter(&options).await)
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    let mut adapters = Gpu::instance().enumerate_adapters(BACKENDS).await;
     // Stable, so that adapters of a kind stay in the driver's order.
     adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -147,6 +177,12 @@ fn choose(adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::Adap
         Some(name) if !known.is_empty() => RenderError::Adapter {
             problem: format!("no GPU adapter has \"{name}\" in its name"),
             remedy: format!("there are: {}", known.join("; ")),
+        },
+        _ if cfg!(target_arch = "wasm32") => RenderError::Adapter {
+            problem: "this browser offers no GPU to WebGPU".to_owned(),
+            remedy: "switch hardware acceleration on in its settings, update the GPU's driver, or try \
+                     another browser"
+                .to_owned(),
         },
         _ => RenderError::Adapter {
             problem: "this machine has no GPU adapter for Vulkan, Metal or Direct3D 12".to_owned(),

@@ -37,7 +37,10 @@ impl Right {
     /// When there is no such view, or a number is out of its range.
     pub fn named(split: &Split) -> Result<Self, WebError> {
         if !(0.0..=1.0).contains(&split.at) {
-            return Err(WebError::value(format!("the split is at {}, but must be from 0 to 1", split.at)));
+            return Err(WebError::value(format!(
+                "the split is at {}, but must be from 0 to 1",
+                split.at
+            )));
         }
         if !(1..=MOST_SAMPLES).contains(&split.samples) {
             return Err(WebError::value(format!(
@@ -48,14 +51,15 @@ impl Right {
         if split.right == "reference" {
             return Ok(Self::Reference(split.samples));
         }
-        let view = View::ALL.into_iter().find(|view| view.name() == split.right).ok_or_else(|| {
-            let names: Vec<&str> = View::ALL.iter().map(|view| view.name()).collect();
-            WebError::value(format!(
-                "there is no view \"{}\"; there are reference, {}",
-                split.right,
-                names.join(", ")
-            ))
-        })?;
+        let view =
+            View::ALL.into_iter().find(|view| view.name() == split.right).ok_or_else(|| {
+                let names: Vec<&str> = View::ALL.iter().map(|view| view.name()).collect();
+                WebError::value(format!(
+                    "there is no view \"{}\"; there are reference, {}",
+                    split.right,
+                    names.join(", ")
+                ))
+            })?;
         Ok(Self::View(view))
     }
 }
@@ -226,7 +230,11 @@ impl Beside {
     }
 
     /// The left is completed first: it is done at once, compared with a reference.
-    async fn advance_reference(&mut self, session: &mut Session, samples: u32) -> Result<bool, WebError> {
+    async fn advance_reference(
+        &mut self,
+        session: &mut Session,
+        samples: u32,
+    ) -> Result<bool, WebError> {
         self.left_still = None;
         if session.render_view(session.view()).await? {
             return Ok(false);

@@ -1,6 +1,7 @@
 //! Errors as a page gets them: exceptions with the renderer's own messages, and a code to tell them by.
 
 use lumivox::GiError;
+use lumivox_explorer::ExplorerError;
 use lumivox_render::RenderError;
 use lumivox_render::parameters::ParameterError;
 use lumivox_scene::SceneError;
@@ -75,6 +76,16 @@ impl From<RenderError> for WebError {
     }
 }
 
+impl From<ExplorerError> for WebError {
+    fn from(error: ExplorerError) -> Self {
+        match error {
+            ExplorerError::Render(error) => error.into(),
+            ExplorerError::Scene(error) => error.into(),
+            other => Self::value(other.to_string()),
+        }
+    }
+}
+
 impl From<SceneError> for WebError {
     fn from(error: SceneError) -> Self {
         Self::new(Code::Scene, error.to_string())
@@ -125,7 +136,10 @@ mod tests {
     #[test]
     fn options_become_settings() {
         for (message, expected) in [
-            ("store them in an octree (--volume octree)", "store them in an octree (volume octree)"),
+            (
+                "store them in an octree (--volume octree)",
+                "store them in an octree (volume octree)",
+            ),
             ("raise --shadow-resolution, or --x", "raise shadow_resolution, or x"),
             ("a -- b, c--d and 2--3", "a -- b, c--d and 2--3"),
             ("--frames", "frames"),

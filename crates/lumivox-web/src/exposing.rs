@@ -26,7 +26,8 @@ impl Exposing {
     /// there is never more than one, and time decides.
     pub fn is_due(&self, frames: u32, is_last: bool) -> bool {
         let Some(measured) = self.measured else { return true };
-        let is_step = frames.is_power_of_two() && (frames > 1 || measured.elapsed() >= MEASURE_EVERY);
+        let is_step =
+            frames.is_power_of_two() && (frames > 1 || measured.elapsed() >= MEASURE_EVERY);
         is_step || (is_last && !self.is_current)
     }
 

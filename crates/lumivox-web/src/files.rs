@@ -71,7 +71,8 @@ impl Files {
         }
         let name = |path: &str| path.rsplit('/').next().unwrap_or(path).to_owned();
         let wanted = name(path);
-        let mut alike = self.files.iter().filter(|(path, _)| !path.contains('/') && **path == wanted);
+        let mut alike =
+            self.files.iter().filter(|(path, _)| !path.contains('/') && **path == wanted);
         alike.next().map(|(_, bytes)| bytes)
     }
 }
@@ -104,7 +105,10 @@ mod tests {
 
     #[test]
     fn the_scene_among_files_is_found() {
-        assert_eq!(of(&["a/wood.png", "a/room.gltf", "a/room.bin"]).scene().as_deref(), Ok("a/room.gltf"));
+        assert_eq!(
+            of(&["a/wood.png", "a/room.gltf", "a/room.bin"]).scene().as_deref(),
+            Ok("a/room.gltf")
+        );
         assert_eq!(of(&["room.mtl", "readme.txt", "room.OBJ"]).scene().as_deref(), Ok("room.OBJ"));
         let several = of(&["a.glb", "b.glb"]).scene().unwrap_err();
         assert!(several.message.contains("a.glb, b.glb"), "{several}");

@@ -33,3 +33,24 @@ mod present;
 pub mod renderer;
 #[cfg(target_arch = "wasm32")]
 mod session;
+
+#[cfg(test)]
+mod tests {
+    const PACKAGE: &str = include_str!("../npm/package.json");
+    const README: &str = include_str!("../npm/README.md");
+    const EXAMPLE: &str = include_str!("../npm/example.html");
+
+    #[test]
+    fn the_package_has_the_version_of_the_crate() {
+        let package: serde_json::Value = serde_json::from_str(PACKAGE).unwrap();
+        assert_eq!(package["version"], env!("CARGO_PKG_VERSION"));
+    }
+
+    /// The tests in the browser run it.
+    #[test]
+    fn the_readme_shows_the_example_that_runs() {
+        assert!(README.contains(EXAMPLE));
+        let lines = EXAMPLE.lines().filter(|line| !line.trim().is_empty()).count();
+        assert!(lines <= 25, "{lines} lines");
+    }
+}

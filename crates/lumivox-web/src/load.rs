@@ -16,7 +16,10 @@ const BUDGET: MemoryBudget = MemoryBudget { texture_bytes: 512 << 20, geometry_b
 #[wasm_bindgen(module = "/src/fetch.js")]
 extern "C" {
     #[wasm_bindgen(js_name = fetchBytes, catch)]
-    async fn fetch_bytes(address: &str, tell: &Closure<dyn FnMut(f64, f64)>) -> Result<JsValue, JsValue>;
+    async fn fetch_bytes(
+        address: &str,
+        tell: &Closure<dyn FnMut(f64, f64)>,
+    ) -> Result<JsValue, JsValue>;
 
     #[wasm_bindgen(js_name = readBytes, catch)]
     async fn read_bytes(file: &web_sys::Blob) -> Result<JsValue, JsValue>;
@@ -36,7 +39,10 @@ impl Listener {
     pub fn tell(&self, stage: &str, done: f64, total: f64) {
         if let Some(function) = &self.0 {
             let progress = Progress { stage: stage.to_owned(), done, total };
-            let _ = function.call1(&JsValue::NULL, &tsify::Tsify::into_js(&progress).map_or(JsValue::NULL, Into::into));
+            let _ = function.call1(
+                &JsValue::NULL,
+                &tsify::Tsify::into_js(&progress).map_or(JsValue::NULL, Into::into),
+            );
         }
     }
 }
@@ -55,7 +61,8 @@ pub async fn load(source: &JsValue, listener: &Listener) -> Result<Scene, WebErr
             return load_files(&files, listener).await;
         }
     }
-    let text = source.as_string().or_else(|| source.dyn_ref::<web_sys::Url>().map(web_sys::Url::href));
+    let text =
+        source.as_string().or_else(|| source.dyn_ref::<web_sys::Url>().map(web_sys::Url::href));
     let Some(text) = text else {
         return Err(WebError::value(
             "a scene is an address, \"builtin:NAME\", a File, or a list of Files",
@@ -87,13 +94,15 @@ async fn load_files(list: &Array, listener: &Listener) -> Result<Scene, WebError
 
 /// Fetches a scene, and what it names: loaders ask for files, and are asked again when these are there.
 async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
-    let url = resolve(address, None)
-        .ok_or_else(|| WebError::new(Code::Fetch, format!("{address}: is no address of the web")))?;
+    let url = resolve(address, None).ok_or_else(|| {
+        WebError::new(Code::Fetch, format!("{address}: is no address of the web"))
+    })?;
     let path = url.pathname();
     let name = path.rsplit('/').next().unwrap_or_default();
     let name = js_sys::decode_uri_component(name).map_or_else(|_| name.to_owned(), String::from);
     let Some(bytes) = get(&url.href(), listener).await? else {
-        let reason = format!("{}: there is no such file on the server; check the address", url.href());
+        let reason =
+            format!("{}: there is no such file on the server; check the address", url.href());
         return Err(WebError::new(Code::Fetch, reason));
     };
     let mut files = Files::default();
@@ -146,7 +155,9 @@ fn unreadable(what: &str, error: &JsValue) -> WebError {
     let reason = reason.unwrap_or_else(|| "nobody says why".to_owned());
     WebError::new(
         Code::Fetch,
-        format!("{what}: cannot be read: {reason}; check the address, and that its server allows other sites to read it"),
+        format!(
+            "{what}: cannot be read: {reason}; check the address, and that its server allows other sites to read it"
+        ),
     )
 }
 

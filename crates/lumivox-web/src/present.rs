@@ -68,7 +68,7 @@ impl Presenter {
     /// # Errors
     /// When something else draws on the canvas already.
     pub fn new(gpu: &Gpu, canvas: Canvas) -> Result<Self, WebError> {
-        let surface = lumivox_render::gpu_instance().create_surface(canvas.target());
+        let surface = Gpu::instance().create_surface(canvas.target());
         let surface = surface.map_err(|error| {
             WebError::new(
                 Code::Value,
@@ -179,14 +179,20 @@ impl Presenter {
             wgpu::CurrentSurfaceTexture::Success(frame)
             | wgpu::CurrentSurfaceTexture::Suboptimal(frame) => frame,
             other => {
-                return Err(WebError::new(Code::Device, format!("the canvas gives no picture: {other:?}")));
+                return Err(WebError::new(
+                    Code::Device,
+                    format!("the canvas gives no picture: {other:?}"),
+                ));
             }
         };
         let at = right.map_or(f32::MAX, |(_, share)| share * self.size.x as f32);
-        let split: Vec<u8> = [at, HALF_LINE].iter().flat_map(|number| number.to_le_bytes()).collect();
+        let split: Vec<u8> =
+            [at, HALF_LINE].iter().flat_map(|number| number.to_le_bytes()).collect();
         gpu.queue.write_buffer(&self.split, 0, &split);
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let (left_view, right_view) = (view(left), view(right.map_or(left, |(texture, _)| texture)));
+        let view =
+            |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let (left_view, right_view) =
+            (view(left), view(right.map_or(left, |(texture, _)| texture)));
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("present"),
             layout: &self.layout,
@@ -202,7 +208,8 @@ impl Presenter {
                 wgpu::BindGroupEntry { binding: 2, resource: self.split.as_entire_binding() },
             ],
         });
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let target = view(&frame.texture);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

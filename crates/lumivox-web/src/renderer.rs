@@ -117,7 +117,8 @@ impl Renderer {
     #[wasm_bindgen(js_name = loadScene)]
     pub async fn load_scene(
         &self,
-        #[wasm_bindgen(unchecked_param_type = "string | URL | File | Iterable<File>")] source: JsValue,
+        #[wasm_bindgen(unchecked_param_type = "string | URL | File | Iterable<File>")]
+        source: JsValue,
         #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
     ) -> Result<Ts<SceneInfo>, JsValue> {
@@ -146,9 +147,10 @@ impl Renderer {
         #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
     ) -> Result<(), JsValue> {
-        let changes: Settings = tsify::serde_wasm_bindgen::from_value(changes).map_err(|error| {
-            WebError::value(format!("settings are an object of names and values: {error}"))
-        })?;
+        let changes: Settings =
+            tsify::serde_wasm_bindgen::from_value(changes).map_err(|error| {
+                WebError::value(format!("settings are an object of names and values: {error}"))
+            })?;
         Ok(self.session().await.set(&changes, &Listener::new(on_progress)).await?)
     }
 
@@ -271,6 +273,16 @@ impl Renderer {
         self.session().await.gpu().is_lost()
     }
 
+    /// Resolves once the present device is lost, with the reason; never before. After `restore`, ask again.
+    pub async fn lost(&self) -> Result<String, JsValue> {
+        let device = self.device().await;
+        let lost: js_sys::Promise = js_sys::Reflect::get(&device, &"lost".into())?.unchecked_into();
+        let info = wasm_bindgen_futures::JsFuture::from(lost).await?;
+        let text = |name: &str| js_sys::Reflect::get(&info, &name.into()).ok()?.as_string();
+        let message = text("message").filter(|message| !message.is_empty());
+        Ok(message.or_else(|| text("reason")).unwrap_or_else(|| "nobody says why".to_owned()))
+    }
+
     /// Goes on after the device was lost: all is uploaded to another one.
     pub async fn restore(
         &self,
@@ -291,6 +303,9 @@ fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {
     value.into_ts().map_err(|error| WebError::value(error.to_string()).into())
 }
 
-fn from_js<T: Tsify + serde::de::DeserializeOwned>(value: &Ts<T>, what: &str) -> Result<T, WebError> {
+fn from_js<T: Tsify + serde::de::DeserializeOwned>(
+    value: &Ts<T>,
+    what: &str,
+) -> Result<T, WebError> {
     value.to_rust().map_err(|error| WebError::value(format!("this is not {what}: {error}")))
 }

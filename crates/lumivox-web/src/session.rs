@@ -12,7 +12,7 @@ use crate::exposing::Exposing;
 use crate::load::Listener;
 use crate::present::{Canvas, Presenter};
 use crate::settings::{self, Settings};
-use crate::types::{Camera, FrameReport, Light, SceneInfo, Split, StageMs};
+use crate::types::{Camera, FrameReport, Light, MemoryInfo, SceneInfo, Split, StageMs};
 
 /// Everything behind one canvas.
 #[derive(Debug)]
@@ -71,15 +71,18 @@ impl Session {
     /// When it does not fit, or the device fails. The last one is gone then: both at once need not fit.
     pub async fn open(&mut self, scene: Scene, listener: &Listener) -> Result<SceneInfo, WebError> {
         let size = self.explorer.size();
-        let options = OpenOptions { aspect: size.x as f32 / size.y as f32, ..OpenOptions::default() };
+        let options =
+            OpenOptions { aspect: size.x as f32 / size.y as f32, ..OpenOptions::default() };
         let mut tell = |step: lumivox_render::Progress| {
             listener.tell(step.stage, step.done.into(), step.total.into());
         };
         let opened = Opened::new(scene, options, &mut tell)?;
         self.notes.clone_from(&opened.scene().notes.warnings);
-        self.notes.extend(opened.default_light().map(|light| {
-            format!("nothing shines in this scene: it is lit by {light}")
-        }));
+        self.notes.extend(
+            opened
+                .default_light()
+                .map(|light| format!("nothing shines in this scene: it is lit by {light}")),
+        );
         self.explorer.open(opened);
         self.exposing = Exposing::default();
         self.beside = None;
@@ -92,7 +95,9 @@ impl Session {
     pub fn info(&self) -> Option<SceneInfo> {
         let scene = self.explorer.scene()?;
         let objects = self.explorer.object_names();
-        Some(SceneInfo::new(scene, self.explorer.camera(), &objects, self.notes.clone()))
+        let voxels = self.explorer.renderer().map(|renderer| renderer.voxel_stats().voxels);
+        let camera = self.explorer.camera();
+        Some(SceneInfo::new(scene, camera, &objects, voxels, self.notes.clone()))
     }
 
     /// All settings by name.
@@ -198,8 +203,23 @@ impl Session {
     pub fn set_light(&mut self, number: usize, light: &Light) -> Result<(), WebError> {
         self.edit_lights(|lights| {
             let count = lights.len();
-            let place = lights.get_mut(number).ok_or_else(|| out_of_range("light", number, count))?;
+            let place =
+                lights.get_mut(number).ok_or_else(|| out_of_range("light", number, count))?;
             *place = light.to_scene(place.attenuation)?;
+            Ok(())
+        })
+    }
+
+    /// Removes one.
+    ///
+    /// # Errors
+    /// When there is none of that number.
+    pub fn remove_light(&mut self, number: usize) -> Result<(), WebError> {
+        self.edit_lights(|lights| {
+            if number >= lights.len() {
+                return Err(out_of_range("light", number, lights.len()));
+            }
+            lights.remove(number);
             Ok(())
         })
     }
@@ -380,6 +400,12 @@ impl Session {
         self.presenter.show(self.explorer.gpu(), left, right)
     }
 
+    /// GPU memory by what it holds.
+    pub fn memory(&self) -> Vec<MemoryInfo> {
+        let memory = self.explorer.renderer().map(lumivox_render::Renderer::memory);
+        memory.iter().flatten().map(MemoryInfo::from).collect()
+    }
+
     /// What the canvas shows: width, height and four bytes a pixel, row by row from the top.
     ///
     /// # Errors
@@ -419,6 +445,13 @@ impl Session {
     /// The stops that the picture is shown with.
     pub(crate) fn stops(&self) -> f32 {
         self.exposing.stops()
+    }
+}
+
+impl Drop for Session {
+    /// Browsers keep a device, and all that is on it, until they collect garbage.
+    fn drop(&mut self) {
+        self.gpu().device.destroy();
     }
 }
 

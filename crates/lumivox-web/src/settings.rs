@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::Vec3;
+use lumivox_explorer::suggest;
 use lumivox_render::RenderSettings;
 use lumivox_render::parameters::{Kind, PARAMETERS, Parameter, Value};
 use serde::{Deserialize, Serialize};
@@ -49,7 +50,8 @@ impl SettingValue {
         match (self, kind) {
             (Self::Switch(on), Kind::Switch) => Some(Value::Switch(*on)),
             (Self::Number(number), Kind::Whole { .. }) => {
-                let is_whole = number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(number);
+                let is_whole =
+                    number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(number);
                 is_whole.then_some(Value::Whole(*number as u32))
             }
             (Self::Number(number), Kind::Number { .. }) => {
@@ -104,15 +106,9 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
 /// The parameter of a name.
 fn find(name: &str) -> Result<&'static Parameter, WebError> {
     Parameter::find(name).ok_or_else(|| {
-        let alike = PARAMETERS
-            .iter()
-            .map(|parameter| (strsim::jaro_winkler(name, parameter.name), parameter.name))
-            .max_by(|(a, _), (b, _)| a.total_cmp(b));
-        let meant = match alike {
-            Some((similarity, known)) if similarity > 0.75 => format!("did you mean \"{known}\"?"),
-            _ => "parameters() lists them".to_owned(),
-        };
-        WebError::value(format!("there is no setting \"{name}\"; {meant}"))
+        let known = PARAMETERS.iter().map(|parameter| parameter.name);
+        let remedy = suggest::remedy(name, known, "parameters()");
+        WebError::value(format!("there is no setting \"{name}\"{remedy}"))
     })
 }
 

@@ -59,7 +59,10 @@ impl Camera {
     ///
     /// # Errors
     /// When it looks nowhere, or at no angle.
-    pub fn to_scene(&self, present: &lumivox_scene::Camera) -> Result<lumivox_scene::Camera, WebError> {
+    pub fn to_scene(
+        &self,
+        present: &lumivox_scene::Camera,
+    ) -> Result<lumivox_scene::Camera, WebError> {
         let fail = |what: &str| Err(WebError::value(format!("the camera's {what}")));
         if ![self.position, self.target, self.up].iter().all(|v| v.is_finite()) {
             return fail("position, target and up must be finite numbers");
@@ -67,7 +70,8 @@ impl Camera {
         let Some(forward) = (self.target - self.position).try_normalize() else {
             return fail("target is its position; move one of them");
         };
-        let Some(up) = self.up.try_normalize().filter(|up| up.cross(forward).length() > 1e-6) else {
+        let Some(up) = self.up.try_normalize().filter(|up| up.cross(forward).length() > 1e-6)
+        else {
             return fail("up is along its line of sight; turn one of them");
         };
         if !(self.vertical_fov_deg > 0.0 && self.vertical_fov_deg < 180.0) {
@@ -195,19 +199,26 @@ impl Light {
     ///
     /// # Errors
     /// When a number is out of its range.
-    pub fn to_scene(&self, attenuation: Option<Attenuation>) -> Result<lumivox_scene::Light, WebError> {
+    pub fn to_scene(
+        &self,
+        attenuation: Option<Attenuation>,
+    ) -> Result<lumivox_scene::Light, WebError> {
         let name = &self.name;
         let at_least_0 = |what: &str, number: f32| {
             if number >= 0.0 && number.is_finite() {
                 return Ok(number);
             }
-            Err(WebError::value(format!("{what} of the light \"{name}\" is {number}, but must be at least 0")))
+            Err(WebError::value(format!(
+                "{what} of the light \"{name}\" is {number}, but must be at least 0"
+            )))
         };
         for channel in self.color.to_array() {
             at_least_0("color", channel)?;
         }
         if !self.position.is_finite() {
-            return Err(WebError::value(format!("position of the light \"{name}\" must be finite numbers")));
+            return Err(WebError::value(format!(
+                "position of the light \"{name}\" must be finite numbers"
+            )));
         }
         let direction = self.direction.try_normalize().ok_or_else(|| {
             WebError::value(format!("direction of the light \"{name}\" must not be zero"))
@@ -226,7 +237,8 @@ impl Light {
         let kind = match self.kind {
             LightKind::Directional => lumivox_scene::LightKind::Directional {
                 illuminance_lux: intensity,
-                angular_radius_rad: at_least_0("angular_radius_deg", self.angular_radius_deg)?.to_radians(),
+                angular_radius_rad: at_least_0("angular_radius_deg", self.angular_radius_deg)?
+                    .to_radians(),
             },
             LightKind::Point => {
                 lumivox_scene::LightKind::Point { intensity_cd: intensity, range_m: self.range_m }
@@ -303,6 +315,10 @@ pub struct SceneInfo {
     pub name: String,
     /// Triangles of all objects.
     pub triangles: usize,
+    /// Voxels that it touches, at the present resolution.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxels: Option<u32>,
     /// Around all that is there.
     pub bounds: Box3,
     /// Those of the file.
@@ -323,16 +339,26 @@ pub struct SceneInfo {
 
 impl SceneInfo {
     /// Of a scene as it is seen.
-    pub fn new(scene: &Scene, camera: &lumivox_scene::Camera, objects: &[String], notes: Vec<String>) -> Self {
+    pub fn new(
+        scene: &Scene,
+        camera: &lumivox_scene::Camera,
+        objects: &[String],
+        voxels: Option<u32>,
+        notes: Vec<String>,
+    ) -> Self {
         let objects = objects.iter().zip(&scene.instances);
         Self {
             name: scene.name.clone(),
             triangles: scene.triangle_count(),
+            voxels,
             bounds: scene.bounds().into(),
             cameras: scene.cameras.iter().map(Camera::from).collect(),
             camera: camera.into(),
             objects: objects
-                .map(|(name, instance)| ObjectInfo { name: name.clone(), hidden: instance.is_hidden })
+                .map(|(name, instance)| ObjectInfo {
+                    name: name.clone(),
+                    hidden: instance.is_hidden,
+                })
                 .collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
             lights: scene.lights.iter().map(Light::from).collect(),

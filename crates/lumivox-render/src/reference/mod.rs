@@ -184,7 +184,7 @@ impl PathTracer {
                 let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
                 self.uploaded.kernel.run(&mut recorder, &[&self.uploaded.group], [size.x, rows, 1]);
                 recorder.submit();
-                self.gpu.wait("tracing paths")?;
+                self.gpu.finished("tracing paths").await?;
                 let rows_before = f64::from(count) * f64::from(first_row);
                 let rows_done = rows_before + f64::from(sample + 1) * f64::from(rows);
                 let samples = f64::from(first) + rows_done / f64::from(size.y);

@@ -41,15 +41,29 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn screen(&mut self, stops: f32) -> Result<Vec<[u8; 4]>, RenderError> {
+        self.draw_screen(stops).await?;
+        let ldr = read_texture(&self.gpu, self.screen_texture()).await?;
+        self.gpu.check("reading the picture back")?;
+        Ok(ldr)
+    }
+
+    /// The same without reading anything back: it is in [`Self::screen_texture`] then.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn draw_screen(&mut self, stops: f32) -> Result<(), RenderError> {
         let encoding = self.encoding(stops);
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing);
         recorder.stage("picture");
         self.record_screen(&mut recorder, encoding);
         self.times.add(recorder.finish().await?);
-        let ldr = read_texture(&self.gpu, self.targets.tone_map.screen()).await?;
-        self.gpu.check("reading the picture back")?;
-        Ok(ldr)
+        Ok(())
+    }
+
+    /// What [`Self::draw_screen`] drew last: `Rgba8Unorm`, encoded for a screen, of the picture's size.
+    pub fn screen_texture(&self) -> &wgpu::Texture {
+        self.targets.tone_map.screen()
     }
 
     /// The mean over frames in real units.

@@ -88,6 +88,14 @@ pub(crate) async fn map_and_copy<T: Pod>(
     Ok(values)
 }
 
+/// Waits until a queue has done all that was submitted to it. Only browsers complete it by themselves; elsewhere
+/// somebody has to poll the device.
+pub async fn submitted_work_done(queue: &wgpu::Queue) {
+    let (sender, receiver) = oneshot();
+    queue.on_submitted_work_done(move || sender.send(()));
+    receiver.await;
+}
+
 /// The two ends of a value that a callback delivers to a future.
 fn oneshot<T: Send + 'static>() -> (Sender<T>, Receiver<T>) {
     let shared = std::sync::Arc::new(std::sync::Mutex::new(Slot { value: None, waker: None }));

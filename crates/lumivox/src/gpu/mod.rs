@@ -13,7 +13,7 @@ mod scan;
 mod shaders;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
-pub use buffers::{read_buffer, storage_buffer, uniform_buffer, upload};
+pub use buffers::{read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload};
 pub(crate) use indirect::{Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
