@@ -32,7 +32,7 @@ export class Client {
         this.#worker.addEventListener("message", (event) => this.#received(event.data));
         // A module that cannot be loaded ends here, too; then there is no message.
         this.#worker.addEventListener("error", (event) => {
-            const message = event.message ? `The renderer stopped: ${event.message}` : "The renderer could not be loaded";
+            const message = event.message || "its module could not be loaded";
             const error = new WorkerError({ message, code: "stopped", fatal: true });
             for (const call of this.#calls.values()) call.reject(error);
             if (this.#calls.size === 0) this.#listeners.get("error")?.(error);

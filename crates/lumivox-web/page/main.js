@@ -6,11 +6,13 @@ import { Client, WorkerError } from "./client.js";
 import { Controls } from "./controls.js";
 import { byId, plain } from "./dom.js";
 import { listenForFiles } from "./drop.js";
+import { listenToTools, showPanel } from "./keys.js";
 import { newLight, showLights } from "./lights.js";
-import { decode, encode } from "./link.js";
-import { announce, closeNewest, loading, say } from "./messages.js";
+import { decode } from "./link.js";
+import { announce, loading, say, showUnsupported } from "./messages.js";
 import { Parameters, radios, same } from "./parameters.js";
 import { cameraChoices, showFacts, showScene } from "./scene.js";
+import { copyLink, download, linkState, showLink } from "./share.js";
 import { SplitLine } from "./split.js";
 import { addReport, clearReports, milliseconds, showMemory } from "./timing.js";
 
@@ -19,9 +21,9 @@ import { addReport, clearReports, milliseconds, showMemory } from "./timing.js";
 /** @typedef {import("./types.js").Changed} Changed */
 /** @typedef {import("./types.js").FrameReport} FrameReport */
 /** @typedef {import("./types.js").Light} Light */
-/** @typedef {import("./types.js").LinkState} LinkState */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").Progress} Progress */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 
@@ -55,8 +57,20 @@ let aspect = 1;
 /** Phones and the like have more pixels than one sees. */
 const usualScale = devicePixelRatio >= 2 ? 0.5 : 1;
 
-/** @param {string} state */
-const setState = (state) => (document.documentElement.dataset.state = state);
+/** Where the page is: starting, loading, rendering, complete, empty (no scene), lost, failed, unsupported.
+ * @param {string} [now] */
+const state = (now = document.documentElement.dataset.state) => (document.documentElement.dataset.state = now);
+/** Changes that the worker has not answered. */
+let asked = 0;
+
+/** Asks the worker for a change: until it is answered and rendered, no picture is complete.
+ * @template T
+ * @param {string} call @param {unknown} data @param {(progress: Progress) => void} [onProgress] @returns {Promise<T>} */
+function ask(call, data, onProgress) {
+    asked += 1;
+    if (state() === "complete") state("rendering");
+    return client.call(call, data, onProgress).finally(() => (asked -= 1));
+}
 
 // --- Errors --------------------------------------------------------------------------------------------------------
 
@@ -64,10 +78,9 @@ const setState = (state) => (document.documentElement.dataset.state = state);
 function fail(error) {
     const text = error instanceof Error ? error.message : String(error);
     const { fatal, code } = error instanceof WorkerError ? error : { fatal: false, code: undefined };
-    if (fatal) say(text, { action: { label: "Start again", run: startAgain } });
-    else if (code === "lost") say(text, { action: { label: "Try again", run: () => void attempt(client.call("restore")) } });
+    if (fatal) say(`The renderer stopped: ${text}`, { action: { label: "Start again", run: startAgain } });
+    else if (code === "lost") say(text, { action: { label: "Try again", run: () => void attempt(ask("restore", null)) } });
     else say(text);
-    if (fatal) setState("failed");
 }
 
 /** What a promise gives; if it fails, that is told.
@@ -82,54 +95,35 @@ async function attempt(promise) {
 }
 
 function startAgain() {
-    history.replaceState(null, "", `#${encode(linkState())}`);
+    showLink(link());
     location.reload();
-}
-
-/** Browsers without what is needed get a page of their own.
- * @param {unknown} error */
-function unsupported(error) {
-    const code = error instanceof WorkerError ? error.code : "no-webgpu";
-    const titles = /** @type {Record<string, string>} */ ({
-        "no-webgpu": "This browser has no WebGPU",
-        "no-adapter": "WebGPU finds no graphics adapter",
-        "no-device": "The graphics device could not be opened",
-    });
-    const title = titles[code ?? ""];
-    if (title === undefined) return fail(error);
-    setState("unsupported");
-    byId("unsupported-title").textContent = title;
-    byId("unsupported-reason").textContent = error instanceof Error ? error.message : "";
-    byId("unsupported-http").hidden = isSecureContext;
-    for (const id of ["stage", "panel"]) byId(id).hidden = true;
-    byId("unsupported").hidden = false;
 }
 
 // --- Scene and camera ----------------------------------------------------------------------------------------------
 
 /** Opens a scene; the one before stays if that fails.
- * @param {Source} from @param {Camera} [link] where the camera shall be */
-async function open(from, link) {
+ * @param {Source} from @param {Camera} [place] where the camera shall be */
+async function open(from, place) {
     const name = typeof from === "string" ? from.replace(/^builtin:/, "") : (from.find(({ path }) => /\.(glb|gltf|obj)$/i.test(path)) ?? from[0]).path;
     const busy = loading(`Loading ${name}`);
-    setState("loading");
+    state("loading");
     announce(`Loading ${name}`);
     try {
         /** @type {Opened} */
-        const now = await client.call("load", { source: from, camera: link && fitted(link, aspect) }, busy.progress);
+        const now = await ask("load", { source: from, camera: place && fitted(place, aspect) }, busy.progress);
         [opened, source] = [now, from];
-        camera = link ?? now.scene.camera;
+        camera = place ?? now.scene.camera;
         clearReports();
         split.show(split.value);
-        showScene(now.scene, typeof from === "string" ? from : "", { client, attempt });
+        showScene(now.scene, typeof from === "string" ? from : "", (call, data) => void attempt(ask(call, data)));
         showAllLights(now.scene.lights);
         showSettings(now.settings);
-        if (!link && aspect < 1) sendCamera(false);
+        if (!place && aspect < 1) sendCamera(false);
         announce(`${now.scene.name} is loaded: ${byId("facts").textContent}`);
-        setState("rendering");
+        state("rendering");
     } catch (error) {
         fail(error);
-        setState(opened ? "rendering" : "empty");
+        state(opened ? "rendering" : "empty");
         byId("scene", HTMLSelectElement).value = typeof source === "string" ? source : "";
     } finally {
         busy.end();
@@ -138,7 +132,7 @@ async function open(from, link) {
 
 /** @param {boolean} isMoving */
 function sendCamera(isMoving) {
-    if (camera && opened) void attempt(client.call("camera", { camera: fitted(camera, aspect), number: opened.number, isMoving }));
+    if (camera && opened) void attempt(ask("camera", { camera: fitted(camera, aspect), number: opened.number, isMoving }));
 }
 
 /** @param {Camera} to @param {boolean} isMoving */
@@ -167,10 +161,10 @@ function listenForCamera() {
 function showAllLights(lights) {
     if (!opened) return;
     opened.scene.lights = lights;
-    const change = (/** @type {number} */ index, /** @type {Light} */ light) => void attempt(client.call("light", { index, light }));
+    const change = (/** @type {number} */ index, /** @type {Light} */ light) => void attempt(ask("light", { index, light }));
     showLights(lights, change, async (index) => {
         /** @type {Light[] | undefined} */
-        const left = await attempt(client.call("removeLight", index));
+        const left = await attempt(ask("removeLight", index));
         if (left) showAllLights(left);
     });
 }
@@ -179,7 +173,7 @@ async function addLight(/** @type {string | undefined} */ kind) {
     if (!opened || !camera) return;
     const light = newLight(/** @type {Light["kind"]} */ (kind), camera, opened.scene.lights.length);
     /** @type {Light[] | undefined} */
-    const lights = await attempt(client.call("addLight", light));
+    const lights = await attempt(ask("addLight", light));
     if (lights) showAllLights(lights);
 }
 
@@ -196,7 +190,7 @@ function showSettings(now) {
 async function change(call, data) {
     const busy = loading("Applying");
     /** @type {Changed | undefined} */
-    const now = await attempt(client.call(call, data, busy.progress));
+    const now = await attempt(ask(call, data, busy.progress));
     busy.end();
     if (now && opened && now.voxels !== undefined) {
         opened.scene.voxels = now.voxels;
@@ -207,9 +201,10 @@ async function change(call, data) {
 }
 
 /** @param {Settings} changes */
-function set(changes) {
-    for (const name of Object.keys(changes)) touched.add(name);
-    return change("set", changes);
+async function set(changes) {
+    const isSet = await change("set", changes);
+    if (isSet) for (const name of Object.keys(changes)) touched.add(name);
+    return isSet;
 }
 
 /** @param {string} name */
@@ -224,46 +219,20 @@ async function setPreset(name) {
     return true;
 }
 
-/** What a link has to carry. */
-function linkState() {
+/** What a link to this has to carry. */
+function link() {
     const scale = byId("scale", HTMLInputElement).valueAsNumber;
-    const isFirst = preset === FIRST_PRESET;
-    const carried = (catalogue?.parameters ?? []).filter(({ name, default: first }) =>
-        settings[name] !== undefined && (isFirst ? !same(settings[name], first) : touched.has(name)));
-    /** @type {LinkState} */
-    const state = { settings: Object.fromEntries(carried.map(({ name }) => [name, settings[name]])) };
-    if (typeof source === "string") state.scene = source;
-    if (!isFirst) state.preset = preset;
-    if (camera) state.camera = camera;
-    if (split?.value) state.split = split.value;
-    if (scale !== usualScale) state.scale = scale;
-    return state;
-}
-
-async function copyLink() {
-    const address = new URL(`#${encode(linkState())}`, location.href).href;
-    history.replaceState(null, "", address);
-    const note = typeof source === "string" ? "" : " It carries the camera and the settings, but not your file.";
-    try {
-        await navigator.clipboard.writeText(address);
-        say(`The link is copied.${note}`, { kind: "note" });
-    } catch {
-        say(`This browser does not let a page copy: here is the link.${note}`, { kind: "note", link: address });
-    }
+    const changed = { preset: preset === FIRST_PRESET ? undefined : preset, scale: scale === usualScale ? undefined : scale };
+    return linkState({ ...changed, source, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
 }
 
 async function savePicture() {
     /** @type {Blob | undefined} */
     const picture = await attempt(client.call("picture"));
-    if (!picture) return;
-    const anchor = document.createElement("a");
-    anchor.href = URL.createObjectURL(picture);
-    anchor.download = `${(opened?.scene.name ?? "picture").replace(/[^\w.-]+/g, "-")}.png`;
-    anchor.click();
-    setTimeout(() => URL.revokeObjectURL(anchor.href), 60_000);
+    if (picture) download(picture, opened?.scene.name ?? "");
 }
 
-// --- Size, panel, keys ---------------------------------------------------------------------------------------------
+// --- Size -------------------------------------------------------------------------------------------------------------
 
 function resize() {
     const { clientWidth, clientHeight } = canvas;
@@ -272,37 +241,10 @@ function resize() {
     byId("scale-value").textContent = plain(share);
     const scale = Math.min(devicePixelRatio * share, LARGEST_PX / Math.max(clientWidth, clientHeight));
     const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(1, Math.round(side * scale)));
-    void attempt(client.call("resize", { width, height, coarser: byId("coarser", HTMLInputElement).checked }));
+    void attempt(ask("resize", { width, height, coarser: byId("coarser", HTMLInputElement).checked }));
     const before = aspect;
     aspect = clientWidth / clientHeight;
     if (aspect !== before && (aspect < 1 || before < 1)) sendCamera(false);
-}
-
-/** @param {boolean} isOpen */
-function showPanel(isOpen) {
-    byId("panel").hidden = !isOpen;
-    byId("panel-toggle").setAttribute("aria-expanded", String(isOpen));
-}
-
-function listenForKeys() {
-    const keys = /** @type {HTMLDialogElement} */ (byId("keys"));
-    const clicks = /** @type {Record<string, () => void>} */ ({
-        open: () => byId("files").click(),
-        picture: () => void savePicture(),
-        link: () => void copyLink(),
-        help: () => keys.showModal(),
-        "panel-toggle": () => showPanel(byId("panel").hidden),
-        "panel-close": () => (showPanel(false), byId("panel-toggle").focus()),
-    });
-    for (const [id, click] of Object.entries(clicks)) byId(id).addEventListener("click", click);
-    const shortcuts = /** @type {Record<string, string>} */ ({ o: "open", p: "picture", l: "link", "?": "help" });
-    addEventListener("keydown", (event) => {
-        if (event.ctrlKey || event.metaKey || event.altKey || keys.open) return;
-        if (event.key === "Escape" && closeNewest()) event.preventDefault();
-        // Letters belong to the field that has the focus.
-        if (event.target !== canvas && event.target !== document.body) return;
-        clicks[shortcuts[event.key.toLowerCase()]]?.();
-    });
 }
 
 // --- What the worker tells -----------------------------------------------------------------------------------------
@@ -314,21 +256,25 @@ function listenToWorker() {
         addReport(report);
         const reference = report.reference_samples === undefined ? "" : ` · reference ${report.reference_samples} samples`;
         byId("status").textContent = `${report.frame}/${report.frames} frames · ${milliseconds(report.frame_ms)}${reference}`;
-        if (document.documentElement.dataset.state === "loading") return;
-        setState(report.complete ? "complete" : "rendering");
-        if (report.complete) void attempt(client.call("memory")).then((memory) => memory && showMemory(/** @type {Memory[]} */ (memory)));
+        if (state() === "loading") return;
+        const isComplete = report.complete && asked === 0;
+        state(isComplete ? "complete" : "rendering");
+        if (isComplete) void attempt(client.call("memory")).then((memory) => memory && showMemory(/** @type {Memory[]} */ (memory)));
     });
-    client.on("error", fail);
+    client.on("error", (error) => {
+        state("failed");
+        fail(error);
+    });
     client.on("lost", (reason) => {
         restoring ??= loading("The graphics device was lost; everything is uploaded again");
         say(`The graphics device was lost: ${reason}`, { kind: "note" });
-        setState("lost");
+        state("lost");
     });
     client.on("restored", () => {
         restoring?.end();
         restoring = null;
         announce("The graphics device is back");
-        setState("rendering");
+        state("rendering");
     });
 }
 
@@ -337,7 +283,7 @@ function listenToWorker() {
 function fillPanel() {
     fields = new Parameters(catalogue.parameters, (name, value) => void set({ [name]: value }));
     const views = catalogue.parameters.find(({ name }) => name === "view")?.choices ?? [];
-    split = new SplitLine(views, (now) => void attempt(client.call("split", now)), (view) => void set({ view }));
+    split = new SplitLine(views, (now) => void attempt(ask("split", now)), (view) => void set({ view }));
     const list = radios("preset", "Preset", catalogue.presets, async (name) => {
         if (!(await setPreset(name))) list.show(preset);
     }, byId("presets"));
@@ -372,29 +318,32 @@ async function start() {
         const screen = canvas.transferControlToOffscreen();
         catalogue = await client.call("start", { canvas: screen }, undefined, [screen]);
     } catch (error) {
-        return unsupported(error);
+        const { code = "", message } = error instanceof WorkerError ? error : { message: String(error) };
+        const isKnown = showUnsupported(code, message);
+        state(isKnown ? "unsupported" : "failed");
+        return isKnown || fail(error);
     } finally {
         busy.end();
     }
     const presets = fillPanel();
-    const { state, problems } = decode(location.hash, catalogue);
+    const { state: linked, problems } = decode(location.hash, catalogue);
     if (problems.length > 0) say(`The link has an error: ${problems.join("; ")}. What could be read is shown.`);
-    if (state.scale !== undefined) byId("scale", HTMLInputElement).value = String(state.scale);
+    if (linked.scale !== undefined) byId("scale", HTMLInputElement).value = String(linked.scale);
     new ResizeObserver(resize).observe(canvas);
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
     listenForCamera();
-    listenForKeys();
+    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()) });
     listenForFiles((files) => void open(files), (text) => say(text));
     addEventListener("hashchange", () => location.reload());
     resize();
-    if (state.preset !== undefined && (await setPreset(state.preset))) presets.show(preset);
+    if (linked.preset !== undefined && (await setPreset(linked.preset))) presets.show(preset);
     // One by one, so that one that is refused is told of by name: the worker sets them together.
-    await Promise.all(Object.entries(state.settings).map(([name, value]) => set({ [name]: value })));
-    if (state.split) split.show(state.split);
-    if (state.split) void attempt(client.call("split", state.split));
-    await open(state.scene ?? `builtin:${catalogue.scenes[0].name}`, state.camera);
+    await Promise.all(Object.entries(linked.settings).map(([name, value]) => set({ [name]: value })));
+    if (linked.split) split.show(linked.split);
+    if (linked.split) void attempt(ask("split", linked.split));
+    await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera);
     // An address that is gone leaves no empty page.
-    if (!opened && state.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
+    if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
 }
 
 void start().catch(fail);

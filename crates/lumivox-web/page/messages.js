@@ -78,3 +78,23 @@ export function loading(what) {
         },
     };
 }
+
+/** Where there is no renderer: what is missing, by the code of the error.
+ * @type {Record<string, string>} */
+const MISSING = {
+    "no-webgpu": "This browser has no WebGPU",
+    "no-adapter": "WebGPU finds no graphics adapter",
+    "no-device": "The graphics device could not be opened",
+};
+
+/** Browsers without what is needed get a page of their own; false where the error is another one.
+ * @param {string} code @param {string} reason */
+export function showUnsupported(code, reason) {
+    if (!Object.hasOwn(MISSING, code)) return false;
+    byId("unsupported-title").textContent = MISSING[code];
+    byId("unsupported-reason").textContent = reason;
+    byId("unsupported-http").hidden = isSecureContext;
+    for (const id of ["stage", "panel"]) byId(id).hidden = true;
+    byId("unsupported").hidden = false;
+    return true;
+}

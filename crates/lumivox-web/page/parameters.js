@@ -63,7 +63,8 @@ function line(info, change, reset) {
     const id = `set-${info.name}`;
     const { control, show } = field(info, change, id);
     const name = h("label", { for: id }, title(info.name));
-    if (info.unit) name.append(" ", h("small", {}, info.unit));
+    // "Frames" need not be called frames again.
+    if (info.unit && info.unit !== info.name) name.append(" ", h("small", {}, info.unit));
     const hint = h("p", { class: "hint", id: `${id}-hint` }, hintText(info));
     const row = h("div", { class: "row", title: hintText(info) }, name, control, reset, hint);
     for (const input of row.querySelectorAll("input, select")) input.setAttribute("aria-describedby", hint.id);
@@ -130,7 +131,7 @@ function numberField(info, change, id) {
     const show = (/** @type {Value} */ value) => {
         const isNumber = typeof value === "number";
         if (!("typing" in input.dataset)) input.value = isNumber ? plain(value) : "";
-        input.placeholder = isNumber ? "" : String(value);
+        input.placeholder = isNumber ? "" : "–";
         if (slider && isNumber && document.activeElement !== slider) slider.value = String(value);
         word?.setAttribute("aria-pressed", String(!isNumber));
     };

@@ -6,7 +6,7 @@ import { showObjects } from "./lights.js";
 
 /** @typedef {import("./types.js").Camera} Camera */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
-/** @typedef {{ client: import("./client.js").Client, attempt: <T>(promise: Promise<T>) => Promise<T | undefined> }} Means */
+/** @typedef {(call: string, data: unknown) => void} Tell to the worker */
 
 /** The cameras that one can choose, the one of the beginning first.
  * @param {SceneInfo} scene @returns {Camera[]} */
@@ -14,8 +14,8 @@ export function cameraChoices({ camera, cameras }) {
     return [camera, ...cameras.filter(({ name }) => name === undefined || name !== camera.name)];
 }
 
-/** @param {SceneInfo} scene @param {string} address @param {Means} means */
-export function showScene(scene, address, { client, attempt }) {
+/** @param {SceneInfo} scene @param {string} address @param {Tell} tell */
+export function showScene(scene, address, tell) {
     byId("title").textContent = scene.name;
     document.title = `${scene.name} · Lumivox`;
     byId("canvas").setAttribute("aria-label", `Picture of ${scene.name}`);
@@ -25,9 +25,9 @@ export function showScene(scene, address, { client, attempt }) {
     showFacts(scene);
     const cameras = cameraChoices(scene).map(({ name }, index) => ({ value: String(index), label: name ?? `camera ${index + 1}` }));
     fillSelect(byId("camera", HTMLSelectElement), cameras, "0");
-    showObjects(scene.objects, (object, hidden) => void attempt(client.call("hide", { object, hidden })));
+    showObjects(scene.objects, (object, hidden) => tell("hide", { object, hidden }));
     showNotes(scene.notes);
-    showAnimations(scene, (call, data) => void attempt(client.call(call, data)));
+    showAnimations(scene, tell);
 }
 
 /** @param {SceneInfo} scene */
@@ -48,7 +48,7 @@ function showNotes(notes) {
     list.replaceChildren(...notes.map((note) => h("li", {}, note)));
 }
 
-/** @param {SceneInfo} scene @param {(call: string, data: unknown) => void} tell */
+/** @param {SceneInfo} scene @param {Tell} tell */
 function showAnimations({ animations }, tell) {
     for (const id of ["animation-row", "time-row"]) byId(id).hidden = animations.length === 0;
     if (animations.length === 0) return;

@@ -136,9 +136,11 @@ async function frames() {
             isComplete = isComplete && report.complete;
             losses = 0;
             if (size.factor === 1) size.fullMs = report.frame_ms;
-            tell("frame", report);
+            tell("frame", { ...report, complete: isComplete && !isPlaying });
         } catch (error) {
             isComplete = true;
+            // A lost device makes the frame fail before it tells of itself.
+            await new Promise((resolve) => setTimeout(resolve, STILL_MS));
             if (!isLost) tell("error", failure(error));
         }
         await nextPicture();
@@ -209,7 +211,6 @@ const calls = {
         camera = data.camera ?? null;
         isReady = true;
         isPlaying = false;
-        changed();
         return { scene, settings: renderer.settings(), number };
     },
     /** @param {Settings} changes @param {OnProgress} onProgress */
@@ -220,7 +221,6 @@ const calls = {
     /** @param {string} name @param {OnProgress} onProgress */
     async preset(name, onProgress) {
         await renderer.setPreset(name, onProgress);
-        changed();
         return outcome();
     },
     /** A camera of the scene of that number; of one that is gone it counts no more.
@@ -229,7 +229,6 @@ const calls = {
         if (data.number !== number) return;
         camera = data.camera;
         if (data.isMoving) size.movedAt = performance.now();
-        changed();
     },
     /** @param {{ width: number, height: number, coarser: boolean }} data */
     async resize(data) {
@@ -247,30 +246,25 @@ const calls = {
     /** @param {Light} light */
     async addLight(light) {
         await renderer.addLight(light);
-        changed();
         return renderer.scene()?.lights ?? [];
     },
     /** @param {number} index */
     async removeLight(index) {
         await renderer.removeLight(index);
-        changed();
         return renderer.scene()?.lights ?? [];
     },
     /** @param {{ object: number, hidden: boolean }} data */
     async hide({ object, hidden }) {
         await renderer.setHidden(object, hidden);
-        changed();
     },
     /** @param {number | null} animation */
     async play(animation) {
         renderer.play(animation);
         isPlaying = animation !== null;
-        changed();
     },
     /** @param {number} seconds */
     async time(seconds) {
         renderer.setTime(seconds);
-        changed();
     },
     /** The picture as a PNG. */
     async picture() {
@@ -290,6 +284,9 @@ const calls = {
     restore,
 };
 
+/** Calls that change nothing. */
+const LOOKS = new Set(["picture", "memory"]);
+
 /** @param {unknown} error @returns {Failure} */
 function failure(error) {
     const message = error instanceof Error ? error.message : String(error);
@@ -308,4 +305,7 @@ self.addEventListener("message", async ({ data: { id, call, data } }) => {
     } catch (error) {
         self.postMessage({ id, error: failure(error) });
     }
+    if (!LOOKS.has(call)) changed();
 });
+
+self.addEventListener("unhandledrejection", ({ reason }) => tell("error", failure(reason)));

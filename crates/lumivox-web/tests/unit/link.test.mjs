@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decode, encode } from "../../page/link.js";
+import { linkState } from "../../page/share.js";
 
 const known = {
     presets: [{ name: "fast" }, { name: "high" }],
@@ -31,6 +32,17 @@ test("a link can be read by people", () => {
     const camera = { position: [0, 1, 4], target: [0, 1, 0], up: [0, 1, 0], vertical_fov_deg: 40 };
     const text = encode({ scene: "builtin:cornell", camera, settings: { exposure: -1.5 } });
     assert.equal(text, "scene=builtin:cornell&camera=0,1,4,0,1,0,40&exposure=-1.5");
+});
+
+test("a link carries what is not as it would be anyway", () => {
+    const settings = { view: "direct", resolution: 64, exposure: "auto", specular: false, grid_offset: "0,0,0" };
+    const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution"]) };
+    assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { view: "direct", specular: false } });
+    // What a preset has set, it sets again; what was set by hand behind it may be a default.
+    const behind = linkState({ ...now, preset: "high" }, known.parameters);
+    assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64 } });
+    // Files stay where they are.
+    assert.equal(linkState({ ...now, source: [] }, known.parameters).scene, undefined);
 });
 
 test("no link is no problem", () => {
