@@ -3,6 +3,7 @@
 // the page. It renders frame after frame until the picture is complete, then sleeps until something changes. All uses
 // of the package's API are here.
 
+import { LastOf, Together } from "./coalesce.js";
 import init, { builtinScenes, createRenderer, parameters, presets } from "./lumivox/lumivox.js";
 
 /** @typedef {import("./lumivox/lumivox.js").Renderer} Renderer */
@@ -11,11 +12,10 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Light} Light */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
-/** @typedef {import("./types.js").Progress} Progress */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
-/** @typedef {(progress: Progress) => void} OnProgress */
+/** @typedef {import("./coalesce.js").OnProgress} OnProgress */
 
 /** A frame that takes longer, ms, has fewer pixels while the camera moves: as in the window. */
 const SLOW_MS = 100;
@@ -40,69 +40,6 @@ const size = { width: 1, height: 1, factor: 1, coarser: true, movedAt: -Infinity
 /** @param {string} event @param {unknown} data */
 const tell = (event, data) => self.postMessage({ event, data });
 
-// --- One after the other -------------------------------------------------------------------------------------------
-
-/** The change of each thing that waits, and the runs that take them up.
- * @type {Map<string, () => Promise<unknown>>} */
-const latest = new Map();
-/** @type {Map<string, Promise<void>>} */
-const runs = new Map();
-
-/** Runs a change, or has it take the place of the one of the same thing that waits: the last counts.
- * @param {string} thing @param {() => Promise<unknown>} change @returns {Promise<void>} */
-function lastOf(thing, change) {
-    latest.set(thing, change);
-    const run = runs.get(thing) ?? runAll(thing).finally(() => runs.delete(thing));
-    runs.set(thing, run);
-    return run;
-}
-
-/** @param {string} thing */
-async function runAll(thing) {
-    for (let change = latest.get(thing); change; change = latest.get(thing)) {
-        latest.delete(thing);
-        try {
-            await change();
-        } catch (error) {
-            if (!latest.has(thing)) throw error;
-        }
-        changed();
-    }
-}
-
-/** @typedef {{ changes: Settings, onProgress: OnProgress, resolve: () => void, reject: (error: unknown) => void }} Change */
-/** @type {Change[]} */
-let waiting = [];
-let isSetting = false;
-
-/** Sets several settings at once; what comes meanwhile is set together. A refused change takes no other with it.
- * @param {Settings} changes @param {OnProgress} onProgress @returns {Promise<void>} */
-function set(changes, onProgress) {
-    return new Promise((resolve, reject) => {
-        waiting.push({ changes, onProgress, resolve, reject });
-        if (!isSetting) void setWaiting();
-    });
-}
-
-async function setWaiting() {
-    isSetting = true;
-    // All that the page sends at once comes together.
-    await new Promise((resolve) => setTimeout(resolve));
-    while (waiting.length > 0) {
-        const all = waiting;
-        waiting = [];
-        try {
-            await renderer.set(Object.assign({}, ...all.map((change) => change.changes)), all[0].onProgress);
-            for (const change of all) change.resolve();
-        } catch (error) {
-            if (all.length === 1) all[0].reject(error);
-            else for (const change of all) await renderer.set(change.changes, change.onProgress).then(change.resolve, change.reject);
-        }
-        changed();
-    }
-    isSetting = false;
-}
-
 // --- Frames --------------------------------------------------------------------------------------------------------
 
 /** Wakes the loop, if it sleeps. */
@@ -112,6 +49,9 @@ function changed() {
     isComplete = false;
     wake();
 }
+
+const last = new LastOf(changed);
+const together = new Together((changes, onProgress) => renderer.set(changes, onProgress), changed);
 
 /** Until the browser wants another picture; a hidden page wants none. */
 const nextPicture = () => new Promise((resolve) => {
@@ -136,7 +76,7 @@ async function frames() {
             isComplete = isComplete && report.complete;
             losses = 0;
             if (size.factor === 1) size.fullMs = report.frame_ms;
-            tell("frame", { ...report, complete: isComplete && !isPlaying });
+            tell("frame", { ...report, complete: isComplete && !isPlaying && size.factor === 1 });
         } catch (error) {
             isComplete = true;
             // A lost device makes the frame fail before it tells of itself.
@@ -215,7 +155,7 @@ const calls = {
     },
     /** @param {Settings} changes @param {OnProgress} onProgress */
     async set(changes, onProgress) {
-        await set(changes, onProgress);
+        await together.set(changes, onProgress);
         return outcome();
     },
     /** @param {string} name @param {OnProgress} onProgress */
@@ -233,15 +173,15 @@ const calls = {
     /** @param {{ width: number, height: number, coarser: boolean }} data */
     async resize(data) {
         Object.assign(size, data);
-        await lastOf("size", applySize);
+        await last.run("size", applySize);
     },
     /** @param {Split | null} split */
     async split(split) {
-        await lastOf("split", () => renderer.setSplit(split));
+        await last.run("split", () => renderer.setSplit(split));
     },
     /** @param {{ index: number, light: Light }} data */
     async light({ index, light }) {
-        await lastOf(`light ${index}`, () => renderer.setLight(index, light));
+        await last.run(`light ${index}`, () => renderer.setLight(index, light));
     },
     /** @param {Light} light */
     async addLight(light) {
