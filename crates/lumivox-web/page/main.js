@@ -77,7 +77,7 @@ function ask(call, data, onProgress) {
 /** @param {unknown} error */
 function fail(error) {
     const text = error instanceof Error ? error.message : String(error);
-    const { fatal, code } = error instanceof WorkerError ? error : { fatal: false, code: undefined };
+    const { fatal = false, code = "" } = error instanceof WorkerError ? error : {};
     if (fatal) say(`The renderer stopped: ${text}`, { action: { label: "Start again", run: startAgain } });
     else if (code === "lost") say(text, { action: { label: "Try again", run: () => void attempt(ask("restore", null)) } });
     else say(text);
@@ -114,7 +114,6 @@ async function open(from, place) {
         [opened, source] = [now, from];
         camera = place ?? now.scene.camera;
         clearReports();
-        split.show(split.value);
         showScene(now.scene, typeof from === "string" ? from : "", (call, data) => void attempt(ask(call, data)));
         showAllLights(now.scene.lights);
         showSettings(now.settings);
@@ -163,18 +162,16 @@ function showAllLights(lights) {
     opened.scene.lights = lights;
     const change = (/** @type {number} */ index, /** @type {Light} */ light) => void attempt(ask("light", { index, light }));
     showLights(lights, change, async (index) => {
-        /** @type {Light[] | undefined} */
         const left = await attempt(ask("removeLight", index));
-        if (left) showAllLights(left);
+        if (left) showAllLights(/** @type {Light[]} */ (left));
     });
 }
 
-async function addLight(/** @type {string | undefined} */ kind) {
+async function addLight(/** @type {string | null} */ kind) {
     if (!opened || !camera) return;
     const light = newLight(/** @type {Light["kind"]} */ (kind), camera, opened.scene.lights.length);
-    /** @type {Light[] | undefined} */
     const lights = await attempt(ask("addLight", light));
-    if (lights) showAllLights(lights);
+    if (lights) showAllLights(/** @type {Light[]} */ (lights));
 }
 
 // --- Settings ------------------------------------------------------------------------------------------------------
@@ -261,18 +258,22 @@ function listenToWorker() {
         state(isComplete ? "complete" : "rendering");
         if (isComplete) void attempt(client.call("memory")).then((memory) => memory && showMemory(/** @type {Memory[]} */ (memory)));
     });
+    const endRestoring = () => {
+        restoring?.end();
+        restoring = null;
+    };
     client.on("error", (error) => {
+        endRestoring();
         state("failed");
         fail(error);
     });
     client.on("lost", (reason) => {
-        restoring ??= loading("The graphics device was lost; everything is uploaded again");
+        restoring ??= loading("Restoring the graphics device");
         say(`The graphics device was lost: ${reason}`, { kind: "note" });
         state("lost");
     });
     client.on("restored", () => {
-        restoring?.end();
-        restoring = null;
+        endRestoring();
         announce("The graphics device is back");
         state("rendering");
     });
@@ -299,7 +300,7 @@ function fillPanel() {
         if (address) void open(address);
     });
     for (const button of document.querySelectorAll("[data-add]")) {
-        button.addEventListener("click", () => void addLight(button.getAttribute("data-add") ?? undefined));
+        button.addEventListener("click", () => void addLight(button.getAttribute("data-add")));
     }
     for (const id of ["scale", "coarser"]) byId(id).addEventListener("input", resize);
     return list;
@@ -339,8 +340,10 @@ async function start() {
     if (linked.preset !== undefined && (await setPreset(linked.preset))) presets.show(preset);
     // One by one, so that one that is refused is told of by name: the worker sets them together.
     await Promise.all(Object.entries(linked.settings).map(([name, value]) => set({ [name]: value })));
-    if (linked.split) split.show(linked.split);
-    if (linked.split) void attempt(ask("split", linked.split));
+    if (linked.split) {
+        split.show(linked.split);
+        void attempt(ask("split", linked.split));
+    }
     await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera);
     // An address that is gone leaves no empty page.
     if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);

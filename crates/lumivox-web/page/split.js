@@ -22,7 +22,7 @@ export class SplitLine {
     constructor(views, change, setView) {
         this.#change = change;
         this.#setView = setView;
-        const options = [{ value: "", label: "nothing" }, { value: "reference", label: "reference (path traced)" }];
+        const options = [{ value: "", label: "nothing" }, { value: "reference", label: "reference" }];
         fillSelect(this.#compare, [...options, ...views.map((view) => ({ value: view, label: view.replace(/-/g, " ") }))], "");
         this.#compare.addEventListener("change", () => this.#compareWith(this.#compare.value));
         byId("compare-indirect").addEventListener("click", () => this.#toggle("direct", "final"));
