@@ -141,8 +141,7 @@ function moveTo(to, isMoving) {
 }
 
 function goHome() {
-    const chosen = opened && cameraChoices(opened.scene)[Number(byId("camera", HTMLSelectElement).value)];
-    if (chosen) moveTo(chosen, false);
+    if (opened) moveTo(cameraChoices(opened.scene)[Number(byId("camera", HTMLSelectElement).value)], false);
 }
 
 function listenForCamera() {
@@ -169,8 +168,7 @@ function showAllLights(lights) {
 
 async function addLight(/** @type {string | null} */ kind) {
     if (!opened || !camera) return;
-    const light = newLight(/** @type {Light["kind"]} */ (kind), camera, opened.scene.lights.length);
-    const lights = await attempt(ask("addLight", light));
+    const lights = await attempt(ask("addLight", newLight(/** @type {Light["kind"]} */ (kind), camera, opened.scene.lights.length)));
     if (lights) showAllLights(/** @type {Light[]} */ (lights));
 }
 
@@ -239,9 +237,9 @@ function resize() {
     const scale = Math.min(devicePixelRatio * share, LARGEST_PX / Math.max(clientWidth, clientHeight));
     const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(1, Math.round(side * scale)));
     void attempt(ask("resize", { width, height, coarser: byId("coarser", HTMLInputElement).checked }));
-    const before = aspect;
+    const isUpright = aspect < 1;
     aspect = clientWidth / clientHeight;
-    if (aspect !== before && (aspect < 1 || before < 1)) sendCamera(false);
+    if (isUpright || aspect < 1) sendCamera(false);
 }
 
 // --- What the worker tells -----------------------------------------------------------------------------------------
