@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use gltf::json::buffer::View;
 use gltf::json::{Index, Root};
-use meshoptimizer_rs as codec;
+use meshoptimizer_rs::{Limits, Workspace, codec};
 use serde_json::Value;
 
 use super::{Buffers, MESHOPT, Sink, push_buffer};
@@ -88,8 +88,8 @@ fn decode_stream(
     filter: &str,
 ) -> Result<Vec<u8>, String> {
     // What it may take was checked against the budget.
-    let limits = codec::Limits { max_bytes: usize::MAX, max_work: u64::MAX };
-    let workspace = &mut codec::Workspace::new(limits);
+    let limits = Limits { max_bytes: usize::MAX, max_work: u64::MAX };
+    let workspace = &mut Workspace::new(limits);
     let bytes = match (mode, stride) {
         (Some("ATTRIBUTES"), _) if stride == 0 || stride > 256 || !stride.is_multiple_of(4) => {
             return Err(format!("its stride of {stride} bytes is not a multiple of 4 up to 256"));
