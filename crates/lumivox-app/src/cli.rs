@@ -7,6 +7,7 @@ mod explore;
 mod light;
 mod load;
 mod motion;
+mod picture;
 mod quality;
 mod reference;
 mod run;
@@ -18,15 +19,13 @@ mod window;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
-use glam::UVec2;
-use lumivox::MAX_RESOLUTION;
-use lumivox_render::{ToneMap, View};
 
 pub use compare::CompareArgs;
 pub use explore::ExploreArgs;
 pub use light::{LightArgs, SourceArgs};
 pub use load::{LoadArgs, SceneArg};
 pub use motion::MotionArgs;
+pub use picture::PictureArgs;
 pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
 pub use run::{CommandsArgs, RunArgs};
@@ -35,12 +34,9 @@ pub use volumes::VolumesArgs;
 pub use voxels::{VoxelArgs, VoxelsArgs};
 pub use window::WindowArgs;
 
-use crate::args::camera::{self, CameraChoice};
 use crate::args::cones::ConeArgs;
-use crate::args::number::ExposureChoice;
-use crate::args::overlay::OverlayArgs;
+use crate::args::number;
 use crate::args::scene::SceneSource;
-use crate::args::{choices, number, size};
 use crate::exit;
 use crate::motion::{AnimationName, animation};
 use load::scene_source;
@@ -184,62 +180,9 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE|FOLDER", help_heading = "Picture")]
     pub output: PathBuf,
 
-    /// Width and height in pixels, each from 1 to 32768 (or less, as the GPU allows)
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size::size, help_heading = "Picture")]
-    #[arg(default_value = "640x360", allow_hyphen_values = true)]
-    pub size: UVec2,
-
-    /// Frames that are averaged, 1 to 65536
-    ///
-    /// More: smoother edges and less noise, at proportional cost. One frame alone is jagged.
-    #[arg(long, value_name = "FRAMES", value_parser = number::whole(1..=65_536))]
-    #[arg(help_heading = "Picture", default_value = "16", allow_negative_numbers = true)]
-    pub frames: u32,
-
-    /// Where from: a camera's name or number, or position and target in metres [default: the
-    /// scene's first camera, else `framing`, the view that shows it best]
-    ///
-    /// Numbers count from 0; `lumivox info SCENE` lists the cameras. PX,PY,PZ is the eye, TX,TY,TZ
-    /// what it looks at, and FOV the vertical field of view in degrees, 1 to 170 (default: 45).
-    #[arg(long, value_name = "NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]", value_parser = camera::camera)]
-    #[arg(help_heading = "Picture", allow_hyphen_values = true)]
-    pub camera: Option<CameraChoice>,
-
-    /// What the picture shows
-    ///
-    /// Views of light are exposed and tone mapped in PNG and in cd/m2 in OpenEXR. The others are
-    /// data: the quantity itself.
-    #[arg(long, value_name = "VIEW", value_parser = choices::view(), help_heading = "Picture")]
-    #[arg(default_value = "final")]
-    pub view: View,
-
-    /// Level of the voxels for the views lod, voxels, wire-voxels, lit, nodes and bricks and for
-    /// --wire-voxels, 0 (finest) to the grid's coarsest
-    ///
-    /// Each level more has voxels of twice the edge.
-    #[arg(long, value_name = "LEVEL", value_parser = number::whole(0..=MAX_RESOLUTION.ilog2()))]
-    #[arg(help_heading = "Picture", default_value = "0", allow_negative_numbers = true)]
-    pub level: u32,
-
-    /// Exposure in stops, -64 to 64, or auto, or auto-each [default: auto; preset vxct: 0 for scenes in
-    /// display values, else such that white right at a lamp is white]
-    ///
-    /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
-    /// average a middle grey; the pictures of a sequence all take the median of what five of them ask
-    /// for, so that they do not flicker. With auto-each every picture finds its own. No effect on
-    /// OpenEXR.
-    #[arg(long, value_name = "STOPS|auto|auto-each", value_parser = number::exposure)]
-    #[arg(help_heading = "Picture", allow_hyphen_values = true)]
-    pub exposure: Option<ExposureChoice>,
-
-    /// Curve from radiance to the screen's range, for PNG [default: neutral; preset vxct: raw for
-    /// scenes in display values, else linear]
-    #[arg(long, value_name = "NAME", value_parser = choices::tone_map(), help_heading = "Picture")]
-    pub tone_map: Option<ToneMap>,
-
-    /// What is drawn over it.
+    /// What it shows, and how.
     #[command(flatten)]
-    pub overlay: OverlayArgs,
+    pub picture: PictureArgs,
 
     /// What moves.
     #[command(flatten)]

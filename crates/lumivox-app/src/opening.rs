@@ -36,7 +36,7 @@ impl Opening {
     /// Of the scene that the command line names, if it names one.
     pub fn of_args(args: &ExploreArgs) -> Option<Self> {
         let source = args.scene.clone()?;
-        Some(Self { camera: args.camera.clone(), ..Self::of(args, source) })
+        Some(Self { camera: args.picture.camera.clone(), ..Self::of(args, source) })
     }
 
     /// Of another scene, read and lit as the command line asks for.
@@ -46,7 +46,7 @@ impl Opening {
             load: args.load.clone(),
             light: args.light.sources.clone(),
             camera: None,
-            aspect: args.size.x as f32 / args.size.y as f32,
+            aspect: args.picture.aspect(),
         }
     }
 

@@ -1,18 +1,23 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use lumivox::{Directionality, Injection, OctreeOptions, VolumeKind};
 use lumivox_render::{
-    Exposure, Look, Overlay, RenderSettings, ShadowMethod, VxctSettings, Wireframe, Wires,
+    Exposure, Look, Overlay, RenderSettings, ShadowMethod, ToneMap, View, VxctSettings, Wireframe,
+    Wires,
 };
 
 use super::*;
-use crate::commands::settings::{expose_for_look, of_render as settings};
+use crate::commands::settings::{self, expose_for_look};
 
 fn commands() -> Vec<Definition> {
     let mut root = Cli::command();
     root.build();
     let commands: Vec<Definition> = root.get_subcommands().cloned().collect();
     commands.into_iter().filter(|command| command.get_name() != "help").chain([root]).collect()
+}
+
+fn settings(args: &RenderArgs) -> RenderSettings {
+    settings::of(&args.picture, &args.voxels, &args.light, &args.cones)
 }
 
 /// The arguments of our own making.
@@ -215,7 +220,7 @@ fn the_look_of_vxct_brings_its_companions() {
     let shown = |options: &str, scene: &lumivox_scene::Scene| {
         let args = args_of(options);
         let mut settings = settings(&args);
-        expose_for_look(&mut settings, &args, scene);
+        expose_for_look(&mut settings, &args.picture, scene);
         (settings.exposure, settings.tone_map)
     };
     let display = lumivox_render::vxct_display(&scene);

@@ -9,8 +9,7 @@ use indicatif::MultiProgress;
 use lumivox_explorer::Explorer;
 use lumivox_render::Progress as Step;
 
-use super::open_gpu;
-use super::settings::of_explore;
+use super::{open_gpu, settings};
 use crate::cli::RunArgs;
 use crate::console::{Console, Effect, Queue, help, page, program, script, terminal};
 use crate::exit::{self, Failure, Located};
@@ -88,12 +87,14 @@ struct Runner {
 
 impl Runner {
     fn new(args: &RunArgs, bars: &MultiProgress) -> anyhow::Result<Self> {
-        let settings = of_explore(&args.explore);
+        let explore = &args.explore;
+        let settings =
+            settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
         settings.trace.validate()?;
-        let gpu = open_gpu(&args.explore.gpu)?;
-        let explorer = Explorer::new(gpu, settings.clone(), args.explore.cones.preset());
+        let gpu = open_gpu(&explore.gpu)?;
+        let explorer = Explorer::new(gpu, settings.clone(), explore.cones.preset());
         let mut console = Console::new(explorer)
-            .with_defaults(args.explore.load.clone(), args.explore.light.sources.clone());
+            .with_defaults(explore.load.clone(), explore.light.sources.clone());
         console.explorer.set_settings(settings)?;
         let progress = Arc::new(Shown::new(None));
         let shown = progress.clone();

@@ -9,48 +9,41 @@ use serde::Serialize;
 use crate::args::choices::{self, VolumeChoice};
 use crate::args::cones::ConeArgs;
 use crate::args::number::ExposureChoice;
-use crate::cli::{ExploreArgs, LightArgs, RenderArgs, VoxelArgs};
+use crate::cli::{LightArgs, PictureArgs, VoxelArgs};
 
-/// How the pictures of `render` are exposed: as the command line says, or as the preset does.
-pub fn exposure(args: &RenderArgs) -> ExposureChoice {
-    args.exposure.unwrap_or_else(|| Companions::of(args.cones.preset()).exposure.into())
+/// How pictures are exposed: as the command line says, or as the preset does.
+pub fn exposure(picture: &PictureArgs, cones: &ConeArgs) -> ExposureChoice {
+    picture.exposure.unwrap_or_else(|| Companions::of(cones.preset()).exposure.into())
 }
 
 /// Where the look of VXCT shows a scene in physical units, its white and its curve are the scene's, unless the
 /// command line says otherwise.
-pub fn expose_for_look(settings: &mut RenderSettings, args: &RenderArgs, scene: &Scene) {
+pub fn expose_for_look(settings: &mut RenderSettings, picture: &PictureArgs, scene: &Scene) {
     if settings.look == Look::Physical {
         return;
     }
     let display = vxct_display(scene);
-    if args.exposure.is_none() {
+    if picture.exposure.is_none() {
         settings.exposure = display.exposure;
     }
-    settings.tone_map = args.tone_map.unwrap_or(display.tone_map);
+    settings.tone_map = picture.tone_map.unwrap_or(display.tone_map);
 }
 
-/// What the arguments of `render` ask for; times are not taken.
-pub fn of_render(args: &RenderArgs) -> RenderSettings {
+/// What the arguments ask for of a picture, or of the first one; times are not taken.
+pub fn of(
+    picture: &PictureArgs,
+    voxels: &VoxelArgs,
+    light: &LightArgs,
+    cones: &ConeArgs,
+) -> RenderSettings {
+    let companions = Companions::of(cones.preset());
     RenderSettings {
-        view: args.view,
-        voxel_level: args.level,
-        overlay: args.overlay.overlay(),
-        exposure: exposure(args).first(),
-        tone_map: args.tone_map.unwrap_or(Companions::of(args.cones.preset()).tone_map),
-        ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
-    }
-}
-
-/// What the window and scripts begin with; times are not taken.
-pub fn of_explore(args: &ExploreArgs) -> RenderSettings {
-    let companions = Companions::of(args.cones.preset());
-    RenderSettings {
-        view: args.view,
-        voxel_level: args.level,
-        overlay: args.overlay.overlay(),
-        exposure: args.exposure.map_or(companions.exposure, ExposureChoice::first),
-        tone_map: args.tone_map.unwrap_or(companions.tone_map),
-        ..still(args.size, args.frames, &args.voxels, &args.light, &args.cones)
+        view: picture.view,
+        voxel_level: picture.level,
+        overlay: picture.overlay.overlay(),
+        exposure: exposure(picture, cones).first(),
+        tone_map: picture.tone_map.unwrap_or(companions.tone_map),
+        ..still(picture.size, picture.frames, voxels, light, cones)
     }
 }
 

@@ -23,18 +23,19 @@ pub fn run(args: &WindowArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let event_loop = window::event_loop()?;
     let gpu = open_gpu(&args.explore.gpu)?;
     let mut config = Config::load(args.fresh);
-    let preset = args.explore.cones.preset();
-    let mut explorer = Explorer::new(gpu, settings::of_explore(&args.explore), preset);
+    let explore = &args.explore;
+    let settings = settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
+    let mut explorer = Explorer::new(gpu, settings, explore.cones.preset());
     config.apply(&mut explorer, std::env::args());
     let opening = args.scene().map(|source| Opening {
-        camera: args.explore.camera.clone(),
-        ..Opening::of(&args.explore, source.clone())
+        camera: explore.picture.camera.clone(),
+        ..Opening::of(explore, source.clone())
     });
     let options = lumivox_render::GpuOptions {
-        adapter: args.explore.gpu.adapter.clone(),
-        portable: args.explore.gpu.portable,
+        adapter: explore.gpu.adapter.clone(),
+        portable: explore.gpu.portable,
     };
-    let console = Console::new(explorer)
-        .with_defaults(args.explore.load.clone(), args.explore.light.sources.clone());
+    let console =
+        Console::new(explorer).with_defaults(explore.load.clone(), explore.light.sources.clone());
     window::run(event_loop, Start { console, opening, options, config })
 }

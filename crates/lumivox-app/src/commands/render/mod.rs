@@ -45,7 +45,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
     } else {
         output::check(&args.output)?;
     }
-    let mut settings = settings::of_render(args);
+    let mut settings = settings::of(&args.picture, &args.voxels, &args.light, &args.cones);
     settings.trace.validate()?;
     let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
     args.scene.scene.check()?;
@@ -66,11 +66,11 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
         animation: args.motion.animation.as_ref(),
         orbit_deg: args.motion.orbit,
         path: path.as_ref(),
-        camera: args.camera.as_ref(),
+        camera: args.picture.camera.as_ref(),
         is_sequence,
-        aspect: args.size.x as f32 / args.size.y as f32,
+        aspect: args.picture.aspect(),
     };
-    if scene.cameras.is_empty() && args.camera.is_none() && path.is_none() {
+    if scene.cameras.is_empty() && args.picture.camera.is_none() && path.is_none() {
         progress.set("looking for a camera", 0, 1);
     }
     let schedule = Schedule::new(&asked, &scene)?;
@@ -78,7 +78,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
         let camera = schedule.camera(&scene, schedule.start_s(), 0.0);
         light::add_default(&mut scene, &camera, &progress);
     }
-    settings::expose_for_look(&mut settings, args, &scene);
+    settings::expose_for_look(&mut settings, &args.picture, &scene);
     clock.seconds.loading = clock.lap();
 
     let is_verbose = verbosity > 0;

@@ -46,7 +46,9 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     index.adapter = lumivox_render::describe(&stage.gpu.adapter_info);
 
     let mut renderer: Option<Renderer> = None;
-    let is_shared = settings::exposure(stage.args) == ExposureChoice::Auto && files.are_exposed();
+    let is_shared = settings::exposure(&stage.args.picture, &stage.args.cones)
+        == ExposureChoice::Auto
+        && files.are_exposed();
     if is_shared && stage.settings.view.is_light() && !missing.is_empty() {
         if index.exposure.is_none() {
             let (metered, stops) = meter(&mut stage, &moments)?;
@@ -96,7 +98,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     let report = Report {
         files: files.pattern().display().to_string(),
         index: files.index().display().to_string(),
-        size: stage.args.size.to_array(),
+        size: stage.args.picture.size.to_array(),
         pictures: moments.count,
         rendered: missing.len(),
         exposure: index.exposure,
@@ -194,13 +196,13 @@ fn settings_of(
     let more = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": scene_settings(args),
-        "size": args.size.to_array(),
-        "exposure": settings::exposure(args).to_string(),
+        "size": args.picture.size.to_array(),
+        "exposure": settings::exposure(&args.picture, &args.cones).to_string(),
         "light": light::settings(&args.light.sources),
         "time": [moments.range_s.start, moments.range_s.end],
         "fps": moments.fps,
         "animation": animation_name(&stage.scene, stage.schedule.animation),
-        "camera": args.camera.as_ref().map(ToString::to_string),
+        "camera": args.picture.camera.as_ref().map(ToString::to_string),
         "camera_path": path.map(|path| &path.keys),
         "orbit": args.motion.orbit,
     });
