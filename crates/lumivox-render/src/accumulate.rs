@@ -7,12 +7,12 @@
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, Texture, TextureView, uniform_buffer,
 };
 
 use crate::composite::PICTURE_FORMAT;
-use crate::textures::{ScreenTextures, view};
+use crate::textures::ScreenTextures;
 
 /// `AccumulateSettings` of `accumulate.wgsl`.
 #[repr(C)]
@@ -26,10 +26,10 @@ pub(crate) struct AccumulateSettings {
 #[derive(Debug)]
 pub struct AccumulatePass {
     kernel: Kernel,
-    settings: wgpu::Buffer,
-    means: [wgpu::Texture; 2],
+    settings: Buffer,
+    means: [Texture; 2],
     /// Group `i` writes mean `i`.
-    groups: [wgpu::BindGroup; 2],
+    groups: [BindGroup; 2],
     size: UVec2,
     frames: u32,
 }
@@ -44,7 +44,7 @@ impl AccumulatePass {
         shaders: &ShaderLibrary,
         textures: &mut ScreenTextures<'_>,
         size: UVec2,
-        frame: &wgpu::TextureView,
+        frame: &TextureView,
     ) -> Result<Self, ShaderError> {
         let layout = LayoutBuilder::compute()
             .uniform()
@@ -57,7 +57,7 @@ impl AccumulatePass {
         let means = [(); 2].map(|()| {
             textures.create("mean", PICTURE_FORMAT, wgpu::TextureUsages::STORAGE_BINDING)
         });
-        let views = [view(&means[0]), view(&means[1])];
+        let views = [means[0].view(), means[1].view()];
         let groups = [(1, 0), (0, 1)].map(|(old, new): (usize, usize)| {
             BindGroupBuilder::new(&layout)
                 .buffer(&settings)
@@ -89,7 +89,7 @@ impl AccumulatePass {
     }
 
     /// The mean of the frames so far; nothing sensible before the first.
-    pub fn mean(&self) -> &wgpu::Texture {
+    pub fn mean(&self) -> &Texture {
         let newest = self.frames.saturating_sub(1) % 2;
         &self.means[newest as usize]
     }

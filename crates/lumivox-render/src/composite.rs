@@ -6,8 +6,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, TextureView, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, Lights, TraceTargets};
 
@@ -34,16 +34,16 @@ pub struct CompositePass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
     /// Stands in for group 0: a picture is put together without the volume.
-    nothing: wgpu::BindGroup,
+    nothing: BindGroup,
 }
 
 /// One frame's picture.
 #[derive(Debug)]
 pub struct CompositeTargets {
     /// Radiance or a quantity in rgb; in a 1 where there is a surface, 0 elsewhere.
-    pub picture: wgpu::TextureView,
-    settings: wgpu::Buffer,
-    group: wgpu::BindGroup,
+    pub picture: TextureView,
+    settings: Buffer,
+    group: BindGroup,
 }
 
 impl CompositePass {

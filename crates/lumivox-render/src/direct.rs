@@ -2,7 +2,8 @@
 //! and the microfacet gloss of `package::trace::brdf`, per pixel and light.
 
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    BindGroup, BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, TextureView,
 };
 use lumivox::{GBuffer, Gi, Lights};
 
@@ -21,10 +22,10 @@ pub struct DirectPass {
 #[derive(Debug)]
 pub struct DirectTargets {
     /// Diffusely reflected radiance in rgb, the share of light that is not blocked in a.
-    pub diffuse: wgpu::TextureView,
+    pub diffuse: TextureView,
     /// Glossily reflected radiance in rgb.
-    pub specular: wgpu::TextureView,
-    group: wgpu::BindGroup,
+    pub specular: TextureView,
+    group: BindGroup,
 }
 
 impl DirectPass {

@@ -24,7 +24,8 @@ use glam::camera::rh::proj::directx::perspective_infinite_reverse;
 use glam::{Mat4, UVec2, Vec2};
 use lumivox::gpu::pipelines::{DrawPipeline, Shader};
 use lumivox::gpu::{
-    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Recorder, RenderPass,
+    ShaderError, ShaderLibrary, Texture, TextureView,
 };
 use lumivox::{GBufferViews, View};
 use lumivox_scene::Camera;
@@ -79,21 +80,21 @@ pub struct GBufferPass {
     pipelines: BTreeMap<Variant, DrawPipeline>,
     /// Those for what is tinted.
     tint_pipelines: BTreeMap<Variant, DrawPipeline>,
-    view: wgpu::Buffer,
+    view: Buffer,
     layout: wgpu::BindGroupLayout,
-    group: wgpu::BindGroup,
+    group: BindGroup,
 }
 
 /// The textures of one G-buffer.
 #[derive(Debug)]
 pub struct GBufferTargets {
-    depth: wgpu::TextureView,
-    normals: wgpu::TextureView,
-    diffuse: wgpu::TextureView,
-    specular: wgpu::TextureView,
-    emission: wgpu::TextureView,
+    depth: TextureView,
+    normals: TextureView,
+    diffuse: TextureView,
+    specular: TextureView,
+    emission: TextureView,
     /// What the light of a pixel's surface is multiplied by; of one white texel where nothing is tinted.
-    pub(crate) tint: wgpu::TextureView,
+    pub(crate) tint: TextureView,
 }
 
 impl GBufferTargets {
@@ -257,12 +258,12 @@ impl GBufferPass {
     /// Draws what is wanted, each with the pipeline that it needs.
     fn draw(
         &self,
-        pass: &mut wgpu::RenderPass<'_>,
+        pass: &mut RenderPass<'_>,
         scene: &GpuScene,
         pipelines: &BTreeMap<Variant, DrawPipeline>,
         is_wanted: impl Fn(&GpuMaterial) -> bool,
     ) {
-        pass.set_bind_group(0, &self.group, &[]);
+        pass.bind(0, &self.group);
         for (variant, pipeline) in pipelines {
             pass.set_pipeline(pipeline);
             for (number, draw) in scene.draws.iter().enumerate() {
@@ -271,7 +272,7 @@ impl GBufferPass {
                     continue;
                 }
                 let batch = &scene.batches[draw.batch];
-                pass.set_bind_group(1, &material.group, &[]);
+                pass.bind(1, &material.group);
                 pass.set_vertex_buffer(0, batch.positions.slice(..));
                 pass.set_vertex_buffer(1, batch.attributes.slice(..));
                 pass.set_vertex_buffer(2, batch.shading.slice(..));
@@ -282,9 +283,9 @@ impl GBufferPass {
 }
 
 /// A texture of one white texel.
-fn white(gpu: &Gpu) -> wgpu::TextureView {
+fn white(gpu: &Gpu) -> TextureView {
     let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
-    let texture = gpu.device.create_texture_with_data(
+    let texture = Texture::own(gpu.device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {
             label: Some("white"),
@@ -298,8 +299,8 @@ fn white(gpu: &Gpu) -> wgpu::TextureView {
         },
         wgpu::util::TextureDataOrder::LayerMajor,
         &[255; 4],
-    );
-    crate::textures::view(&texture)
+    ));
+    texture.view()
 }
 
 impl Variant {
@@ -331,9 +332,9 @@ impl Variant {
 fn bind(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    view: &wgpu::Buffer,
+    view: &Buffer,
     scene: &GpuScene,
-) -> wgpu::BindGroup {
+) -> BindGroup {
     let builder = BindGroupBuilder::new(layout).buffer(view).buffer(&scene.draw_records);
     builder.build(device, "raster view")
 }

@@ -1,7 +1,7 @@
 //! What the passes that rasterize share: vertex layouts, reversed depth, draws.
 
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
-use lumivox::gpu::{Pipelines, ShaderError};
+use lumivox::gpu::{Pipelines, RenderPass, ShaderError, TextureView};
 
 use crate::upload::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers};
 
@@ -78,9 +78,7 @@ impl RasterPipeline<'_> {
 }
 
 /// A depth target, cleared to infinitely far.
-pub(crate) fn depth_attachment(
-    view: &wgpu::TextureView,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+pub(crate) fn depth_attachment(view: &TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
     wgpu::RenderPassDepthStencilAttachment {
         view,
         depth_ops: Some(wgpu::Operations {
@@ -93,7 +91,7 @@ pub(crate) fn depth_attachment(
 
 /// Draws a run of triangles; the shader finds its record by the instance's index, `number`.
 pub(crate) fn draw(
-    pass: &mut wgpu::RenderPass<'_>,
+    pass: &mut RenderPass<'_>,
     batch: &VertexBuffers,
     draw: &SceneDraw,
     number: u32,

@@ -2,6 +2,7 @@
 
 use bytemuck::Pod;
 use glam::UVec2;
+use lumivox::gpu::{Buffer, Texture};
 
 use crate::textures::extent;
 use crate::{Gpu, RenderError};
@@ -12,17 +13,18 @@ const BAND_BYTES: u64 = 64 << 20;
 /// All texels of a 2D texture, row by row; `T` is one texel, and the texture needs `COPY_SRC`.
 pub(crate) async fn read_texture<T: Pod>(
     gpu: &Gpu,
-    texture: &wgpu::Texture,
+    texture: &Texture,
 ) -> Result<Vec<T>, RenderError> {
     let row_bytes = texture.width() * size_of::<T>() as u32;
     let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let band_rows = (BAND_BYTES / u64::from(padded)).clamp(1, texture.height().into()) as u32;
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+    let descriptor = wgpu::BufferDescriptor {
         label: Some("rows of a texture"),
         size: u64::from(padded) * u64::from(band_rows),
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
-    });
+    };
+    let buffer = Buffer::new(&gpu.device, &descriptor);
     let mut texels = Vec::with_capacity((texture.width() * texture.height()) as usize);
     let mut first = 0;
     while first < texture.height() {

@@ -17,7 +17,7 @@ use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec3};
 use lumivox::gpu::pipelines::{DrawPipeline, Shader};
 use lumivox::gpu::{
-    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
 };
 use lumivox::{Light, LightSource, Shadow, ShadowLayer, ShadowMaps};
 use lumivox_scene::Bounds;
@@ -163,20 +163,24 @@ impl ShadowMapPass {
         if layers.is_empty() {
             return None;
         }
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("shadow maps"),
-            size: wgpu::Extent3d {
-                width: resolution,
-                height: resolution,
-                depth_or_array_layers: layers.len() as u32,
+        let texture = Texture::new(
+            &gpu.device,
+            &wgpu::TextureDescriptor {
+                label: Some("shadow maps"),
+                size: wgpu::Extent3d {
+                    width: resolution,
+                    height: resolution,
+                    depth_or_array_layers: layers.len() as u32,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: raster::DEPTH_FORMAT,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
             },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: raster::DEPTH_FORMAT,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        });
+        );
         for (index, layer) in layers.iter().enumerate() {
             self.record_layer(gpu, recorder, scene, &texture, index as u32, layer);
         }
@@ -192,7 +196,7 @@ impl ShadowMapPass {
         gpu: &Gpu,
         recorder: &mut Recorder,
         scene: &GpuScene,
-        texture: &wgpu::Texture,
+        texture: &Texture,
         index: u32,
         layer: &ShadowLayer,
     ) {
@@ -216,7 +220,7 @@ impl ShadowMapPass {
             .collect();
         let depth = raster::depth_attachment(&target);
         recorder.render("shadow_maps", &[], Some(depth), |pass| {
-            pass.set_bind_group(0, &group, &[]);
+            pass.bind(0, &group);
             for (variant, pipeline) in &self.pipelines {
                 pass.set_pipeline(pipeline);
                 for (number, draw) in &seen {
@@ -226,7 +230,7 @@ impl ShadowMapPass {
                     let batch = &scene.batches[draw.batch];
                     pass.set_vertex_buffer(0, batch.positions.slice(..));
                     if *variant != Variant::Solid {
-                        pass.set_bind_group(1, &scene.materials[draw.material].group, &[]);
+                        pass.bind(1, &scene.materials[draw.material].group);
                         pass.set_vertex_buffer(1, batch.attributes.slice(..));
                     }
                     raster::draw(pass, batch, draw, *number as u32);

@@ -1,6 +1,7 @@
 //! Screen-sized textures.
 
 use glam::UVec2;
+use lumivox::gpu::{Texture, TextureView};
 
 /// Textures of one picture's size, with their memory summed up.
 #[derive(Debug)]
@@ -22,39 +23,33 @@ impl<'a> ScreenTextures<'a> {
         label: &str,
         format: wgpu::TextureFormat,
         usage: wgpu::TextureUsages,
-    ) -> wgpu::Texture {
+    ) -> Texture {
         let texel_bytes = format.block_copy_size(None).unwrap_or(4);
         self.bytes += u64::from(self.size.x) * u64::from(self.size.y) * u64::from(texel_bytes);
-        self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: extent(self.size),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        })
+        Texture::new(
+            self.device,
+            &wgpu::TextureDescriptor {
+                label: Some(label),
+                size: extent(self.size),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            },
+        )
     }
 
     /// A view of a texture that a compute pass writes.
-    pub(crate) fn storage(
-        &mut self,
-        label: &str,
-        format: wgpu::TextureFormat,
-    ) -> wgpu::TextureView {
-        view(&self.create(label, format, wgpu::TextureUsages::STORAGE_BINDING))
+    pub(crate) fn storage(&mut self, label: &str, format: wgpu::TextureFormat) -> TextureView {
+        self.create(label, format, wgpu::TextureUsages::STORAGE_BINDING).view()
     }
 
     /// A view of a texture that a render pass draws into.
-    pub(crate) fn target(&mut self, label: &str, format: wgpu::TextureFormat) -> wgpu::TextureView {
-        view(&self.create(label, format, wgpu::TextureUsages::RENDER_ATTACHMENT))
+    pub(crate) fn target(&mut self, label: &str, format: wgpu::TextureFormat) -> TextureView {
+        self.create(label, format, wgpu::TextureUsages::RENDER_ATTACHMENT).view()
     }
-}
-
-/// All of a texture.
-pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 pub(crate) fn extent(size: UVec2) -> wgpu::Extent3d {

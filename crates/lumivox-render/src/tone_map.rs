@@ -8,11 +8,11 @@ mod curve;
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
-    uniform_buffer,
+    BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, Texture, TextureView, uniform_buffer,
 };
 
-use crate::textures::{ScreenTextures, view};
+use crate::textures::ScreenTextures;
 use crate::{Exposure, ToneMap};
 
 /// Values of `ToneMapSettings::encoding` in the shader.
@@ -69,8 +69,8 @@ pub(crate) struct ToneMapSettings {
 pub struct ToneMapPass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    settings: wgpu::Buffer,
-    screen: wgpu::Texture,
+    settings: Buffer,
+    screen: Texture,
     size: UVec2,
 }
 
@@ -93,9 +93,9 @@ impl ToneMapPass {
     }
 
     /// Tone maps `picture`; once per submission.
-    pub fn record(&self, recorder: &mut Recorder, picture: &wgpu::Texture, encoding: Encoding) {
+    pub fn record(&self, recorder: &mut Recorder, picture: &Texture, encoding: Encoding) {
         self.set(recorder, encoding);
-        let (picture, screen) = (view(picture), view(&self.screen));
+        let (picture, screen) = (picture.view(), self.screen.view());
         let group = self.bind(&self.layout, &picture, &screen).build(recorder.device(), "tone map");
         self.kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
     }
@@ -104,13 +104,13 @@ impl ToneMapPass {
     pub(crate) fn record_below(
         &self,
         recorder: &mut Recorder,
-        picture: &wgpu::Texture,
+        picture: &Texture,
         encoding: Encoding,
         (kernel, layout): (&Kernel, &wgpu::BindGroupLayout),
-        over: &wgpu::TextureView,
+        over: &TextureView,
     ) {
         self.set(recorder, encoding);
-        let (picture, screen) = (view(picture), view(&self.screen));
+        let (picture, screen) = (picture.view(), self.screen.view());
         let group = self.bind(layout, &picture, &screen).view(over);
         let group = group.build(recorder.device(), "tone map and overlay");
         kernel.run(recorder, &[&group], [self.size.x, self.size.y, 1]);
@@ -127,8 +127,8 @@ impl ToneMapPass {
     fn bind<'a>(
         &'a self,
         layout: &'a wgpu::BindGroupLayout,
-        picture: &'a wgpu::TextureView,
-        screen: &'a wgpu::TextureView,
+        picture: &'a TextureView,
+        screen: &'a TextureView,
     ) -> BindGroupBuilder<'a> {
         BindGroupBuilder::new(layout).buffer(&self.settings).view(picture).view(screen)
     }
@@ -139,7 +139,7 @@ impl ToneMapPass {
     }
 
     /// What was written: `Rgba8Unorm`, already encoded.
-    pub fn screen(&self) -> &wgpu::Texture {
+    pub fn screen(&self) -> &Texture {
         &self.screen
     }
 }

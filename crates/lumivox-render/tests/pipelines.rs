@@ -4,7 +4,7 @@ mod common;
 
 use std::time::Instant;
 
-use common::{builtin, gpu, renderer};
+use common::{builtin, gpu};
 use glam::UVec2;
 use lumivox::{Directionality, Injection, OctreeOptions, VolumeKind, VoxelizeMethod};
 use lumivox_render::{Progress, RenderSettings, Renderer, ShadowMethod};

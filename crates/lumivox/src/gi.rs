@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 
-use crate::gpu::{Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
+use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{
     DirectLight, EnvironmentLight, EnvironmentMap, FaceLight, Injection, Light, Lighting, Lights,
     ShadowMaps, lights_layout,
@@ -275,7 +275,7 @@ impl Gi {
     /// A bit per cell, laid out as [`VoxelList::occupancy`], once there is a list. After [`Self::light`]: the cells that
     /// it wrote, because their content or that of a cell below had changed. After a voxelization: those of another
     /// surface than before, cells that are gone included.
-    pub fn changed_cells(&self) -> Option<&wgpu::Buffer> {
+    pub fn changed_cells(&self) -> Option<&Buffer> {
         self.changes.bits()
     }
 
@@ -351,18 +351,18 @@ impl Gi {
     }
 
     /// The radiance that each face of the list sends out (`array<vec4f>`, rgb), once there is one.
-    pub fn face_radiance(&self) -> Option<&wgpu::Buffer> {
+    pub fn face_radiance(&self) -> Option<&Buffer> {
         self.lighting.radiance()
     }
 
     /// With [`Injection::Photons`], what became of the photons of the last call of [`Self::light`]: one
     /// [`crate::PhotonFates`].
-    pub fn photon_fates(&self) -> Option<&wgpu::Buffer> {
+    pub fn photon_fates(&self) -> Option<&Buffer> {
         self.lighting.photon_fates()
     }
 
     /// Group 0: the grid and the volume. Ask again after each voxelization: an octree has another one then.
-    pub fn globals(&self) -> &wgpu::BindGroup {
+    pub fn globals(&self) -> &BindGroup {
         self.volume.globals()
     }
 

@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::pipelines::DrawPipeline;
 use lumivox::gpu::{
-    BindGroupBuilder, LayoutBuilder, Pipelines, ShaderError, ShaderLibrary, upload,
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, RenderPass, ShaderError,
+    ShaderLibrary, upload,
 };
 
 use super::segment;
@@ -49,13 +50,8 @@ impl Edges {
     }
 
     /// Draws all edges, within a pass whose group 0 is bound.
-    pub(super) fn draw(
-        &self,
-        device: &wgpu::Device,
-        pass: &mut wgpu::RenderPass<'_>,
-        scene: &GpuScene,
-    ) {
-        let groups: Vec<wgpu::BindGroup> = scene
+    pub(super) fn draw(&self, device: &wgpu::Device, pass: &mut RenderPass<'_>, scene: &GpuScene) {
+        let groups: Vec<BindGroup> = scene
             .batches
             .iter()
             .map(|batch| {
@@ -67,14 +63,14 @@ impl Edges {
         for (number, draw) in (0..).zip(&scene.draws) {
             // Vertices are numbered by 32 bits, which end at 238 million triangles.
             let edges = draw.indices.len().min((u32::MAX / EDGE_VERTICES) as usize) as u32;
-            pass.set_bind_group(1, &groups[draw.batch], &[]);
+            pass.bind(1, &groups[draw.batch]);
             pass.draw(0..EDGE_VERTICES * edges, number..number + 1);
         }
     }
 }
 
 /// Where the triangles of a scene's draws are, in their order.
-pub(super) fn ranges(device: &wgpu::Device, scene: &GpuScene) -> wgpu::Buffer {
+pub(super) fn ranges(device: &wgpu::Device, scene: &GpuScene) -> Buffer {
     let range = |draw: &SceneDraw| EdgeRange {
         first_index: draw.indices.start,
         base_vertex: draw.base_vertex as u32,

@@ -5,7 +5,8 @@ use glam::Vec3;
 use lumivox::Grid;
 use lumivox::gpu::pipelines::DrawPipeline;
 use lumivox::gpu::{
-    BindGroupBuilder, LayoutBuilder, Pipelines, ShaderError, ShaderLibrary, upload,
+    BindGroup, BindGroupBuilder, LayoutBuilder, Pipelines, RenderPass, ShaderError, ShaderLibrary,
+    upload,
 };
 use lumivox_scene::Bounds;
 
@@ -28,7 +29,7 @@ pub(crate) struct LineRecord {
 pub(super) struct Lines {
     pipeline: DrawPipeline,
     layout: wgpu::BindGroupLayout,
-    group: wgpu::BindGroup,
+    group: BindGroup,
     count: u32,
 }
 
@@ -57,9 +58,9 @@ impl Lines {
     }
 
     /// Draws them, within a pass whose group 0 is bound.
-    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub(super) fn draw(&self, pass: &mut RenderPass<'_>) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(1, &self.group, &[]);
+        pass.bind(1, &self.group);
         pass.draw(0..6 * self.count, 0..1);
     }
 }
@@ -68,7 +69,7 @@ fn group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
     lines: &[OverlayLine],
-) -> wgpu::BindGroup {
+) -> BindGroup {
     let record = |line: &OverlayLine| LineRecord {
         from_in_world: line.from.to_array(),
         is_tested: u32::from(line.is_hidden_by_surfaces),

@@ -2,7 +2,8 @@
 
 use glam::UVec2;
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, Pipelines, Recorder, ShaderError, ShaderLibrary, uniform_buffer,
+    BindGroupBuilder, Buffer, Kernel, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
+    TextureView, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, View};
 
@@ -13,7 +14,7 @@ use super::voxels::WireVoxels;
 use super::{BACKGROUND, Overlay, Wireframe, Wires};
 use crate::accumulate::AccumulatePass;
 use crate::gbuffer_pass::GBufferTargets;
-use crate::textures::{ScreenTextures, view};
+use crate::textures::ScreenTextures;
 use crate::tone_map::{Encoding, ToneMapPass};
 use crate::upload::GpuScene;
 
@@ -43,14 +44,14 @@ pub(crate) struct OverlayView<'a> {
 pub(crate) struct OverlayPass {
     shown: Shown,
     shaders: ShaderLibrary,
-    frame: wgpu::TextureView,
+    frame: TextureView,
     accumulate: AccumulatePass,
     blend: Kernel,
     blend_layout: wgpu::BindGroupLayout,
     segment_layout: wgpu::BindGroupLayout,
-    segment_view: wgpu::Buffer,
+    segment_view: Buffer,
     /// The records of the scene's draws, and where their triangles are.
-    draws: Option<(wgpu::Buffer, wgpu::Buffer)>,
+    draws: Option<(Buffer, Buffer)>,
     /// Those that were needed so far.
     edges: Option<Edges>,
     lines: Option<Lines>,
@@ -68,7 +69,7 @@ impl OverlayPass {
         let shaders = crate::shaders::library(gi.shaders());
         let mut textures = ScreenTextures::new(device, size);
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let frame = view(&textures.create("overlay", FRAME_FORMAT, usage));
+        let frame = textures.create("overlay", FRAME_FORMAT, usage).view();
         let accumulate = AccumulatePass::new(device, &shaders, &mut textures, size, &frame)?;
         let blend_layout = ToneMapPass::layout().texture_2d_unfilterable().build(device, "blend");
         let blend =
@@ -186,7 +187,7 @@ impl OverlayPass {
             ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         };
         recorder.render("overlay", &[Some(target)], None, |pass| {
-            pass.set_bind_group(0, &group, &[]);
+            pass.bind(0, &group);
             let wires = self.edges.as_ref().filter(|_| overlay.wireframe != Wireframe::Off);
             if let Some(edges) = wires {
                 edges.draw(&device, pass, seen.scene);
@@ -202,10 +203,10 @@ impl OverlayPass {
         &self,
         recorder: &mut Recorder,
         tone_map: &ToneMapPass,
-        picture: &wgpu::Texture,
+        picture: &Texture,
         encoding: Encoding,
     ) {
-        let over = view(self.accumulate.mean());
+        let over = self.accumulate.mean().view();
         let kernel = (&self.blend, &self.blend_layout);
         tone_map.record_below(recorder, picture, encoding, kernel, &over);
     }

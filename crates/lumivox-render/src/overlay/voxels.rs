@@ -2,8 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, TextureView, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi};
 
@@ -26,9 +26,9 @@ pub(crate) struct WireSettings {
 pub(super) struct WireVoxels {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    settings: wgpu::Buffer,
+    settings: Buffer,
     /// Stands in for group 2: wires are of no light.
-    nothing: wgpu::BindGroup,
+    nothing: BindGroup,
 }
 
 impl WireVoxels {
@@ -59,7 +59,7 @@ impl WireVoxels {
         (gi, gbuffer): (&Gi, &GBuffer),
         (overlay, level): (&Overlay, u32),
         background: [f32; 4],
-        frame: &wgpu::TextureView,
+        frame: &TextureView,
     ) {
         // Without voxels there is nothing to show; the occupancy is there once there is a list.
         let Some(voxels) = gi.voxels() else { return };

@@ -3,6 +3,7 @@
 //! Only finest levels are kept: a path tracer averages by its samples. What is larger than the device's largest
 //! texture is halved until it fits.
 
+use lumivox::gpu::{Texture, TextureView};
 use std::collections::BTreeMap;
 
 use etagere::{AtlasAllocator, size2};
@@ -25,7 +26,7 @@ const LAYER_EDGE: u32 = 4096;
 /// Where the textures lie.
 #[derive(Debug)]
 pub(super) struct Atlas {
-    pub(super) view: wgpu::TextureView,
+    pub(super) view: TextureView,
     /// By texture and whether it holds colours.
     tiles: BTreeMap<(usize, bool), TileRecord>,
     samplers: Vec<Sampler>,
@@ -82,16 +83,23 @@ impl Atlas {
                 remedy: "load the scene with smaller textures (--texture-memory)".to_owned(),
             });
         }
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("atlas"),
-            size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: layer_count },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let texture = Texture::new(
+            &gpu.device,
+            &wgpu::TextureDescriptor {
+                label: Some("atlas"),
+                size: wgpu::Extent3d {
+                    width: edge,
+                    height: edge,
+                    depth_or_array_layers: layer_count,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            },
+        );
         for (&(index, is_color), tile) in &places {
             write(gpu, &texture, scene, index, is_color, tile);
         }
@@ -120,7 +128,7 @@ impl Atlas {
 
 fn write(
     gpu: &Gpu,
-    atlas: &wgpu::Texture,
+    atlas: &Texture,
     scene: &Scene,
     index: usize,
     is_color: bool,

@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable as _};
 use glam::{DVec3, UVec2, Vec3};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, ShaderLibrary, storage_buffer, upload,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, ShaderLibrary, Texture,
+    TextureView, storage_buffer, upload,
 };
 use lumivox::shaders::library_with_volume;
 use lumivox::{Directionality, Light, LightSource, VolumeKind};
@@ -28,9 +29,9 @@ const OFFSET: f32 = 1.0 / (1 << 18) as f32;
 #[derive(Debug)]
 pub(super) struct Uploaded {
     pub(super) kernel: Kernel,
-    pub(super) group: wgpu::BindGroup,
+    pub(super) group: BindGroup,
     /// Sums of the pixels of a band.
-    pub(super) film: wgpu::Buffer,
+    pub(super) film: Buffer,
     /// Rows that are traced at once.
     pub(super) band_rows: u32,
     /// Links that the kernel's stack holds.
@@ -41,7 +42,7 @@ pub(super) struct Uploaded {
     /// Tells apart what is traced, whatever the seed.
     pub(super) fingerprint: u64,
     world: WorldRecord,
-    world_buffer: wgpu::Buffer,
+    world_buffer: Buffer,
 }
 
 impl Uploaded {
@@ -344,18 +345,21 @@ fn float_texture<T: Pod>(
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
     texels: &[T],
-) -> wgpu::TextureView {
+) -> TextureView {
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("numbers for the path tracer"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let texture = Texture::new(
+        &gpu.device,
+        &wgpu::TextureDescriptor {
+            label: Some("numbers for the path tracer"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        },
+    );
     gpu.queue.write_texture(
         texture.as_image_copy(),
         bytemuck::cast_slice(texels),
@@ -366,5 +370,5 @@ fn float_texture<T: Pod>(
         },
         size,
     );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    texture.view()
 }

@@ -102,6 +102,7 @@ impl Renderer {
             compile(&self.gpu, progress).await?;
         }
         self.settings = settings;
+        self.drop_unused();
         if redo.light {
             self.relight(progress).await?;
         }
@@ -266,6 +267,7 @@ impl Renderer {
     pub fn set_look(&mut self, look: Look) -> Result<(), RenderError> {
         look.validate()?;
         let was = std::mem::replace(&mut self.settings.look, look);
+        self.drop_unused();
         if look.injected_light() != was.injected_light() {
             self.light_voxels()?;
         }

@@ -1,7 +1,9 @@
 //! Materials and their textures on the GPU, for the rasterizer and for the voxels.
 
 use glam::Vec3;
-use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, uniform_buffer};
+use lumivox::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, TextureView, uniform_buffer,
+};
 use lumivox::{SurfaceMaterial, SurfaceTexture};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
 
@@ -16,9 +18,9 @@ use crate::Gpu;
 #[derive(Debug)]
 pub(crate) struct GpuMaterial {
     /// Group 1 of those passes.
-    pub(crate) group: wgpu::BindGroup,
+    pub(crate) group: BindGroup,
     /// The numbers in it, a [`MaterialRecord`].
-    uniform: wgpu::Buffer,
+    uniform: Buffer,
     /// What its textures were uploaded for.
     textures: TextureUse,
     /// Where the surface is there.
@@ -121,7 +123,7 @@ impl<'a> MaterialUpload<'a> {
             (Encoding::Color, Alpha::Data),
             (Encoding::Data, Alpha::Data),
         ];
-        let views: [wgpu::TextureView; TEXTURE_COUNT] = std::array::from_fn(|i| {
+        let views: [TextureView; TEXTURE_COUNT] = std::array::from_fn(|i| {
             let (encoding, alpha) = encodings[i];
             self.textures.texture(references[i], encoding, alpha)
         });
@@ -150,7 +152,7 @@ impl<'a> MaterialUpload<'a> {
 
         let surface_texture = |index: usize| {
             references[index].map(|reference| SurfaceTexture {
-                view: views[index].clone(),
+                view: wgpu::TextureView::clone(&views[index]),
                 sampler: samplers[index].clone(),
                 texcoord_set: reference.uv_set,
                 transform: reference.transform,

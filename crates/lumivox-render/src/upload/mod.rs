@@ -10,6 +10,7 @@ mod sheen;
 mod textures;
 mod units;
 
+use lumivox::gpu::Buffer;
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
@@ -50,10 +51,10 @@ pub(crate) struct VertexBuffers {
     pub(crate) kind: Attributes,
     /// Of their content ([`geometry::Batch::fingerprint`]).
     fingerprint: [u64; 2],
-    pub(crate) positions: wgpu::Buffer,
-    pub(crate) attributes: wgpu::Buffer,
-    pub(crate) shading: wgpu::Buffer,
-    pub(crate) indices: wgpu::Buffer,
+    pub(crate) positions: Buffer,
+    pub(crate) attributes: Buffer,
+    pub(crate) shading: Buffer,
+    pub(crate) indices: Buffer,
 }
 
 /// A run of triangles with one material and one transform; its number is its place in `draws`.
@@ -78,7 +79,7 @@ pub struct GpuScene {
     pub radiance_unit: f32,
     pub(crate) batches: Vec<VertexBuffers>,
     pub(crate) draws: Vec<SceneDraw>,
-    pub(crate) draw_records: wgpu::Buffer,
+    pub(crate) draw_records: Buffer,
     pub(crate) materials: Vec<GpuMaterial>,
     pub(crate) material_layout: wgpu::BindGroupLayout,
     pub(crate) memory: Vec<MemoryUse>,
@@ -89,7 +90,7 @@ struct Placed {
     geometry: Vec<GeometryBatch>,
     batches: Vec<VertexBuffers>,
     draws: Vec<SceneDraw>,
-    draw_records: wgpu::Buffer,
+    draw_records: Buffer,
     memory: [MemoryUse; 2],
 }
 
@@ -318,11 +319,9 @@ impl VertexBuffers {
         let buffer = |label, contents: &[u8], usage| {
             // A scene of no visible triangles still needs buffers to bind.
             let contents = if contents.is_empty() { &[0; 16] } else { contents };
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage,
-            })
+            let label = Some(label);
+            let descriptor = wgpu::util::BufferInitDescriptor { label, contents, usage };
+            Buffer::own(device.create_buffer_init(&descriptor))
         };
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
         let storage = wgpu::BufferUsages::STORAGE;
@@ -339,15 +338,15 @@ impl VertexBuffers {
 
     fn for_voxels(&self) -> GeometryBatch {
         GeometryBatch {
-            positions: self.positions.clone(),
+            positions: wgpu::Buffer::clone(&self.positions),
             attributes: Some(self.attributes_for_voxels()),
-            indices: self.indices.clone(),
+            indices: wgpu::Buffer::clone(&self.indices),
             draws: Vec::new(),
         }
     }
 
     fn attributes_for_voxels(&self) -> VertexAttributes {
-        let buffer = self.attributes.clone();
+        let buffer = wgpu::Buffer::clone(&self.attributes);
         match self.kind {
             Attributes::Texcoords => VertexAttributes::texcoords(buffer),
             Attributes::All => VertexAttributes {
@@ -364,7 +363,7 @@ impl VertexBuffers {
 
     fn bytes(&self) -> u64 {
         [&self.positions, &self.attributes, &self.shading, &self.indices]
-            .map(wgpu::Buffer::size)
+            .map(|buffer| buffer.size())
             .iter()
             .sum()
     }

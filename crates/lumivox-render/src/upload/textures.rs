@@ -1,5 +1,6 @@
 //! Textures on the GPU with all their mips, each once per use.
 
+use lumivox::gpu::{Texture, TextureView};
 use std::collections::HashMap;
 
 use lumivox_scene::{Filter, Sampler, Scene, TextureRef, Wrap};
@@ -24,9 +25,9 @@ enum AlphaKey {
 pub(super) struct TextureUpload<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
-    white: wgpu::TextureView,
-    sheen_albedo: Option<wgpu::TextureView>,
-    textures: HashMap<Key, wgpu::TextureView>,
+    white: TextureView,
+    sheen_albedo: Option<TextureView>,
+    textures: HashMap<Key, TextureView>,
     samplers: HashMap<Sampler, wgpu::Sampler>,
     /// Bytes of all textures so far.
     pub(super) bytes: u64,
@@ -52,7 +53,7 @@ impl<'a> TextureUpload<'a> {
         reference: Option<TextureRef>,
         encoding: Encoding,
         alpha: Alpha,
-    ) -> wgpu::TextureView {
+    ) -> TextureView {
         let Some(reference) = reference else { return self.white.clone() };
         let alpha_key = match alpha {
             Alpha::Data => AlphaKey::Data,
@@ -98,7 +99,7 @@ impl<'a> TextureUpload<'a> {
     }
 
     /// The table of [`sheen`] for materials that have any, else anything, and its sampler.
-    pub(super) fn sheen_albedo(&mut self, is_used: bool) -> (wgpu::TextureView, wgpu::Sampler) {
+    pub(super) fn sheen_albedo(&mut self, is_used: bool) -> (TextureView, wgpu::Sampler) {
         let edge =
             Sampler { wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge, ..Sampler::default() };
         let sampler = self.sampler_of(edge);
@@ -116,30 +117,28 @@ impl<'a> TextureUpload<'a> {
     }
 }
 
-fn create_texture(
-    gpu: &Gpu,
-    label: &str,
-    encoding: Encoding,
-    levels: &[Level],
-) -> wgpu::TextureView {
+fn create_texture(gpu: &Gpu, label: &str, encoding: Encoding, levels: &[Level]) -> TextureView {
     let extent = |level: &Level| wgpu::Extent3d {
         width: level.width,
         height: level.height,
         depth_or_array_layers: 1,
     };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: extent(&levels[0]),
-        mip_level_count: levels.len() as u32,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: match encoding {
-            Encoding::Color => wgpu::TextureFormat::Rgba8UnormSrgb,
-            Encoding::Data => wgpu::TextureFormat::Rgba8Unorm,
+    let texture = Texture::new(
+        &gpu.device,
+        &wgpu::TextureDescriptor {
+            label: Some(label),
+            size: extent(&levels[0]),
+            mip_level_count: levels.len() as u32,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: match encoding {
+                Encoding::Color => wgpu::TextureFormat::Rgba8UnormSrgb,
+                Encoding::Data => wgpu::TextureFormat::Rgba8Unorm,
+            },
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
         },
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    );
     for (index, level) in levels.iter().enumerate() {
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
@@ -157,7 +156,7 @@ fn create_texture(
             extent(level),
         );
     }
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    texture.view()
 }
 
 fn create_sampler(device: &wgpu::Device, sampler: Sampler) -> wgpu::Sampler {

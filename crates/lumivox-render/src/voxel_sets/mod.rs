@@ -9,7 +9,7 @@ pub use view::{EXTRA_COLOR, MISSING_COLOR, voxel_set_picture};
 use bytemuck::Pod;
 use glam::{UVec3, Vec3};
 use lumivox::Grid;
-use lumivox::gpu::read_buffer;
+use lumivox::gpu::{Buffer, read_buffer};
 use lumivox::voxels::{FaceRecord, NodeRecord, VoxelList};
 
 use crate::{Gpu, RenderError};
@@ -81,7 +81,7 @@ impl VoxelSet {
     }
 }
 
-async fn read<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, count: u64) -> Result<Vec<T>, RenderError> {
+async fn read<T: Pod>(gpu: &Gpu, buffer: &Buffer, count: u64) -> Result<Vec<T>, RenderError> {
     let bytes = count * size_of::<T>() as u64;
     if bytes == 0 {
         return Ok(Vec::new());

@@ -10,8 +10,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, TextureView, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, Lights, VolumeKind};
 
@@ -50,9 +50,9 @@ pub struct VoxelViewPass {
     wires: Option<Kernel>,
     wires_layout: wgpu::BindGroupLayout,
     layout: wgpu::BindGroupLayout,
-    settings: wgpu::Buffer,
-    group: wgpu::BindGroup,
-    picture: wgpu::TextureView,
+    settings: Buffer,
+    group: BindGroup,
+    picture: TextureView,
 }
 
 /// What only an octree can show.

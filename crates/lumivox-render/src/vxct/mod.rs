@@ -11,7 +11,7 @@ mod settings;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, ShaderError, uniform_buffer, upload,
+    BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Recorder, ShaderError, uniform_buffer, upload,
 };
 use lumivox::{GBuffer, Gi, Lights};
 use lumivox_scene::{Attenuation, Bounds, LightKind, Scene, Shading};
@@ -154,7 +154,7 @@ fn lamp_attenuation(unit_m: f32) -> [f32; 4] {
 #[derive(Debug)]
 pub(crate) struct VxctLook {
     /// For each light, how it fades (`attenuations` of `lights.wgsl`).
-    attenuations: wgpu::Buffer,
+    attenuations: Buffer,
     /// The mean of the ambient strengths of Phong's materials.
     ambient: f32,
     /// On the GPU, in its unit of radiance.
@@ -168,14 +168,14 @@ pub(crate) struct VxctLook {
 struct ShadePass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    settings: wgpu::Buffer,
+    settings: Buffer,
 }
 
 #[derive(Debug)]
 struct InjectPass {
     kernel: Kernel,
     layout: wgpu::BindGroupLayout,
-    settings: wgpu::Buffer,
+    settings: Buffer,
 }
 
 /// What one frame of the look is made from.
@@ -222,6 +222,11 @@ impl VxctLook {
     /// Goes on with another volume, within other bounds.
     pub(crate) fn relink(&mut self, bounds: Bounds) {
         self.unit_m = 0.5 * (bounds.max - bounds.min).max_element();
+        self.unlink();
+    }
+
+    /// Gives back what belongs to the volume, or to no look that is shown; the next use makes it anew.
+    pub(crate) fn unlink(&mut self) {
         (self.shade, self.inject) = (None, None);
     }
 

@@ -1,6 +1,6 @@
 //! Bind group layouts and bind groups, with the bindings numbered in the order in which they are listed.
 
-use crate::gpu::Pipelines;
+use crate::gpu::{BindGroup, BufferHandle, Kept, Pipelines, ViewHandle};
 
 /// Lists the bindings of a layout; binding `i` is the `i`-th one added.
 #[derive(Clone, Debug)]
@@ -158,15 +158,16 @@ impl LayoutBuilder {
 pub struct BindGroupBuilder<'a> {
     layout: &'a wgpu::BindGroupLayout,
     entries: Vec<wgpu::BindGroupEntry<'a>>,
+    kept: Vec<Kept>,
 }
 
 impl<'a> BindGroupBuilder<'a> {
     /// A bind group of the given layout.
     pub fn new(layout: &'a wgpu::BindGroupLayout) -> Self {
-        Self { layout, entries: Vec::new() }
+        Self { layout, entries: Vec::new(), kept: Vec::new() }
     }
 
-    /// Any resource.
+    /// Any resource of the caller's.
     #[must_use]
     pub fn resource(mut self, resource: wgpu::BindingResource<'a>) -> Self {
         let binding = self.entries.len() as u32;
@@ -176,14 +177,16 @@ impl<'a> BindGroupBuilder<'a> {
 
     /// A whole buffer.
     #[must_use]
-    pub fn buffer(self, buffer: &'a wgpu::Buffer) -> Self {
-        self.resource(buffer.as_entire_binding())
+    pub fn buffer<B: BufferHandle>(mut self, buffer: &'a B) -> Self {
+        self.kept.extend(buffer.kept());
+        self.resource(buffer.raw().as_entire_binding())
     }
 
     /// A texture view.
     #[must_use]
-    pub fn view(self, view: &'a wgpu::TextureView) -> Self {
-        self.resource(wgpu::BindingResource::TextureView(view))
+    pub fn view<V: ViewHandle>(mut self, view: &'a V) -> Self {
+        self.kept.extend(view.kept());
+        self.resource(wgpu::BindingResource::TextureView(view.raw()))
     }
 
     /// A sampler.
@@ -193,11 +196,12 @@ impl<'a> BindGroupBuilder<'a> {
     }
 
     /// The bind group.
-    pub fn build(self, device: &wgpu::Device, label: &str) -> wgpu::BindGroup {
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
+    pub fn build(self, device: &wgpu::Device, label: &str) -> BindGroup {
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),
             layout: self.layout,
             entries: &self.entries,
-        })
+        });
+        BindGroup::new(group, self.kept)
     }
 }

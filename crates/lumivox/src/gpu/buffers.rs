@@ -4,11 +4,12 @@ use bytemuck::Pod;
 use wgpu::util::DeviceExt as _;
 
 use crate::GiError;
+use crate::gpu::Buffer;
 
 /// A storage buffer of at least one element's size (WebGPU has no empty bindings); its content starts as zero.
 /// It can be copied from and to, and hold the arguments of an indirect dispatch.
-pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
+pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer {
+    let descriptor = wgpu::BufferDescriptor {
         label: Some(label),
         size: bytes.max(16).next_multiple_of(4),
         usage: wgpu::BufferUsages::STORAGE
@@ -16,30 +17,31 @@ pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::B
             | wgpu::BufferUsages::COPY_DST
             | wgpu::BufferUsages::INDIRECT,
         mapped_at_creation: false,
-    })
+    };
+    Buffer::new(device, &descriptor)
 }
 
 /// A uniform buffer with the given content, which `Queue::write_buffer` can change.
-pub fn uniform_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &T) -> wgpu::Buffer {
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+pub fn uniform_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &T) -> Buffer {
+    Buffer::own(device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),
         contents: bytemuck::bytes_of(content),
         usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-    })
+    }))
 }
 
 /// A storage buffer with the given content; an empty slice makes a buffer of 16 zero bytes.
-pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> wgpu::Buffer {
+pub fn upload<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> Buffer {
     if content.is_empty() {
         return storage_buffer(device, label, 16);
     }
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+    Buffer::own(device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),
         contents: bytemuck::cast_slice(content),
         usage: wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::COPY_SRC
             | wgpu::BufferUsages::COPY_DST,
-    })
+    }))
 }
 
 /// The content of `buffer` (which needs `COPY_SRC`) as values of `T`, once all work submitted so far is done.
@@ -55,12 +57,13 @@ pub async fn read_buffer<T: Pod>(
     bytes: std::ops::Range<u64>,
 ) -> Result<Vec<T>, GiError> {
     let size = bytes.end - bytes.start;
-    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+    let descriptor = wgpu::BufferDescriptor {
         label: Some("readback"),
         size,
         usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
-    });
+    };
+    let staging = Buffer::new(device, &descriptor);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(buffer, bytes.start, &staging, 0, size);
     queue.submit([encoder.finish()]);

@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary,
 };
 use crate::gpu::{storage_buffer, upload};
 
@@ -47,10 +48,10 @@ impl Indirect {
     pub fn arguments(
         &self,
         recorder: &mut Recorder,
-        item_starts: &wgpu::Buffer,
+        item_starts: &Buffer,
         runs: &[Run],
-        overflow: &wgpu::Buffer,
-    ) -> wgpu::Buffer {
+        overflow: &Buffer,
+    ) -> Buffer {
         let device = recorder.device().clone();
         let bytes = runs.len() as u64 * Self::STRIDE;
         let arguments = storage_buffer(&device, "indirect arguments", bytes);

@@ -1,7 +1,10 @@
 //! A compute kernel: an entry point with its pipeline and the workgroup size that naga reflects from it.
 
 use crate::gpu::pipelines::{ComputePlan, LazyCompute};
-use crate::gpu::{Pipelines, Recorder, ShaderError, ShaderLibrary};
+use crate::gpu::{
+    BindGroup, Buffer, BufferHandle as _, ComputePass, Pipelines, Recorder, ShaderError,
+    ShaderLibrary,
+};
 
 /// Invocations of a workgroup of kernels that run over a list (`@workgroup_size(LINEAR_WORKGROUP_SIZE)`).
 pub const LINEAR_WORKGROUP_SIZE: u32 = 64;
@@ -42,20 +45,15 @@ impl Kernel {
         self.workgroup_size
     }
 
-    fn set(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[&wgpu::BindGroup]) {
+    fn set(&self, pass: &mut ComputePass<'_>, groups: &[&BindGroup]) {
         pass.set_pipeline(self.pipeline.get());
         for (index, group) in groups.iter().enumerate() {
-            pass.set_bind_group(index as u32, *group, &[]);
+            pass.bind(index as u32, group);
         }
     }
 
     /// Runs over a grid of threads, within a pass.
-    pub fn dispatch(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        groups: &[&wgpu::BindGroup],
-        threads: [u32; 3],
-    ) {
+    pub fn dispatch(&self, pass: &mut ComputePass<'_>, groups: &[&BindGroup], threads: [u32; 3]) {
         let [x, y, z] = std::array::from_fn(|i| threads[i].div_ceil(self.workgroup_size[i]));
         if x == 0 || y == 0 || z == 0 {
             return;
@@ -67,12 +65,7 @@ impl Kernel {
     /// Runs over a list of `count` elements, within a pass. The workgroups spread over x and y, since one
     /// dimension alone reaches 4 million threads; the shader finds its element with
     /// `package::gpu::dispatch::linear_index` and must check it against the count.
-    pub fn dispatch_linear(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        groups: &[&wgpu::BindGroup],
-        count: u64,
-    ) {
+    pub fn dispatch_linear(&self, pass: &mut ComputePass<'_>, groups: &[&BindGroup], count: u64) {
         if count == 0 {
             return;
         }
@@ -86,22 +79,23 @@ impl Kernel {
     /// Runs with the workgroup counts that stand in `arguments` at the byte `offset`, within a pass.
     pub fn dispatch_indirect(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        groups: &[&wgpu::BindGroup],
-        arguments: &wgpu::Buffer,
+        pass: &mut ComputePass<'_>,
+        groups: &[&BindGroup],
+        arguments: &Buffer,
         offset: u64,
     ) {
         self.set(pass, groups);
+        pass.keep(arguments.kept());
         pass.dispatch_workgroups_indirect(arguments, offset);
     }
 
     /// A pass of its own for [`Self::dispatch`].
-    pub fn run(&self, recorder: &mut Recorder, groups: &[&wgpu::BindGroup], threads: [u32; 3]) {
+    pub fn run(&self, recorder: &mut Recorder, groups: &[&BindGroup], threads: [u32; 3]) {
         recorder.compute(&self.label, |pass| self.dispatch(pass, groups, threads));
     }
 
     /// A pass of its own for [`Self::dispatch_linear`].
-    pub fn run_linear(&self, recorder: &mut Recorder, groups: &[&wgpu::BindGroup], count: u64) {
+    pub fn run_linear(&self, recorder: &mut Recorder, groups: &[&BindGroup], count: u64) {
         recorder.compute(&self.label, |pass| self.dispatch_linear(pass, groups, count));
     }
 }

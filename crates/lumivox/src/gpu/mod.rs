@@ -7,8 +7,10 @@ mod indirect;
 mod kernel;
 #[cfg(test)]
 mod layouts;
+mod passes;
 pub mod pipelines;
 mod recorder;
+mod resources;
 mod scan;
 mod shaders;
 
@@ -19,8 +21,12 @@ pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 #[cfg(test)]
 pub(crate) use layouts::assert_layout;
+pub use passes::{ComputePass, RenderPass};
 pub use pipelines::Pipelines;
 pub use recorder::{Recorder, StageTime, Timing};
+pub use resources::{
+    BindGroup, Buffer, BufferHandle, Kept, LiveResources, Texture, TextureView, ViewHandle,
+};
 pub use scan::Scan;
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
 pub use shaders::{ShaderError, ShaderLibrary, StructLayout};

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 use crate::GiError;
 use crate::gpu::buffers::map_and_copy;
+use crate::gpu::passes::{ComputePass, Recorded, RenderPass};
+use crate::gpu::{Buffer, BufferHandle, Kept};
 
 /// How a [`Recorder`] takes times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,6 +57,8 @@ pub struct Recorder {
     device: wgpu::Device,
     queue: wgpu::Queue,
     encoder: wgpu::CommandEncoder,
+    /// What must not be destroyed before it is submitted.
+    recorded: Recorded,
     timing: Timing,
     stage: &'static str,
     queries: Option<wgpu::QuerySet>,
@@ -80,6 +84,7 @@ impl Recorder {
             device: device.clone(),
             queue: queue.clone(),
             encoder: new_encoder(device),
+            recorded: Recorded::new(),
             timing,
             stage: "other",
             queries,
@@ -97,7 +102,32 @@ impl Recorder {
         &self.queue
     }
 
-    /// The encoder, for commands that need no time taken: copies, clears, an engine's own passes.
+    /// Copies bytes from a place in a buffer to a place in another.
+    pub fn copy(
+        &mut self,
+        (from, from_byte): (&impl BufferHandle, u64),
+        (to, to_byte): (&impl BufferHandle, u64),
+        bytes: u64,
+    ) {
+        self.encoder.copy_buffer_to_buffer(from.raw(), from_byte, to.raw(), to_byte, bytes);
+        let kept = from.kept().into_iter().chain(to.kept());
+        self.recorded.push(kept.collect());
+    }
+
+    /// Fills a buffer with zeros.
+    pub fn clear(&mut self, buffer: &impl BufferHandle) {
+        self.encoder.clear_buffer(buffer.raw(), 0, None);
+        self.recorded.push(buffer.kept().into_iter().collect());
+    }
+
+    /// Keeps what was recorded by other means than this object's and its passes' from being destroyed before it is
+    /// submitted.
+    pub fn keep(&mut self, kept: Kept) {
+        self.recorded.push([kept].into());
+    }
+
+    /// The encoder, for commands that need no time taken: copies, clears, an engine's own passes. What they use must stay
+    /// until it is submitted ([`Self::keep`]).
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         &mut self.encoder
     }
@@ -108,7 +138,7 @@ impl Recorder {
     }
 
     /// A compute pass.
-    pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+    pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut ComputePass<'_>)) {
         let start = self.begin_pass();
         let slot = self.timestamp_slot();
         {
@@ -119,11 +149,11 @@ impl Recorder {
                     end_of_pass_write_index: Some(slot + 1),
                 }
             });
-            let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            let pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some(label),
                 timestamp_writes,
             });
-            record(&mut pass);
+            record(&mut ComputePass { pass, recorded: &mut self.recorded });
         }
         self.end_pass(label, start);
     }
@@ -134,7 +164,7 @@ impl Recorder {
         label: &str,
         colors: &[Option<wgpu::RenderPassColorAttachment<'_>>],
         depth: Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
-        record: impl FnOnce(&mut wgpu::RenderPass<'_>),
+        record: impl FnOnce(&mut RenderPass<'_>),
     ) {
         let start = self.begin_pass();
         let slot = self.timestamp_slot();
@@ -146,7 +176,7 @@ impl Recorder {
                     end_of_pass_write_index: Some(slot + 1),
                 }
             });
-            let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            let pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(label),
                 color_attachments: colors,
                 depth_stencil_attachment: depth,
@@ -154,7 +184,7 @@ impl Recorder {
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
-            record(&mut pass);
+            record(&mut RenderPass { pass, recorded: &mut self.recorded });
         }
         self.end_pass(label, start);
     }
@@ -163,6 +193,7 @@ impl Recorder {
     pub fn flush(&mut self) {
         let encoder = std::mem::replace(&mut self.encoder, new_encoder(&self.device));
         self.queue.submit([encoder.finish()]);
+        self.recorded.clear();
     }
 
     /// Submits what was recorded; times, if any were taken, are dropped.
@@ -182,12 +213,11 @@ impl Recorder {
         let count = 2 * self.times.len() as u32;
         let bytes = u64::from(count) * size_of::<u64>() as u64;
         let buffer = |usage| {
-            self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("stage times"),
-                size: bytes,
-                usage,
-                mapped_at_creation: false,
-            })
+            let label = Some("stage times");
+            let mapped_at_creation = false;
+            let descriptor =
+                wgpu::BufferDescriptor { label, size: bytes, usage, mapped_at_creation };
+            Buffer::new(&self.device, &descriptor)
         };
         let resolved = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
         let staging = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);

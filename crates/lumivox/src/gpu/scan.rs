@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary,
 };
 use crate::gpu::{storage_buffer, uniform_buffer};
 
@@ -50,7 +51,7 @@ impl Scan {
     /// Replaces each of the first `count` elements of `values` by the sum of all before it.
     ///
     /// With a last element of zero, it becomes the total of the others.
-    pub fn run(&self, recorder: &mut Recorder, values: &wgpu::Buffer, count: u32) {
+    pub fn run(&self, recorder: &mut Recorder, values: &Buffer, count: u32) {
         if count == 0 {
             return;
         }

@@ -7,7 +7,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use super::environment::{EnvironmentLight, EnvironmentMap};
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, uniform_buffer, upload};
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Texture, TextureView,
+    uniform_buffer, upload,
+};
 
 /// Values of `Light::kind` in the shaders.
 pub(crate) const LIGHT_DIRECTIONAL: u32 = 0;
@@ -110,7 +113,7 @@ pub struct ShadowLayer {
 #[derive(Clone, Debug)]
 pub struct ShadowMaps {
     /// A `D2Array` view of the depth texture.
-    pub depth: wgpu::TextureView,
+    pub depth: TextureView,
     /// What each layer sees.
     pub layers: Vec<ShadowLayer>,
 }
@@ -155,7 +158,7 @@ pub(crate) struct ShadowLayerRecord {
 impl Light {
     /// Lights as the shaders read them, `Light` of `package::light::lights` one after the other, for a
     /// caller's own passes. A dark one where there are none, since no binding may be empty.
-    pub fn buffer(device: &wgpu::Device, lights: &[Self]) -> wgpu::Buffer {
+    pub fn buffer(device: &wgpu::Device, lights: &[Self]) -> Buffer {
         let records: Vec<LightRecord> = lights.iter().map(|light| light.to_gpu()).collect();
         upload(device, "lights", &padded(&records))
     }
@@ -235,7 +238,7 @@ pub fn lights_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
 #[derive(Debug)]
 pub struct Lights {
     /// The bind group, of the layout [`crate::Gi::lights_layout`].
-    pub group: wgpu::BindGroup,
+    pub group: BindGroup,
     /// How many lights there are.
     pub count: u32,
     /// Whether any of them gets its shadows by cones.
@@ -314,17 +317,20 @@ impl Lights {
         let lights = upload(device, "lights", &padded(&records));
         let layers = upload(device, "shadow layers", &padded(&layers));
         let no_map = maps.is_none().then(|| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("no shadow map"),
-                size: wgpu::Extent3d::default(),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Depth32Float,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            });
+            let texture = Texture::new(
+                device,
+                &wgpu::TextureDescriptor {
+                    label: Some("no shadow map"),
+                    size: wgpu::Extent3d::default(),
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format: wgpu::TextureFormat::Depth32Float,
+                    usage: wgpu::TextureUsages::TEXTURE_BINDING
+                        | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                    view_formats: &[],
+                },
+            );
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..Default::default()

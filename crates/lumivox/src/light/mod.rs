@@ -14,8 +14,8 @@ mod tests;
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    storage_buffer, uniform_buffer,
 };
 use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
@@ -52,13 +52,13 @@ pub(crate) use photons::MODULES as PHOTON_MODULES;
 #[derive(Clone, Copy, Debug)]
 pub struct FaceLight<'a> {
     /// The faces: `array<Face>` of `package::voxels::list`.
-    pub faces: &'a wgpu::Buffer,
+    pub faces: &'a Buffer,
     /// How many there are.
     pub count: u64,
     /// To be written for each: the radiance that it sends out before any bounce (`array<vec4f>`, 1 in w).
-    pub direct: &'a wgpu::Buffer,
+    pub direct: &'a Buffer,
     /// The same again, where bounces are added.
-    pub radiance: &'a wgpu::Buffer,
+    pub radiance: &'a Buffer,
 }
 
 /// A caller's own direct light.
@@ -80,7 +80,7 @@ pub(crate) struct Lighting {
     bounce: Kernel,
     direct_layout: wgpu::BindGroupLayout,
     bounce_layout: wgpu::BindGroupLayout,
-    settings: wgpu::Buffer,
+    settings: Buffer,
     /// If that is how light comes in.
     photons: Option<Photons>,
     faces: Option<Faces>,
@@ -91,18 +91,18 @@ pub(crate) struct Lighting {
 pub(crate) struct Faces {
     count: u64,
     /// The faces (`array<Face>`).
-    list: wgpu::Buffer,
+    list: Buffer,
     /// Radiance without bounces (`array<vec4f>`).
-    direct: wgpu::Buffer,
+    direct: Buffer,
     /// Radiance with the bounces so far (`array<vec4f>`).
-    radiance: wgpu::Buffer,
-    direct_group: wgpu::BindGroup,
-    bounce_group: wgpu::BindGroup,
+    radiance: Buffer,
+    direct_group: BindGroup,
+    bounce_group: BindGroup,
 }
 
 impl Faces {
     /// The buffer that will hold the radiance of the faces.
-    pub(crate) fn radiance(&self) -> &wgpu::Buffer {
+    pub(crate) fn radiance(&self) -> &Buffer {
         &self.radiance
     }
 }
@@ -233,7 +233,7 @@ impl Lighting {
 
     /// Bytes on the GPU, by what they hold.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
-        let size = |buffer: fn(&Faces) -> &wgpu::Buffer| {
+        let size = |buffer: fn(&Faces) -> &Buffer| {
             self.faces.as_ref().map_or(0, |faces| buffer(faces).size())
         };
         let mut memory = vec![
@@ -245,12 +245,12 @@ impl Lighting {
     }
 
     /// What became of the photons of the last run ([`PhotonFates`]), if there are any.
-    pub(crate) fn photon_fates(&self) -> Option<&wgpu::Buffer> {
+    pub(crate) fn photon_fates(&self) -> Option<&Buffer> {
         self.photons.as_ref().map(Photons::fates)
     }
 
     /// The radiance of each face (`array<vec4f>`), for tests and views.
-    pub(crate) fn radiance(&self) -> Option<&wgpu::Buffer> {
+    pub(crate) fn radiance(&self) -> Option<&Buffer> {
         self.faces.as_ref().map(|faces| &faces.radiance)
     }
 }

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec3};
 
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, upload};
+use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, upload};
 
 /// The camera of a G-buffer, for one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,10 +51,10 @@ pub struct GBufferViews<'a> {
 #[derive(Debug)]
 pub struct GBuffer {
     /// The bind group, of the layout [`crate::Gi::gbuffer_layout`].
-    pub group: wgpu::BindGroup,
+    pub group: BindGroup,
     /// The picture's width and height in pixels.
     pub size: UVec2,
-    view: wgpu::Buffer,
+    view: Buffer,
 }
 
 /// The layout of group 3: the camera and the G-buffer.

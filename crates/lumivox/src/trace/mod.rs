@@ -14,7 +14,8 @@ use glam::UVec2;
 
 use crate::GiError;
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    Texture, TextureView, uniform_buffer,
 };
 
 #[cfg(test)]
@@ -105,18 +106,18 @@ pub(crate) struct Tracer {
 #[derive(Debug)]
 pub struct TraceTargets {
     /// Irradiance in rgb; in a the share of the hemisphere that is open, weighted by the cosine.
-    pub irradiance: wgpu::TextureView,
+    pub irradiance: TextureView,
     /// Radiance reflected by the glossy lobe towards the camera in rgb, the BRDF included; in a the samples
     /// that the pixel cost, diffuse ones included.
-    pub specular: wgpu::TextureView,
+    pub specular: TextureView,
     size: UVec2,
     resolution: TraceResolution,
     traced_size: UVec2,
-    settings: wgpu::Buffer,
-    diffuse_group: wgpu::BindGroup,
-    specular_group: wgpu::BindGroup,
+    settings: Buffer,
+    diffuse_group: BindGroup,
+    specular_group: BindGroup,
     /// At half resolution alone.
-    upsample_group: Option<wgpu::BindGroup>,
+    upsample_group: Option<BindGroup>,
     bytes: u64,
 }
 
@@ -171,19 +172,26 @@ impl Tracer {
         let mut texture = |label, size: UVec2, format: wgpu::TextureFormat| {
             let pixels = u64::from(size.x) * u64::from(size.y);
             bytes += pixels * u64::from(format.block_copy_size(None).unwrap_or(8));
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::STORAGE_BINDING
-                    | wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
+            let texture = Texture::new(
+                device,
+                &wgpu::TextureDescriptor {
+                    label: Some(label),
+                    size: wgpu::Extent3d {
+                        width: size.x,
+                        height: size.y,
+                        depth_or_array_layers: 1,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::STORAGE_BINDING
+                        | wgpu::TextureUsages::TEXTURE_BINDING
+                        | wgpu::TextureUsages::COPY_SRC,
+                    view_formats: &[],
+                },
+            );
+            texture.view()
         };
         let irradiance = texture("traced irradiance", traced_size, OUTPUT_FORMAT);
         let specular = texture("traced specular", traced_size, OUTPUT_FORMAT);
@@ -241,8 +249,8 @@ impl Tracer {
 
 /// The bind groups that tracing reads from.
 pub(crate) struct Bound<'a> {
-    pub(crate) globals: &'a wgpu::BindGroup,
-    pub(crate) lights: &'a wgpu::BindGroup,
+    pub(crate) globals: &'a BindGroup,
+    pub(crate) lights: &'a BindGroup,
     pub(crate) gbuffer: &'a GBuffer,
 }
 

@@ -13,7 +13,7 @@ mod dense;
 mod level_range;
 mod octree;
 
-use crate::gpu::{LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
+use crate::gpu::{BindGroup, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
@@ -100,7 +100,7 @@ pub(crate) struct Lists<'a> {
     pub(crate) old: Option<&'a VoxelList>,
     pub(crate) new: &'a VoxelList,
     /// What the new list's faces will send out.
-    pub(crate) radiance: &'a wgpu::Buffer,
+    pub(crate) radiance: &'a Buffer,
 }
 
 /// What differs between them.
@@ -111,7 +111,7 @@ pub(crate) struct Cells<'a> {
     /// The list of cells that updates will come with.
     pub(crate) changed: &'a ChangedCells,
     /// The bits that it is made from; now those of cells of another surface, if there was a list before.
-    pub(crate) bits: &'a wgpu::Buffer,
+    pub(crate) bits: &'a Buffer,
 }
 
 /// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes, its one texture,
@@ -204,7 +204,7 @@ impl Volume {
     }
 
     /// Group 0: the grid and the volume, for sampling. A new one after each [`Self::rebuild`] of an octree.
-    pub(crate) fn globals(&self) -> &wgpu::BindGroup {
+    pub(crate) fn globals(&self) -> &BindGroup {
         match self {
             Self::Dense(dense) => dense.globals(),
             Self::Octree(octree) => octree.globals(),

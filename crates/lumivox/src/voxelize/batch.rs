@@ -7,7 +7,8 @@ use super::kernels::{Detail, Kernels, Layouts};
 use super::memory::{Memory, Remedy};
 use crate::gpu::pipelines::DrawPipeline;
 use crate::gpu::{
-    BindGroupBuilder, Indirect, Kernel, Recorder, Run, storage_buffer, uniform_buffer, upload,
+    BindGroup, BindGroupBuilder, Buffer, ComputePass, Indirect, Kernel, Recorder, RenderPass, Run,
+    Texture, TextureView, storage_buffer, uniform_buffer, upload,
 };
 use crate::{GeometryBatch, GiError, SurfaceMaterial};
 
@@ -42,24 +43,27 @@ pub(super) struct ItemRun {
 /// Stand-ins for what a material or batch does not have.
 #[derive(Debug)]
 pub(super) struct Fallbacks {
-    white: wgpu::TextureView,
+    white: TextureView,
     sampler: wgpu::Sampler,
-    attributes: wgpu::Buffer,
+    attributes: Buffer,
 }
 
 impl Fallbacks {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("white"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let texture = Texture::new(
+            device,
+            &wgpu::TextureDescriptor {
+                label: Some("white"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            },
+        );
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
             bytes_per_row: Some(4),
@@ -67,7 +71,7 @@ impl Fallbacks {
         };
         queue.write_texture(texture.as_image_copy(), &[255; 4], layout, size);
         Self {
-            white: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            white: texture.view(),
             sampler: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             attributes: storage_buffer(device, "no attributes", 16),
         }
@@ -77,7 +81,7 @@ impl Fallbacks {
 /// A group's dispatch.
 #[derive(Debug)]
 pub(super) struct GroupDispatch {
-    run: wgpu::BindGroup,
+    run: BindGroup,
     triangles: std::ops::Range<u32>,
     /// What there is to sample.
     pub detail: Detail,
@@ -86,14 +90,14 @@ pub(super) struct GroupDispatch {
 /// A batch, split into items.
 #[derive(Debug)]
 pub(super) struct SplitBatch {
-    triangles: wgpu::BindGroup,
+    triangles: BindGroup,
     /// Prefix sum of the items of the triangles, with the total last.
-    pub item_starts: wgpu::Buffer,
+    pub item_starts: Buffer,
     /// [`SplitCounts`].
-    pub counts: wgpu::Buffer,
+    pub counts: Buffer,
     groups: Vec<GroupDispatch>,
     /// Workgroups for each group.
-    arguments: wgpu::Buffer,
+    arguments: Buffer,
 }
 
 impl SplitBatch {
@@ -102,7 +106,7 @@ impl SplitBatch {
         recorder: &mut Recorder,
         memory: &mut Memory<'_>,
         kernels: &Kernels,
-        grid: &wgpu::BindGroup,
+        grid: &BindGroup,
         fallbacks: &Fallbacks,
         (batch, prepared): (&GeometryBatch, &PreparedBatch),
         materials: &[SurfaceMaterial],
@@ -110,12 +114,13 @@ impl SplitBatch {
         let device = memory.device();
         let layouts = &kernels.layouts;
         let draws = upload(device, "draws", &prepared.draws);
-        let triangles = BindGroupBuilder::new(&layouts.triangles)
-            .buffer(&batch.positions)
-            .buffer(batch.attributes.as_ref().map_or(&fallbacks.attributes, |a| &a.buffer))
-            .buffer(&batch.indices)
-            .buffer(&draws)
-            .build(device, "voxelize::triangles");
+        let triangles = BindGroupBuilder::new(&layouts.triangles).buffer(&batch.positions);
+        let triangles = match &batch.attributes {
+            Some(attributes) => triangles.buffer(&attributes.buffer),
+            None => triangles.buffer(&fallbacks.attributes),
+        };
+        let triangles =
+            triangles.buffer(&batch.indices).buffer(&draws).build(device, "voxelize::triangles");
 
         let count = u64::from(prepared.triangle_count);
         let item_starts = memory.buffer("item starts", count + 1, 4, Remedy::Batch)?;
@@ -152,9 +157,9 @@ impl SplitBatch {
     /// `pass_group` is bind group 2.
     pub fn walk<'k>(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        grid: &wgpu::BindGroup,
-        pass_group: &wgpu::BindGroup,
+        pass: &mut ComputePass<'_>,
+        grid: &BindGroup,
+        pass_group: &BindGroup,
         choose: impl Fn(&GroupDispatch) -> &'k Kernel,
     ) {
         for (index, group) in self.groups.iter().enumerate() {
@@ -173,9 +178,9 @@ impl SplitBatch {
     /// planes; `pass_group` is bind group 2.
     pub fn draw<'p>(
         &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        grid: &wgpu::BindGroup,
-        pass_group: &wgpu::BindGroup,
+        pass: &mut RenderPass<'_>,
+        grid: &BindGroup,
+        pass_group: &BindGroup,
         planes: u32,
         choose: impl Fn(Detail) -> &'p DrawPipeline,
     ) {
@@ -183,7 +188,7 @@ impl SplitBatch {
             pass.set_pipeline(choose(group.detail));
             let bound = [grid, &self.triangles, pass_group, &group.run];
             for (index, bind_group) in (0..).zip(bound) {
-                pass.set_bind_group(index, bind_group, &[]);
+                pass.bind(index, bind_group);
             }
             pass.draw(3 * group.triangles.start..3 * group.triangles.end, 0..planes);
         }
@@ -196,7 +201,7 @@ fn run_group(
     fallbacks: &Fallbacks,
     group: &DrawGroup,
     material: &SurfaceMaterial,
-) -> wgpu::BindGroup {
+) -> BindGroup {
     let run = ItemRun {
         first_triangle: group.triangles.start,
         end_triangle: group.triangles.end,

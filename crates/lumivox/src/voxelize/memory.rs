@@ -1,7 +1,7 @@
 //! Buffers of which the device's limits are asked first, and the account of them.
 
 use crate::GiError;
-use crate::gpu::storage_buffer;
+use crate::gpu::{Buffer, storage_buffer};
 
 /// Makes storage buffers that fit the device, and keeps the account.
 #[derive(Debug)]
@@ -62,7 +62,7 @@ impl<'a> Memory<'a> {
         count: u64,
         stride: u64,
         remedy: Remedy,
-    ) -> Result<wgpu::Buffer, GiError> {
+    ) -> Result<Buffer, GiError> {
         let bytes = count * stride;
         let limits = self.device.limits();
         for (limit, available) in [

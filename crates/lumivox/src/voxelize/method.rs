@@ -3,7 +3,7 @@
 use super::Voxelizer;
 use super::batch::SplitBatch;
 use crate::Grid;
-use crate::gpu::Recorder;
+use crate::gpu::{BindGroup, Recorder};
 
 /// How the voxels of a triangle are found.
 ///
@@ -60,9 +60,9 @@ impl Voxelizer {
     pub(super) fn walk(
         &self,
         recorder: &mut Recorder,
-        (grid, globals): (&Grid, &wgpu::BindGroup),
+        (grid, globals): (&Grid, &BindGroup),
         batches: &[SplitBatch],
-        pass_groups: &[wgpu::BindGroup],
+        pass_groups: &[BindGroup],
         step: Step,
     ) {
         let (kernels, label) = match step {

@@ -362,14 +362,14 @@ async fn read_marked(
         return Ok(Counted { starts: Default::default(), splits: Default::default() });
     }
     let counts = storage_buffer(work.device, "voxel counts", bytes);
-    let encoder = work.recorder.encoder();
+    let recorder = &mut work.recorder;
     let mut place = 0;
     for list in lists.into_iter().flatten() {
-        ListBuilder::copy_level_starts(encoder, work.grid, list, (&counts, place));
+        ListBuilder::copy_level_starts(recorder, work.grid, list, (&counts, place));
         place += start_bytes;
     }
     for &split in splits.iter().flatten() {
-        encoder.copy_buffer_to_buffer(split, 0, &counts, place, stride);
+        recorder.copy((split, 0), (&counts, place), stride);
         place += stride;
     }
     work.recorder.flush();
@@ -403,12 +403,12 @@ async fn read_lobed(
     }
     let bytes = words as u64 * 4;
     let counts = storage_buffer(work.device, "face counts", bytes);
-    let encoder = work.recorder.encoder();
+    let recorder = &mut work.recorder;
     for (index, part) in parts.iter().enumerate() {
-        part.copy_counts(encoder, &counts, (index * LobedPart::COUNT_WORDS) as u64 * 4);
+        part.copy_counts(recorder, &counts, (index * LobedPart::COUNT_WORDS) as u64 * 4);
     }
     if let Some(united) = united {
-        united.copy_face_count(encoder, &counts, bytes - 4);
+        united.copy_face_count(recorder, &counts, bytes - 4);
     }
     work.recorder.flush();
     let words: Vec<u32> = read_buffer(work.device, queue, &counts, 0..bytes).await?;

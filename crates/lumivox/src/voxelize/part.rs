@@ -5,7 +5,7 @@ use super::input::PartInput;
 use super::kernels::Kernels;
 use super::method::Step;
 use super::{Memory, Remedy, VoxelFaces, Voxelizer};
-use crate::gpu::{BindGroupBuilder, Recorder, storage_buffer};
+use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, storage_buffer};
 use crate::voxels::{FaceRecord, ListBuilder, Occupied};
 use crate::{Geometry, GiError, Grid};
 
@@ -17,7 +17,7 @@ pub(super) struct Work<'a> {
     pub device: &'a wgpu::Device,
     pub grid: &'a Grid,
     /// Group 0.
-    pub globals: wgpu::BindGroup,
+    pub globals: BindGroup,
     pub recorder: Recorder,
     pub memory: Memory<'a>,
 }
@@ -43,7 +43,7 @@ pub(super) struct PartCounts {
 pub(super) struct MarkedPart {
     batches: Vec<SplitBatch>,
     pub occupied: Occupied,
-    pub cells: wgpu::Buffer,
+    pub cells: Buffer,
 }
 
 /// What a part collects: nothing in it depends on the other part.
@@ -51,16 +51,16 @@ pub(super) struct MarkedPart {
 pub(super) struct Part {
     pub occupied: Occupied,
     /// Bits and ranks of the finest level, side by side.
-    pub cells: wgpu::Buffer,
+    pub cells: Buffer,
     /// Where the nodes of each level start, and last their total.
     pub level_starts: Vec<u32>,
     /// `VoxelFaces`, in the order of the part's voxels.
-    pub voxels: wgpu::Buffer,
+    pub voxels: Buffer,
     /// The index of each voxel's first face, and last the total.
-    pub first_faces: wgpu::Buffer,
+    pub first_faces: Buffer,
     pub face_count: u32,
     /// The faces' sums, as `FaceSlot` of `face_sums.wgsl` has them.
-    pub sums: wgpu::Buffer,
+    pub sums: Buffer,
     pub counts: PartCounts,
 }
 
@@ -69,7 +69,7 @@ pub(super) struct Part {
 pub(super) struct LobedPart {
     batches: Vec<SplitBatch>,
     pub part: Part,
-    pieces: wgpu::Buffer,
+    pieces: Buffer,
 }
 
 impl MarkedPart {
@@ -109,7 +109,7 @@ impl MarkedPart {
     }
 
     /// The buffers of the batches' [`SplitCounts`].
-    pub fn split_counts(&self) -> impl Iterator<Item = &wgpu::Buffer> {
+    pub fn split_counts(&self) -> impl Iterator<Item = &Buffer> {
         self.batches.iter().map(|batch| &batch.counts)
     }
 
@@ -162,7 +162,7 @@ impl MarkedPart {
     }
 
     /// The second walk: which lobes the voxels have, and how much surface.
-    fn lobes(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&wgpu::Buffer; 3]) {
+    fn lobes(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&Buffer; 3]) {
         let kernels = work.kernels;
         walk(work, batches, (&kernels.layouts.lobes, &buffers), Step::Lobes);
     }
@@ -173,7 +173,7 @@ impl Part {
     pub fn bytes(&self) -> u64 {
         let Occupied { occupancy, ranks } = &self.occupied;
         let buffers = [occupancy, ranks, &self.cells, &self.voxels, &self.first_faces, &self.sums];
-        buffers.into_iter().map(wgpu::Buffer::size).sum()
+        buffers.into_iter().map(|buffer| buffer.size()).sum()
     }
 }
 
@@ -182,15 +182,10 @@ impl LobedPart {
     pub const COUNT_WORDS: usize = 3;
 
     /// Copies the number of faces and the low and the high word of that of pieces to `counts` at a byte.
-    pub fn copy_counts(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        counts: &wgpu::Buffer,
-        place: u64,
-    ) {
+    pub fn copy_counts(&self, recorder: &mut Recorder, counts: &Buffer, place: u64) {
         let total = u64::from(self.part.level_starts[1]) * 4;
-        encoder.copy_buffer_to_buffer(&self.part.first_faces, total, counts, place, 4);
-        encoder.copy_buffer_to_buffer(&self.pieces, 0, counts, place + 4, 8);
+        recorder.copy((&self.part.first_faces, total), (counts, place), 4);
+        recorder.copy((&self.pieces, 0), (counts, place + 4), 8);
     }
 
     /// Sums the faces up, given what [`Self::copy_counts`] has copied.
@@ -207,7 +202,7 @@ impl LobedPart {
     }
 
     /// The third walk: what is in the faces.
-    fn accumulate(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&wgpu::Buffer; 3]) {
+    fn accumulate(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&Buffer; 3]) {
         let kernels = work.kernels;
         let layout = &kernels.layouts.accumulate;
         walk(work, batches, (layout, &buffers), Step::Accumulate);
@@ -218,7 +213,7 @@ impl LobedPart {
 fn walk(
     work: &mut Work<'_>,
     batches: &[SplitBatch],
-    (layout, buffers): (&wgpu::BindGroupLayout, &[&wgpu::Buffer]),
+    (layout, buffers): (&wgpu::BindGroupLayout, &[&Buffer]),
     step: Step,
 ) {
     let groups: Vec<_> = batches

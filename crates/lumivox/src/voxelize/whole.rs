@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::ResolveParams;
 use super::part::{Part, Work};
 use crate::GiError;
-use crate::gpu::{BindGroupBuilder, uniform_buffer};
+use crate::gpu::{BindGroupBuilder, Buffer, Recorder, uniform_buffer};
 use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList, level_first_word};
 
 /// `UnitedVoxel` of `unite.wgsl`.
@@ -39,9 +39,9 @@ pub(super) fn merge_bits(work: &mut Work<'_>, parts: [&Occupied; 2]) -> Result<O
 pub(super) struct United {
     occupied: Occupied,
     level_starts: Vec<u32>,
-    nodes: wgpu::Buffer,
-    voxels: wgpu::Buffer,
-    first_faces: wgpu::Buffer,
+    nodes: Buffer,
+    voxels: Buffer,
+    first_faces: Buffer,
 }
 
 impl United {
@@ -75,21 +75,16 @@ impl United {
     }
 
     /// Copies the number of faces to `counts` at a byte.
-    pub fn copy_face_count(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        counts: &wgpu::Buffer,
-        place: u64,
-    ) {
+    pub fn copy_face_count(&self, recorder: &mut Recorder, counts: &Buffer, place: u64) {
         let total = u64::from(self.level_starts[1]) * 4;
-        encoder.copy_buffer_to_buffer(&self.first_faces, total, counts, place, 4);
+        recorder.copy((&self.first_faces, total), (counts, place), 4);
     }
 
     /// The list, from the sums of both parts.
     pub fn resolve(
         self,
         work: &mut Work<'_>,
-        sums: [&wgpu::Buffer; 2],
+        sums: [&Buffer; 2],
         face_count: u32,
         emission_scale: f32,
     ) -> Result<VoxelList, GiError> {
@@ -128,8 +123,7 @@ pub(super) fn list_of_one(
         let stride = size_of::<FaceRecord>() as u64;
         let count = u64::from(part.face_count).max(1);
         let copy = work.memory.buffer("faces", count, stride, work.remedy())?;
-        let encoder = work.recorder.encoder();
-        encoder.copy_buffer_to_buffer(&part.sums, 0, &copy, 0, count * stride);
+        work.recorder.copy((&part.sums, 0), (&copy, 0), count * stride);
         copy
     } else {
         part.sums.clone()
@@ -155,7 +149,7 @@ fn list_nodes(
     work: &mut Work<'_>,
     occupied: &Occupied,
     level_starts: &[u32],
-) -> Result<wgpu::Buffer, GiError> {
+) -> Result<Buffer, GiError> {
     let node_count = level_starts[work.grid.levels as usize];
     let Work { kernels, recorder, memory, globals, grid, .. } = work;
     kernels.list.list(recorder, memory, globals, grid, occupied, node_count)
@@ -166,8 +160,8 @@ fn finish(
     work: &mut Work<'_>,
     occupied: &Occupied,
     level_starts: Vec<u32>,
-    (nodes, first_faces): (wgpu::Buffer, wgpu::Buffer),
-    (faces, face_count): (wgpu::Buffer, u32),
+    (nodes, first_faces): (Buffer, Buffer),
+    (faces, face_count): (Buffer, u32),
 ) -> VoxelList {
     let Work { kernels, recorder, globals, grid, .. } = work;
     kernels.list.inner_lobes(recorder, globals, grid, occupied, &nodes, &level_starts);

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Scan, ShaderError, ShaderLibrary,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
+    ShaderError, ShaderLibrary, uniform_buffer,
 };
 use crate::voxelize::{Memory, Remedy};
 use crate::voxels::NodeRecord;
@@ -24,9 +24,9 @@ struct InnerParams {
 #[derive(Debug)]
 pub(crate) struct Occupied {
     /// A bit per cell.
-    pub occupancy: wgpu::Buffer,
+    pub occupancy: Buffer,
     /// The bits before each word, and last the total.
-    pub ranks: wgpu::Buffer,
+    pub ranks: Buffer,
 }
 
 /// The kernels that make the list.
@@ -98,7 +98,7 @@ impl ListBuilder {
         &self,
         recorder: &mut Recorder,
         scan: &Scan,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         grid: &Grid,
         occupied: &Occupied,
     ) {
@@ -120,10 +120,10 @@ impl ListBuilder {
         &self,
         recorder: &mut Recorder,
         memory: &mut Memory<'_>,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         grid: &Grid,
         occupied: &Occupied,
-    ) -> Result<wgpu::Buffer, GiError> {
+    ) -> Result<Buffer, GiError> {
         let words = level_words(grid, 0);
         let remedy = Remedy::Volume(grid.dimensions.max_element());
         let cells = memory.buffer("cells", words, 8, remedy)?;
@@ -138,15 +138,15 @@ impl ListBuilder {
 
     /// Copies where the nodes of each level start, and their total, to `counts` at the byte `place`.
     pub fn copy_level_starts(
-        encoder: &mut wgpu::CommandEncoder,
+        recorder: &mut Recorder,
         grid: &Grid,
         occupied: &Occupied,
-        (counts, place): (&wgpu::Buffer, u64),
+        (counts, place): (&Buffer, u64),
     ) {
         for level in 0..=grid.levels {
             let word = level_first_word(grid, level);
             let place = place + u64::from(level) * 4;
-            encoder.copy_buffer_to_buffer(&occupied.ranks, word * 4, counts, place, 4);
+            recorder.copy((&occupied.ranks, word * 4), (counts, place), 4);
         }
     }
 
@@ -158,11 +158,11 @@ impl ListBuilder {
         &self,
         recorder: &mut Recorder,
         memory: &mut Memory<'_>,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         grid: &Grid,
         occupied: &Occupied,
         node_count: u32,
-    ) -> Result<wgpu::Buffer, GiError> {
+    ) -> Result<Buffer, GiError> {
         let remedy = Remedy::Surface(grid.dimensions.max_element());
         let stride = size_of::<NodeRecord>() as u64;
         let nodes = memory.buffer("nodes", u64::from(node_count), stride, remedy)?;
@@ -176,10 +176,10 @@ impl ListBuilder {
     pub fn inner_lobes(
         &self,
         recorder: &mut Recorder,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         grid: &Grid,
         occupied: &Occupied,
-        nodes: &wgpu::Buffer,
+        nodes: &Buffer,
         level_starts: &[u32],
     ) {
         let device = recorder.device().clone();
@@ -207,12 +207,7 @@ impl ListBuilder {
         });
     }
 
-    fn rank_group(
-        &self,
-        device: &wgpu::Device,
-        occupied: &Occupied,
-        nodes: &wgpu::Buffer,
-    ) -> wgpu::BindGroup {
+    fn rank_group(&self, device: &wgpu::Device, occupied: &Occupied, nodes: &Buffer) -> BindGroup {
         BindGroupBuilder::new(&self.rank_layout)
             .buffer(&occupied.occupancy)
             .buffer(&occupied.ranks)

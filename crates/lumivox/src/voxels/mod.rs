@@ -11,6 +11,7 @@ mod pyramid;
 pub(crate) use build::{ListBuilder, Occupied};
 pub(crate) use pyramid::{BitLevel, Pyramid, level_first_word};
 
+use crate::gpu::Buffer;
 use bytemuck::{Pod, Zeroable};
 
 /// `Node` of `list.wgsl`: an occupied cell of some level.
@@ -53,15 +54,15 @@ pub struct VoxelList {
     /// How many faces there are.
     pub face_count: u32,
     /// A bit per cell, all levels one after another (`array<u32>`).
-    pub occupancy: wgpu::Buffer,
+    pub occupancy: Buffer,
     /// For each word of `occupancy`, the bits set before it (`array<u32>`).
-    pub ranks: wgpu::Buffer,
+    pub ranks: Buffer,
     /// `array<Node>`.
-    pub nodes: wgpu::Buffer,
+    pub nodes: Buffer,
     /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are in the order of lobes.
-    pub first_faces: wgpu::Buffer,
+    pub first_faces: Buffer,
     /// `array<Face>`.
-    pub faces: wgpu::Buffer,
+    pub faces: Buffer,
 }
 
 impl VoxelList {

@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::Grid;
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, uniform_buffer,
 };
 
 /// `PyramidParams` of `pyramid.wgsl`.
@@ -56,13 +56,7 @@ impl Pyramid {
     }
 
     /// Fills the coarser levels of bits that are laid out as the list's occupancy.
-    pub fn fill(
-        &self,
-        recorder: &mut Recorder,
-        globals: &wgpu::BindGroup,
-        grid: &Grid,
-        bits: &wgpu::Buffer,
-    ) {
+    pub fn fill(&self, recorder: &mut Recorder, globals: &BindGroup, grid: &Grid, bits: &Buffer) {
         let levels: Vec<BitLevel> = (0..grid.levels)
             .map(|level| BitLevel {
                 first_word: level_first_word(grid, level) as u32,
@@ -76,8 +70,8 @@ impl Pyramid {
     pub fn fill_levels(
         &self,
         recorder: &mut Recorder,
-        globals: &wgpu::BindGroup,
-        bits: &wgpu::Buffer,
+        globals: &BindGroup,
+        bits: &Buffer,
         levels: &[BitLevel],
     ) {
         let device = recorder.device().clone();

@@ -5,7 +5,7 @@ use lumivox::{Geometry, SurfaceMaterial, SurfaceTexture};
 
 use crate::overlap::unit_grid;
 use crate::read::{Lab, along};
-use crate::scenes::Mesh;
+use crate::scenes::{Mesh, upload};
 
 /// A square texture with all its mips, each texel the mean of four.
 pub fn texture(lab: &Lab, edge: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> wgpu::TextureView {
@@ -245,7 +245,7 @@ fn interleaved(lab: &Lab, second: [Vec2; 4], colors: [[u16; 4]; 4]) -> lumivox::
         })
         .collect();
     lumivox::VertexAttributes {
-        buffer: lumivox::gpu::upload(&lab.device, "attributes", &words),
+        buffer: upload(&lab.device, "attributes", &words),
         stride: 28,
         texcoords: [Some(20), Some(12)],
         color: Some(0),

@@ -1,8 +1,16 @@
 //! Geometry for tests: triangles in plain vectors, uploaded on request.
 
 use glam::{Mat4, Vec2, Vec3};
-use lumivox::gpu::upload;
 use lumivox::{Draw, Geometry, GeometryBatch, SurfaceMaterial, VertexAttributes};
+use wgpu::util::DeviceExt as _;
+
+/// A buffer as an engine makes its own.
+pub fn upload<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> wgpu::Buffer {
+    // No binding may be empty.
+    let contents = if content.is_empty() { &[0; 16] } else { bytemuck::cast_slice(content) };
+    let (label, usage) = (Some(label), wgpu::BufferUsages::STORAGE);
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label, contents, usage })
+}
 
 /// A small random generator, so that tests need no crate for it (PCG, as in gpu/random.wgsl).
 pub struct Random(pub u32);

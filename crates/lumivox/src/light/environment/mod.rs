@@ -21,6 +21,7 @@ mod peaks;
 #[cfg(test)]
 mod tests;
 
+use crate::gpu::{Texture, TextureView};
 use glam::{Mat3, Vec3};
 use half::f16;
 
@@ -82,9 +83,9 @@ pub struct PanoramaWithPeaks {
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     /// All of it.
-    pub(crate) sharp: wgpu::TextureView,
+    pub(crate) sharp: TextureView,
     /// What is left without the peaks.
-    pub(crate) soft: wgpu::TextureView,
+    pub(crate) soft: TextureView,
     /// What the textures' values are multiples of.
     pub(crate) unit: f32,
     peaks: Vec<Peak>,
@@ -237,18 +238,21 @@ fn upload(
     label: &str,
     mut cube: Cube,
     unit: f32,
-) -> wgpu::Texture {
+) -> Texture {
     let edge = cube.edge;
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 6 },
-        mip_level_count: edge.ilog2() + 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: FORMAT,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let texture = Texture::new(
+        device,
+        &wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 6 },
+            mip_level_count: edge.ilog2() + 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        },
+    );
     let most = Vec3::splat(f16::MAX.to_f32());
     for level in 0..texture.mip_level_count() {
         if level > 0 {

@@ -31,8 +31,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    storage_buffer, uniform_buffer,
 };
 use crate::light::lights::{Lights, MappedLight};
 use crate::light::{LightSource, ShadowLayer};
@@ -136,24 +136,24 @@ pub struct PhotonFates {
 #[derive(Debug)]
 pub(crate) struct Photons {
     grid: Grid,
-    grid_group: wgpu::BindGroup,
+    grid_group: BindGroup,
     insert: Kernel,
     reflect: Kernel,
     insert_layout: wgpu::BindGroupLayout,
     reflect_layout: wgpu::BindGroupLayout,
-    fates: wgpu::Buffer,
+    fates: Buffer,
     list: Option<List>,
 }
 
 /// What belongs to the current voxel list.
 #[derive(Debug)]
 struct List {
-    occupancy: wgpu::Buffer,
-    ranks: wgpu::Buffer,
-    first_faces: wgpu::Buffer,
-    faces: wgpu::Buffer,
+    occupancy: Buffer,
+    ranks: Buffer,
+    first_faces: Buffer,
+    faces: Buffer,
     face_count: u64,
-    sums: wgpu::Buffer,
+    sums: Buffer,
 }
 
 impl Photons {
@@ -216,14 +216,14 @@ impl Photons {
         &self,
         recorder: &mut Recorder,
         lights: &Lights,
-        direct: &wgpu::Buffer,
-        radiance: &wgpu::Buffer,
+        direct: &Buffer,
+        radiance: &Buffer,
     ) {
         let Some(list) = &self.list else {
             return;
         };
         let device = recorder.device().clone();
-        recorder.encoder().clear_buffer(&self.fates, 0, None);
+        recorder.clear(&self.fates);
         let [width, height] = lights.map_size;
         for light in &lights.mapped {
             let map = PhotonMap::new(light, &self.grid);
@@ -253,7 +253,7 @@ impl Photons {
     }
 
     /// [`PhotonFates`] of the last run.
-    pub(crate) fn fates(&self) -> &wgpu::Buffer {
+    pub(crate) fn fates(&self) -> &Buffer {
         &self.fates
     }
 

@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 use crate::GiError;
 use crate::Grid;
 use crate::gpu::{
-    BindGroupBuilder, Indirect, Kernel, LayoutBuilder, Pipelines, Recorder, Run, Scan,
-    ShaderLibrary, storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, ComputePass, Indirect, Kernel, LayoutBuilder, Pipelines,
+    Recorder, Run, Scan, ShaderLibrary, storage_buffer, uniform_buffer,
 };
 use crate::voxels::level_first_word;
 
@@ -28,7 +28,7 @@ pub(crate) struct LevelWords {
 
 impl LevelWords {
     /// Of each level of a grid, as uniforms.
-    pub(crate) fn of_levels(device: &wgpu::Device, grid: &Grid) -> Vec<wgpu::Buffer> {
+    pub(crate) fn of_levels(device: &wgpu::Device, grid: &Grid) -> Vec<Buffer> {
         let words = |level: u32| Self {
             level,
             first_word: level_first_word(grid, level) as u32,
@@ -42,11 +42,11 @@ impl LevelWords {
 #[derive(Debug)]
 pub(crate) struct ChangedCells {
     /// For each word of the bits, those before it, and last the total.
-    pub(crate) ranks: wgpu::Buffer,
+    pub(crate) ranks: Buffer,
     /// `array<ChangedCell>` of `list.wgsl`.
-    pub(crate) cells: wgpu::Buffer,
+    pub(crate) cells: Buffer,
     /// Of a dispatch over each level's cells.
-    arguments: wgpu::Buffer,
+    arguments: Buffer,
 }
 
 impl ChangedCells {
@@ -64,9 +64,9 @@ impl ChangedCells {
     /// `package::volume::changes::cells` tells which.
     pub(crate) fn dispatch(
         &self,
-        pass: &mut wgpu::ComputePass<'_>,
+        pass: &mut ComputePass<'_>,
         kernel: &Kernel,
-        groups: &[&wgpu::BindGroup],
+        groups: &[&BindGroup],
         level: usize,
     ) {
         kernel.dispatch_indirect(pass, groups, &self.arguments, level as u64 * Indirect::STRIDE);
@@ -81,9 +81,9 @@ impl ChangedCells {
 /// Bits, and the list of voxels that they are of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bits<'a> {
-    pub(super) changed: &'a wgpu::Buffer,
-    pub(super) occupancy: &'a wgpu::Buffer,
-    pub(super) ranks: &'a wgpu::Buffer,
+    pub(super) changed: &'a Buffer,
+    pub(super) occupancy: &'a Buffer,
+    pub(super) ranks: &'a Buffer,
 }
 
 /// The kernels.
@@ -95,7 +95,7 @@ pub(super) struct Lister {
     scan: Scan,
     indirect: Indirect,
     /// What stands for no overflow.
-    zero: wgpu::Buffer,
+    zero: Buffer,
 }
 
 impl Lister {
@@ -124,7 +124,7 @@ impl Lister {
     pub(super) fn list(
         &self,
         recorder: &mut Recorder,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         grid: &Grid,
         (bits, only_occupied): (Bits<'_>, bool),
         cells: &mut ChangedCells,

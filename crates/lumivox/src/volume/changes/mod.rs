@@ -18,8 +18,8 @@ mod tests;
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    storage_buffer, uniform_buffer,
 };
 use crate::voxels::{Pyramid, VoxelList, level_first_word};
 use crate::{GiError, Grid};
@@ -50,21 +50,21 @@ pub(crate) struct MovedParams {
 /// What belongs to the current voxel list.
 #[derive(Debug)]
 struct Bound {
-    params: wgpu::Buffer,
+    params: Buffer,
     voxel_count: u64,
-    occupancy: wgpu::Buffer,
-    ranks: wgpu::Buffer,
-    nodes: wgpu::Buffer,
-    first_faces: wgpu::Buffer,
-    radiance: wgpu::Buffer,
+    occupancy: Buffer,
+    ranks: Buffer,
+    nodes: Buffer,
+    first_faces: Buffer,
+    radiance: Buffer,
     /// The radiance that the volume holds of each face (`array<vec4f>`), if that is known.
-    held: Option<wgpu::Buffer>,
+    held: Option<Buffer>,
     /// The occupied cells that are to be written.
     changed: ChangedCells,
 }
 
 impl Bound {
-    fn bits<'a>(&'a self, changed: &'a wgpu::Buffer) -> Bits<'a> {
+    fn bits<'a>(&'a self, changed: &'a Buffer) -> Bits<'a> {
         Bits { changed, occupancy: &self.occupancy, ranks: &self.ranks }
     }
 }
@@ -73,7 +73,7 @@ impl Bound {
 #[derive(Debug)]
 pub(crate) struct Changes {
     grid: Grid,
-    globals: wgpu::BindGroup,
+    globals: BindGroup,
     pyramid: Pyramid,
     gone_layout: wgpu::BindGroupLayout,
     moved_layout: wgpu::BindGroupLayout,
@@ -84,7 +84,7 @@ pub(crate) struct Changes {
     carry: Kernel,
     relit: Kernel,
     lister: Lister,
-    bits: Option<wgpu::Buffer>,
+    bits: Option<Buffer>,
     bound: Option<Bound>,
     /// The bits tell of a new list that the volume has not stored yet.
     is_list_new: bool,
@@ -137,7 +137,7 @@ impl Changes {
         &mut self,
         recorder: &mut Recorder,
         (old, voxels): (Option<&VoxelList>, &VoxelList),
-        radiance: &wgpu::Buffer,
+        radiance: &Buffer,
         lists_wrong: bool,
     ) -> Option<ChangedCells> {
         recorder.stage("changes");
@@ -175,7 +175,7 @@ impl Changes {
                 wrong = Some(cells);
             }
         } else {
-            recorder.encoder().copy_buffer_to_buffer(&voxels.occupancy, 0, &bits, 0, bytes);
+            recorder.copy((&voxels.occupancy, 0), (&bits, 0), bytes);
         }
         self.bound = Some(bound);
         self.is_list_new = true;
@@ -188,7 +188,7 @@ impl Changes {
         recorder: &mut Recorder,
         old: &VoxelList,
         voxels: &VoxelList,
-        (bound, bits): (&Bound, &wgpu::Buffer),
+        (bound, bits): (&Bound, &Buffer),
     ) {
         let device = recorder.device().clone();
         let gone = BindGroupBuilder::new(&self.gone_layout)
@@ -219,9 +219,9 @@ impl Changes {
         recorder: &mut Recorder,
         old: &VoxelList,
         voxels: &VoxelList,
-        (bound, bits): (&Bound, &wgpu::Buffer),
-        old_held: &wgpu::Buffer,
-    ) -> wgpu::Buffer {
+        (bound, bits): (&Bound, &Buffer),
+        old_held: &Buffer,
+    ) -> Buffer {
         let device = recorder.device().clone();
         let held = storage_buffer(&device, "held radiance", bound.radiance.size());
         let carry = BindGroupBuilder::new(&self.carry_layout)
@@ -248,8 +248,7 @@ impl Changes {
     /// Before all cells are stored: every occupied one. What the volume holds is not remembered.
     pub(crate) fn all(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
         let (bits, bound) = self.bits.as_ref().zip(self.bound.as_mut())?;
-        let encoder = recorder.encoder();
-        encoder.copy_buffer_to_buffer(&bound.occupancy, 0, bits, 0, bits.size());
+        recorder.copy((&bound.occupancy, 0), (bits, 0), bits.size());
         bound.held = None;
         self.is_list_new = false;
         self.list(recorder)
@@ -263,15 +262,14 @@ impl Changes {
         let Some(held) = &bound.held else {
             let bytes = bound.radiance.size();
             let held = storage_buffer(&device, "held radiance", bytes);
-            let encoder = recorder.encoder();
-            encoder.copy_buffer_to_buffer(&bound.radiance, 0, &held, 0, bytes);
+            recorder.copy((&bound.radiance, 0), (&held, 0), bytes);
             self.all(recorder);
             let bound = self.bound.as_mut()?;
             bound.held = Some(held);
             return Some(&bound.changed);
         };
         if !self.is_list_new {
-            recorder.encoder().clear_buffer(bits, 0, None);
+            recorder.clear(bits);
         }
         let relit = BindGroupBuilder::new(&self.relit_layout)
             .buffer(&bound.params)
@@ -310,14 +308,14 @@ impl Changes {
 
     /// A bit per cell, laid out as the list's occupancy, once there is a list: what [`Self::rebuild`],
     /// [`Self::all`] or [`Self::find`] found last.
-    pub(crate) fn bits(&self) -> Option<&wgpu::Buffer> {
+    pub(crate) fn bits(&self) -> Option<&Buffer> {
         self.bits.as_ref()
     }
 
     /// Bytes on the GPU, by what they hold.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         let held = self.bound.as_ref().and_then(|bound| bound.held.as_ref());
-        let size = |buffer: Option<&wgpu::Buffer>| buffer.map_or(0, wgpu::Buffer::size);
+        let size = |buffer: Option<&Buffer>| buffer.map_or(0, |buffer| buffer.size());
         let cells = self.cells().map_or(0, ChangedCells::bytes);
         let mut memory = vec![("voxels: changed cells", size(self.bits.as_ref()) + cells)];
         if held.is_some() {

@@ -1,7 +1,10 @@
 //! Storing faces into the dense volume, filtering its pyramid, and clearing what an earlier list had written: all where
 //! anything has changed.
 
-use crate::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
+use crate::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    TextureView,
+};
 use crate::volume::changes::{ChangedCells, LevelWords};
 use crate::{GiError, Grid};
 
@@ -17,11 +20,11 @@ pub(super) struct Build {
     store: Kernel,
     filter: Kernel,
     /// [`LevelWords`] of each level.
-    levels: Vec<wgpu::Buffer>,
+    levels: Vec<Buffer>,
     /// Storing into the finest level.
-    store_group: Option<wgpu::BindGroup>,
+    store_group: Option<BindGroup>,
     /// Filtering into each level but the finest.
-    filter_groups: Vec<wgpu::BindGroup>,
+    filter_groups: Vec<BindGroup>,
 }
 
 impl Build {
@@ -76,7 +79,7 @@ impl Build {
         device: &wgpu::Device,
         Lists { new: voxels, radiance, .. }: Lists<'_>,
         changed: &ChangedCells,
-        views: &[wgpu::TextureView],
+        views: &[TextureView],
     ) {
         let store = BindGroupBuilder::new(&self.store_layout)
             .buffer(&self.levels[0])
@@ -107,9 +110,9 @@ impl Build {
     pub(super) fn clear(
         &self,
         recorder: &mut Recorder,
-        grid: &wgpu::BindGroup,
+        grid: &BindGroup,
         changed: &ChangedCells,
-        views: &[wgpu::TextureView],
+        views: &[TextureView],
     ) {
         let device = recorder.device().clone();
         let groups: Vec<_> = self
@@ -133,12 +136,7 @@ impl Build {
     }
 
     /// Writes the faces' radiance into the finest level and filters it into the coarser ones.
-    pub(super) fn update(
-        &self,
-        recorder: &mut Recorder,
-        grid: &wgpu::BindGroup,
-        changed: &ChangedCells,
-    ) {
+    pub(super) fn update(&self, recorder: &mut Recorder, grid: &BindGroup, changed: &ChangedCells) {
         recorder.compute("volume::dense::store", |pass| {
             if let Some(group) = &self.store_group {
                 changed.dispatch(pass, &self.store, &[grid, group], 0);

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    storage_buffer, uniform_buffer,
 };
 use crate::volume::level_range::NodeRange;
 use crate::voxels::VoxelList;
@@ -33,8 +33,8 @@ pub(super) fn bytes(grid: &Grid) -> u64 {
 #[derive(Debug)]
 pub(super) struct Masks {
     levels: MaskLevels,
-    levels_uniform: wgpu::Buffer,
-    entries: wgpu::Buffer,
+    levels_uniform: Buffer,
+    entries: Buffer,
     layout: wgpu::BindGroupLayout,
     mark: Kernel,
 }
@@ -81,13 +81,8 @@ impl Masks {
         })
     }
 
-    pub(super) fn rebuild(
-        &self,
-        recorder: &mut Recorder,
-        grid: &wgpu::BindGroup,
-        voxels: &VoxelList,
-    ) {
-        recorder.encoder().clear_buffer(&self.entries, 0, None);
+    pub(super) fn rebuild(&self, recorder: &mut Recorder, grid: &BindGroup, voxels: &VoxelList) {
+        recorder.clear(&self.entries);
         let device = recorder.device().clone();
         let groups: Vec<_> = (0..voxels.level_starts.len() as u32 - 1)
             .map(|level| {
@@ -109,11 +104,11 @@ impl Masks {
         });
     }
 
-    pub(super) fn levels_uniform(&self) -> &wgpu::Buffer {
+    pub(super) fn levels_uniform(&self) -> &Buffer {
         &self.levels_uniform
     }
 
-    pub(super) fn entries(&self) -> &wgpu::Buffer {
+    pub(super) fn entries(&self) -> &Buffer {
         &self.entries
     }
 }

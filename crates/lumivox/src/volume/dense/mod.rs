@@ -14,7 +14,8 @@ mod tests;
 use glam::UVec3;
 
 use crate::gpu::{
-    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, uniform_buffer,
+    BindGroup, BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, Texture,
+    TextureView, uniform_buffer,
 };
 use crate::volume::changes::ChangedCells;
 use crate::volume::{CELL_FORMAT, Cells, Directionality, Lists, budget};
@@ -55,11 +56,11 @@ impl Directionality {
 /// The dense volume.
 #[derive(Debug)]
 pub(crate) struct DenseVolume {
-    globals: wgpu::BindGroup,
+    globals: BindGroup,
     globals_layout: wgpu::BindGroupLayout,
     /// Group 0 with the grid alone, for the kernels that write the volume.
-    grid: wgpu::BindGroup,
-    levels: Vec<wgpu::TextureView>,
+    grid: BindGroup,
+    levels: Vec<TextureView>,
     texture_bytes: u64,
     masks: Masks,
     build: Build,
@@ -77,18 +78,25 @@ impl DenseVolume {
         check_limits(device, grid, size)?;
         let needed = bytes(grid, directionality);
         budget::check("a dense volume", needed, memory_budget, grid, 3.0)?;
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("dense volume"),
-            size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z },
-            mip_level_count: grid.levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: CELL_FORMAT,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let texture = Texture::new(
+            device,
+            &wgpu::TextureDescriptor {
+                label: Some("dense volume"),
+                size: wgpu::Extent3d {
+                    width: size.x,
+                    height: size.y,
+                    depth_or_array_layers: size.z,
+                },
+                mip_level_count: grid.levels,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D3,
+                format: CELL_FORMAT,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::STORAGE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            },
+        );
         let levels: Vec<_> = (0..grid.levels)
             .map(|level| {
                 texture.create_view(&wgpu::TextureViewDescriptor {
@@ -104,7 +112,7 @@ impl DenseVolume {
         let masks = Masks::new(device, shaders, grid, &grid_layout)?;
         let globals_layout = super::globals_layout(device);
         let sampler = super::sampler(device);
-        let all_levels = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let all_levels = texture.view();
         let globals = BindGroupBuilder::new(&globals_layout)
             .buffer(&grid_uniform)
             .buffer(masks.levels_uniform())
@@ -136,7 +144,7 @@ impl DenseVolume {
         self.build.update(recorder, &self.grid, changed);
     }
 
-    pub(super) fn globals(&self) -> &wgpu::BindGroup {
+    pub(super) fn globals(&self) -> &BindGroup {
         &self.globals
     }
 

@@ -7,8 +7,8 @@ use super::layout::AtlasSize;
 use super::topology::{NodeRanks, Topology};
 use super::{Duplication, Input, Mipmapping, OctreeOptions};
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Scan, ShaderLibrary, read_buffer,
-    storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
+    ShaderLibrary, Texture, TextureView, read_buffer, storage_buffer, uniform_buffer,
 };
 use crate::volume::CELL_FORMAT;
 use crate::volume::budget;
@@ -25,34 +25,37 @@ const BRICK_TEXELS: u64 = 27;
 const TEXEL_BYTES: u64 = 8;
 
 /// The texture of all bricks.
-pub(super) fn atlas(device: &wgpu::Device, size: UVec3) -> wgpu::TextureView {
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("octree bricks"),
-        size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D3,
-        format: CELL_FORMAT,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::STORAGE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+pub(super) fn atlas(device: &wgpu::Device, size: UVec3) -> TextureView {
+    let texture = Texture::new(
+        device,
+        &wgpu::TextureDescriptor {
+            label: Some("octree bricks"),
+            size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: size.z },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format: CELL_FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        },
+    );
+    texture.view()
 }
 
 /// What belongs to the current voxel list.
 #[derive(Debug)]
 pub(super) struct Content {
-    pub atlas: wgpu::TextureView,
+    pub atlas: TextureView,
     pub atlas_bytes: u64,
-    value_starts: wgpu::Buffer,
-    values: wgpu::Buffer,
+    value_starts: Buffer,
+    values: Buffer,
     /// Own cells and next nodes, for the ways to fill bricks that need them.
-    neighbors: Option<[wgpu::Buffer; 2]>,
+    neighbors: Option<[Buffer; 2]>,
     /// Group 0 of the kernels that do not search for nodes, and of those that do.
-    globals: wgpu::BindGroup,
-    searching: wgpu::BindGroup,
+    globals: BindGroup,
+    searching: BindGroup,
     bound: Option<Bound>,
     /// Threads that fill bricks.
     fill_threads: u64,
@@ -63,12 +66,12 @@ pub(super) struct Content {
 /// Bind groups of a list.
 #[derive(Debug)]
 struct Bound {
-    store: wgpu::BindGroup,
+    store: BindGroup,
     /// Of each level but the finest, with the threads that go over every cell.
-    filters: Vec<(wgpu::BindGroup, u64)>,
+    filters: Vec<(BindGroup, u64)>,
     /// All texels, and those of changed cells.
-    fill_all: wgpu::BindGroup,
-    fill_changed: wgpu::BindGroup,
+    fill_all: BindGroup,
+    fill_changed: BindGroup,
 }
 
 impl Content {
@@ -79,7 +82,7 @@ impl Content {
 
     /// Bytes of what nodes know of their neighbours.
     pub fn neighbor_bytes(&self) -> u64 {
-        self.neighbors.iter().flatten().map(wgpu::Buffer::size).sum()
+        self.neighbors.iter().flatten().map(|buffer| buffer.size()).sum()
     }
 }
 
@@ -110,7 +113,7 @@ pub(super) struct ContentKernels {
     fill: Kernel,
     carry: Kernel,
     /// [`LevelWords`] of each level.
-    levels: Vec<wgpu::Buffer>,
+    levels: Vec<Buffer>,
 }
 
 impl ContentKernels {
@@ -249,10 +252,10 @@ impl ContentKernels {
         &self,
         recorder: &mut Recorder,
         memory: &mut Memory<'_>,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         &Input { grid, voxels, .. }: &Input<'_>,
         (topology, order): (&mut Topology, &NodeRanks),
-    ) -> Result<wgpu::Buffer, GiError> {
+    ) -> Result<Buffer, GiError> {
         let device = recorder.device().clone();
         let queue = recorder.queue().clone();
         let remedy = Remedy::Surface(grid.dimensions.max_element());
@@ -286,9 +289,8 @@ impl ContentKernels {
         self.count_values.run_linear(recorder, &[globals, &values], cells.into());
         self.scan.run(recorder, &value_starts, cells + 1);
         let totals = storage_buffer(&device, "octree: totals", 12);
-        let encoder = recorder.encoder();
-        encoder.copy_buffer_to_buffer(&brick_starts, slots * 4, &totals, 0, 4);
-        encoder.copy_buffer_to_buffer(&value_starts, u64::from(cells) * 4, &totals, 4, 4);
+        recorder.copy((&brick_starts, slots * 4), (&totals, 0), 4);
+        recorder.copy((&value_starts, u64::from(cells) * 4), (&totals, 4), 4);
         recorder.flush();
         let totals: Vec<u32> = read_buffer(&device, &queue, &totals, 0..8).await?;
         topology.stats.bricks = totals[0];
@@ -312,10 +314,10 @@ impl ContentKernels {
         recorder: &mut Recorder,
         memory: &mut Memory<'_>,
         grid: &Grid,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         voxels: &VoxelList,
         topology: &Topology,
-    ) -> Result<Option<[wgpu::Buffer; 2]>, GiError> {
+    ) -> Result<Option<[Buffer; 2]>, GiError> {
         if self.options.duplication == Duplication::Ranks {
             return Ok(None);
         }
@@ -378,7 +380,7 @@ impl ContentKernels {
             Some([contents, next_nodes]) => [contents, next_nodes],
             None => [&voxels.occupancy, &voxels.ranks],
         };
-        let fill = |bits: &wgpu::Buffer| {
+        let fill = |bits: &Buffer| {
             BindGroupBuilder::new(&self.fill_layout)
                 .buffer(first)
                 .buffer(second)
@@ -402,7 +404,7 @@ impl ContentKernels {
         voxels: &VoxelList,
         (old, earlier): (&VoxelList, &Content),
         content: &Content,
-        changed: &wgpu::Buffer,
+        changed: &Buffer,
     ) {
         let device = recorder.device().clone();
         let groups: Vec<_> = (0..grid.levels)

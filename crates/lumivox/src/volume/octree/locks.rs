@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Indirect, Kernel, LayoutBuilder, Pipelines, Recorder, Run, ShaderLibrary,
-    read_buffer, storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Indirect, Kernel, LayoutBuilder, Pipelines, Recorder, Run,
+    ShaderLibrary, read_buffer, storage_buffer, uniform_buffer,
 };
 use crate::voxelize::{Memory, Remedy};
 use crate::voxels::VoxelList;
@@ -86,10 +86,10 @@ impl LockBuilder {
         &self,
         recorder: &mut Recorder,
         memory: &mut Memory<'_>,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         grid: &Grid,
         voxels: &VoxelList,
-        (groups, octree, sites): (u32, &wgpu::Buffer, &wgpu::Buffer),
+        (groups, octree, sites): (u32, &Buffer, &Buffer),
     ) -> Result<LocksDone, GiError> {
         let device = memory.device().clone();
         let queue = recorder.queue().clone();

@@ -25,7 +25,8 @@ mod tests;
 mod topology;
 
 use crate::gpu::{
-    BindGroupBuilder, Pipelines, Recorder, ShaderLibrary, storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Pipelines, Recorder, ShaderLibrary, storage_buffer,
+    uniform_buffer,
 };
 use crate::volume::changes::ChangedCells;
 use crate::volume::{Cells, Lists};
@@ -142,8 +143,8 @@ pub(crate) struct OctreeVolume {
     grid: Grid,
     memory_budget: Option<u64>,
     globals_layout: wgpu::BindGroupLayout,
-    globals: wgpu::BindGroup,
-    grid_uniform: wgpu::Buffer,
+    globals: BindGroup,
+    grid_uniform: Buffer,
     sampler: wgpu::Sampler,
     topology_kernels: TopologyKernels,
     content_kernels: ContentKernels,
@@ -157,7 +158,7 @@ pub(crate) struct OctreeVolume {
 struct Input<'a> {
     grid: &'a Grid,
     /// `Grid` of `grid.wgsl`.
-    grid_uniform: &'a wgpu::Buffer,
+    grid_uniform: &'a Buffer,
     voxels: &'a VoxelList,
     /// The most bytes that it may take.
     memory_budget: Option<u64>,
@@ -256,7 +257,7 @@ impl OctreeVolume {
         }
     }
 
-    pub(super) fn globals(&self) -> &wgpu::BindGroup {
+    pub(super) fn globals(&self) -> &BindGroup {
         &self.globals
     }
 

@@ -5,8 +5,8 @@ use super::layout::TreeLayout;
 use super::locks::LockBuilder;
 use super::{Input, OctreeBuilder, OctreeStats};
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Scan, ShaderLibrary, read_buffer,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
+    ShaderLibrary, read_buffer, uniform_buffer,
 };
 use crate::volume::budget;
 use crate::volume::level_range::NodeRange;
@@ -19,11 +19,11 @@ use crate::{GiError, Grid};
 pub(super) struct Topology {
     pub layout: TreeLayout,
     /// [`super::TreeUniform`].
-    pub tree: wgpu::Buffer,
+    pub tree: Buffer,
     /// The table and the nodes.
-    pub octree: wgpu::Buffer,
+    pub octree: Buffer,
     /// `Site` for each slot.
-    pub sites: wgpu::Buffer,
+    pub sites: Buffer,
     /// Places for nodes.
     pub slots: u32,
     pub stats: OctreeStats,
@@ -33,9 +33,9 @@ pub(super) struct Topology {
 #[derive(Debug)]
 pub(super) struct NodeRanks {
     /// A bit for each node below the root, level 1 first.
-    pub node_bits: wgpu::Buffer,
+    pub node_bits: Buffer,
     /// Groups before each word of `node_bits`.
-    pub group_ranks: wgpu::Buffer,
+    pub group_ranks: Buffer,
 }
 
 /// The kernels that make them.
@@ -172,11 +172,11 @@ impl TopologyKernels {
     fn mark_nodes(
         &self,
         recorder: &mut Recorder,
-        globals: &wgpu::BindGroup,
+        globals: &BindGroup,
         grid: &Grid,
         layout: &TreeLayout,
         voxels: &VoxelList,
-        node_bits: &wgpu::Buffer,
+        node_bits: &Buffer,
     ) {
         let device = recorder.device().clone();
         let groups: Vec<_> = (0..grid.levels)

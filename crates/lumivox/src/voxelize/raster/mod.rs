@@ -7,7 +7,9 @@
 //! of voxels, and nothing is drawn into it.
 
 use crate::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
-use crate::gpu::{Pipelines, Recorder, ShaderError, ShaderLibrary};
+use crate::gpu::{
+    BindGroup, Kept, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture, TextureView,
+};
 use crate::{Grid, VoxelizeMethod};
 
 use super::batch::SplitBatch;
@@ -99,8 +101,8 @@ impl Raster {
         &self,
         recorder: &mut Recorder,
         label: &str,
-        grid: (&Grid, &wgpu::BindGroup),
-        batches: impl Iterator<Item = (&'b SplitBatch, &'b wgpu::BindGroup)>,
+        grid: (&Grid, &BindGroup),
+        batches: impl Iterator<Item = (&'b SplitBatch, &'b BindGroup)>,
         step: Step,
     ) {
         let variants = match step {
@@ -110,7 +112,7 @@ impl Raster {
         };
         let picture = picture(recorder.device(), grid.0);
         let attachment = wgpu::RenderPassColorAttachment {
-            view: &picture,
+            view: &picture.1,
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
@@ -124,23 +126,28 @@ impl Raster {
                 batch.draw(pass, grid.1, own, self.planes, choose);
             }
         });
+        recorder.keep(Kept::Texture(picture.0));
     }
 }
 
 /// The picture: a pixel for each column of voxels, whichever axis they stand along.
-fn picture(device: &wgpu::Device, grid: &Grid) -> wgpu::TextureView {
+fn picture(device: &wgpu::Device, grid: &Grid) -> (Texture, TextureView) {
     let edge = grid.dimensions.max_element();
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("columns of voxels"),
-        size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: PICTURE_FORMAT,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    let texture = Texture::new(
+        device,
+        &wgpu::TextureDescriptor {
+            label: Some("columns of voxels"),
+            size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: PICTURE_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        },
+    );
+    let view = texture.view();
+    (texture, view)
 }
 
 fn pipeline(

@@ -112,7 +112,7 @@ pub(super) fn draw(
                         .buffer(&uniform_buffer(&device, "test map", &matrix))
                         .buffer(&batch.positions)
                         .build(&device, "test maps");
-                    pass.set_bind_group(0, &group, &[]);
+                    pass.bind(0, &group);
                     // The test scenes' indices count up.
                     pass.draw(draw.first_index..draw.first_index + draw.index_count, 0..1);
                 }
@@ -123,7 +123,7 @@ pub(super) fn draw(
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     });
-    ShadowMaps { depth, layers }
+    ShadowMaps { depth: depth.into(), layers }
 }
 
 fn pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {

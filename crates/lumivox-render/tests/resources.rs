@@ -1,0 +1,159 @@
+//! What a renderer holds on the GPU goes with it, and a change leaves nothing of what was before.
+//!
+//! Alone in a program of its own: the count is of the whole process.
+
+mod common;
+
+use std::ops::ControlFlow;
+
+use common::{builtin, gpu, picture, renderer};
+use glam::{UVec2, Vec3};
+use lumivox::gpu::{LiveResources, Timing};
+use lumivox::{
+    Directionality, Injection, OctreeBuilder, OctreeOptions, VolumeKind, VoxelizeMethod,
+};
+use lumivox_render::reference::{PathTracer, ReferenceSettings};
+use lumivox_render::{
+    Gpu, Look, Overlay, RenderSettings, Renderer, ShadowMethod, View, VxctSettings, Wireframe,
+    Wires,
+};
+use lumivox_scene::{Instance, Scene};
+
+const NOTHING: LiveResources = LiveResources { buffers: 0, textures: 0, buffer_bytes: 0 };
+
+fn small() -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(48, 32),
+        resolution: 24,
+        shadow_resolution: 128,
+        frames: 2,
+        ..RenderSettings::default()
+    }
+}
+
+/// Settings that make other things, by what they change.
+fn variants() -> Vec<(&'static str, RenderSettings)> {
+    let octree = |builder| VolumeKind::Octree(OctreeOptions { builder, ..Default::default() });
+    let overlay = Overlay {
+        wireframe: Wireframe::Over,
+        wire_voxels: Wires::Over,
+        grid_box: true,
+        ..Overlay::default()
+    };
+    let half = lumivox::TraceResolution::Half;
+    let trace = lumivox::TraceSettings { resolution: half, ..small().trace };
+    vec![
+        ("a larger picture", RenderSettings { size: UVec2::new(64, 40), ..small() }),
+        ("cones at half resolution", RenderSettings { trace, ..small() }),
+        ("more voxels", RenderSettings { resolution: 32, ..small() }),
+        ("an octree", RenderSettings { volume: octree(OctreeBuilder::Ranks), ..small() }),
+        ("an octree by locks", RenderSettings { volume: octree(OctreeBuilder::Locks), ..small() }),
+        (
+            "isotropic voxels",
+            RenderSettings { directionality: Directionality::Isotropic, ..small() },
+        ),
+        ("a rasterizer", RenderSettings { voxelizer: VoxelizeMethod::Conservative, ..small() }),
+        ("photons", RenderSettings { injection: Injection::Photons, ..small() }),
+        ("three bounces", RenderSettings { bounces: 3, ..small() }),
+        ("cone shadows", RenderSettings { shadows: ShadowMethod::Cone, ..small() }),
+        ("finer shadows", RenderSettings { shadow_resolution: 256, ..small() }),
+        (
+            "the look of VXCT",
+            RenderSettings { look: Look::Vxct(VxctSettings::default()), ..small() },
+        ),
+        ("a view of voxels", RenderSettings { view: View::Voxels, ..small() }),
+        ("wire voxels", RenderSettings { view: View::WireVoxels, ..small() }),
+        ("an overlay", RenderSettings { overlay, ..small() }),
+        ("times", RenderSettings { timing: Timing::SubmitAndWait, ..small() }),
+        ("the first ones", small()),
+    ]
+}
+
+/// What a new renderer holds once it has rendered.
+fn held_by_a_new_one(gpu: &Gpu, scene: &Scene, settings: &RenderSettings) -> LiveResources {
+    let mut renderer = renderer(gpu, scene, settings.clone());
+    picture(&mut renderer);
+    LiveResources::now()
+}
+
+fn set(renderer: &mut Renderer, settings: &RenderSettings) {
+    let mut ignore = |_| {};
+    let change = renderer.set_settings(settings.clone(), &mut ignore);
+    pollster::block_on(change).expect("other settings");
+}
+
+#[test]
+fn nothing_outlives_its_owner_and_changes_leave_nothing_behind() {
+    let gpu = gpu();
+    for name in ["cornell", "spheres", "panel"] {
+        let held = held_by_a_new_one(&gpu, &builtin(name), &small());
+        assert!(held.buffers > 20 && held.textures > 10 && held.buffer_bytes > 1000, "{held:?}");
+        assert_eq!(LiveResources::now(), NOTHING, "of {name}");
+    }
+
+    let scene = builtin("cornell");
+    let fresh: Vec<_> = variants()
+        .iter()
+        .map(|(name, settings)| {
+            let held = held_by_a_new_one(&gpu, &scene, settings);
+            assert_eq!(LiveResources::now(), NOTHING, "with {name}");
+            held
+        })
+        .collect();
+    // One renderer through all of them.
+    let mut changing = renderer(&gpu, &scene, small());
+    picture(&mut changing);
+    for ((name, settings), fresh) in variants().iter().zip(&fresh) {
+        set(&mut changing, settings);
+        picture(&mut changing);
+        let now = LiveResources::now();
+        assert_eq!(now, *fresh, "after {name}, and what a new renderer has");
+    }
+    let once = LiveResources::now();
+
+    // Things move, materials and lights change.
+    let moved = |step: u8| {
+        let mut scene = scene.clone();
+        let shift = glam::Mat4::from_translation(Vec3::X * 0.01 * f32::from(step));
+        let instance: &mut Instance = scene.instances.last_mut().expect("an instance");
+        instance.world_from_local = shift * instance.world_from_local;
+        scene
+    };
+    for step in 1..4 {
+        let mut ignore = |_| {};
+        pollster::block_on(changing.set_scene(&moved(step), &mut ignore)).expect("another pose");
+        pollster::block_on(changing.set_lights(&moved(step), &mut ignore)).expect("lights");
+        pollster::block_on(changing.set_materials(&moved(step), &mut ignore)).expect("materials");
+        picture(&mut changing);
+        let now = LiveResources::now();
+        assert_eq!((now.buffers, now.textures), (once.buffers, once.textures), "step {step}");
+    }
+    // All that the device has was counted: what is not, nobody would destroy.
+    gpu.wait("rendering").expect("a device");
+    let live = LiveResources::now();
+    if let Some(allocated) = allocations(&gpu) {
+        let names = format!("{live:?}: {allocated:?}");
+        assert_eq!(allocated.len() as u64, live.buffers + live.textures, "{names}");
+    }
+    drop(changing);
+    assert_eq!(LiveResources::now(), NOTHING);
+
+    let settings =
+        ReferenceSettings { size: UVec2::new(16, 12), samples: 16, ..Default::default() };
+    let tracer = PathTracer::new(&gpu, &scene, None, settings);
+    let mut tracer = pollster::block_on(tracer).expect("a path tracer");
+    pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("a picture");
+    assert!(LiveResources::now().buffers > 5);
+    drop(tracer);
+    assert_eq!(LiveResources::now(), NOTHING);
+    gpu.wait("ending").expect("a device");
+    assert_eq!(allocations(&gpu).unwrap_or_default(), [""; 0]);
+    gpu.check("testing").expect("nothing was refused");
+}
+
+/// The names of all buffers and textures that the device has, but for wgpu's own, where it keeps a list (Vulkan and DX12).
+fn allocations(gpu: &Gpu) -> Option<Vec<String>> {
+    let report = gpu.device.generate_allocator_report()?;
+    let names = report.allocations.into_iter().map(|allocation| allocation.name);
+    Some(names.filter(|name| !name.starts_with("(wgpu internal)")).collect())
+}
