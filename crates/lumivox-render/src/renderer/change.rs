@@ -103,6 +103,7 @@ impl Renderer {
         }
         self.settings = settings;
         self.drop_unused();
+        self.prepare_view().await?;
         if redo.light {
             self.relight(progress).await?;
         }

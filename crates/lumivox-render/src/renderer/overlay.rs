@@ -25,10 +25,8 @@ impl Renderer {
 
     /// Gives back what only settings need that are no longer those in use.
     pub(super) fn drop_unused(&mut self) {
-        if !self.settings.overlay.is_on() {
-            if let Some(pass) = self.targets.overlay.take() {
-                self.targets.bytes -= pass.bytes;
-            }
+        if let Some(pass) = self.targets.overlay.take_if(|_| !self.settings.overlay.is_on()) {
+            self.targets.bytes -= pass.bytes;
         }
         if !matches!(self.settings.look, Look::Vxct(_)) {
             self.vxct.unlink();

@@ -76,6 +76,6 @@ fn stand_in(
     let is_set = Reflect::set(device, &name, own.as_ref().unchecked_ref());
     run();
     if is_set.is_ok() {
-        let _ = Reflect::delete_property(device.unchecked_ref(), &name);
+        let _ = Reflect::delete_property(device.unchecked_ref::<Object>(), &name);
     }
 }
