@@ -251,11 +251,11 @@ mod tests {
         let mut shaders = crate::shaders::library();
         shaders.add(
             "test::add",
-            "@group(0) @binding(0) var<storage, read> from: array<u32>;
-             @group(0) @binding(1) var<storage, read_write> to: array<u32>;
+            "@group(0) @binding(0) var<storage, read> term: array<u32>;
+             @group(0) @binding(1) var<storage, read_write> sum: array<u32>;
              @compute @workgroup_size(64)
              fn main(@builtin(global_invocation_id) id: vec3u) {
-                 if id.x < 4u { to[id.x] += from[id.x]; }
+                 if id.x < 4u { sum[id.x] += term[id.x]; }
              }",
         );
         let layout = LayoutBuilder::compute().storage().storage_mut().build(&pipelines, "add");
