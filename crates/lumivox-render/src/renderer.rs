@@ -101,6 +101,7 @@ impl Renderer {
         let passes = Passes::new(gpu, &gi, &scene, &settings)?;
         let targets = passes.targets(gpu, &gi, &scene, &settings).await?;
         gpu.check("making the picture's textures")?;
+        vxct.prepare(gpu, &gi, &settings.look)?;
         compile(gpu, progress).await?;
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
@@ -183,6 +184,7 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn render_frame(&mut self) -> Result<(), RenderError> {
+        self.prepare_view().await?;
         let frame = self.frame_count();
         let Self { settings, camera, scene, gi, lights, passes, targets, vxct, .. } = self;
         let jitter = gbuffer_pass::jitter(frame, settings.frames);
@@ -237,6 +239,16 @@ impl Renderer {
         self.record_overlay(&mut recorder, &view)?;
         self.times.add(recorder.finish().await?);
         self.gpu.check("rendering a frame")
+    }
+
+    /// Compiles what the view and the look need and no frame before did.
+    async fn prepare_view(&mut self) -> Result<(), RenderError> {
+        let Self { gpu, settings, gi, targets, vxct, .. } = self;
+        if settings.view.is_of_voxels() || settings.view == View::Lod {
+            targets.voxel_view.prepare(gi, settings.view)?;
+        }
+        vxct.prepare(gpu, gi, &settings.look)?;
+        compile(gpu, &mut |_| {}).await
     }
 
     /// Frames in the picture so far.

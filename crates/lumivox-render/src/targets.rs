@@ -94,7 +94,7 @@ impl Targets {
         let traced = gi.targets(size, resolution);
         let composite =
             composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
-        let voxel_view = VoxelViewPass::new(device, shaders, gi, &composite)?;
+        let voxel_view = VoxelViewPass::new(device, &composite);
         let accumulate =
             AccumulatePass::new(device, shaders, &mut textures, size, &composite.picture)?;
         let tone_map = ToneMapPass::new(device, shaders, &mut textures, size)?;

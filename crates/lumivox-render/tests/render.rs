@@ -242,6 +242,10 @@ fn progress_and_views_can_be_followed() {
         Ok::<(), RenderError>(())
     })
     .expect("all views");
+    // As many as there are pipelines to make, counted up.
+    let compiled: Vec<_> = seen.extract_if(.., |step| step.0 == "compile").collect();
+    assert!(compiled.len() > 20, "{compiled:?}");
+    assert!((0..).zip(&compiled).all(|(done, step)| *step == ("compile", done)), "{compiled:?}");
     assert_eq!(seen[0], ("upload", 0));
     assert_eq!(seen[5], ("light", 1));
     assert_eq!(seen[6..9], [("render", 0), ("render", 1), ("render", 2)]);

@@ -136,6 +136,7 @@ impl PathTracer {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
         });
         let uploaded = Uploaded::new(gpu, scene, &camera, &settings, adjust).await?;
+        gpu.pipelines.compile(&mut |_, _| {}).await;
         let film = Film::new(settings.size);
         Ok(Self { gpu: gpu.clone(), settings, uploaded, film })
     }

@@ -102,7 +102,11 @@ impl Renderer {
             compile(&self.gpu, progress).await?;
         }
         self.settings = settings;
-        self.drop_unused();
+        self.drop_unused_look();
+        if let Some(pass) = self.targets.overlay.take_if(|_| !self.settings.overlay.is_on()) {
+            self.targets.bytes -= pass.bytes;
+        }
+        self.prepare_view().await?;
         if redo.light {
             self.relight(progress).await?;
         }
@@ -267,12 +271,19 @@ impl Renderer {
     pub fn set_look(&mut self, look: Look) -> Result<(), RenderError> {
         look.validate()?;
         let was = std::mem::replace(&mut self.settings.look, look);
-        self.drop_unused();
+        self.drop_unused_look();
         if look.injected_light() != was.injected_light() {
             self.light_voxels()?;
         }
         self.targets.accumulate.reset();
         Ok(())
+    }
+
+    /// Gives back what belongs to a look that is no longer shown.
+    fn drop_unused_look(&mut self) {
+        if !matches!(self.settings.look, Look::Vxct(_)) {
+            self.vxct.unlink();
+        }
     }
 
     /// Lights the voxels as the settings want it, by the lights that are bound.

@@ -4,14 +4,15 @@ use lumivox::View;
 use lumivox::gpu::Recorder;
 
 use super::Renderer;
+use crate::RenderError;
 use crate::gbuffer_pass;
 use crate::overlay::{Overlay, OverlayPass, OverlayView, Shown};
 use crate::tone_map::Encoding;
-use crate::{Look, RenderError};
 
 impl Renderer {
     /// Changes what is drawn over the picture. The picture's frames stay; the overlay's start anew and come with
-    /// the picture's next ones, or alone by [`Self::render_overlay_frame`].
+    /// the picture's next ones, or alone by [`Self::render_overlay_frame`]. Those of an overlay that is taken off stay, for the
+    /// case that it comes back, until [`Self::set_settings`] finds it off.
     ///
     /// # Errors
     /// [`RenderError::Limit`] when there are more lines than a buffer holds.
@@ -19,20 +20,7 @@ impl Renderer {
         let settings = crate::RenderSettings { overlay, ..self.settings.clone() };
         settings.validate(&self.gpu.device.limits())?;
         self.settings = settings;
-        self.drop_unused();
         Ok(())
-    }
-
-    /// Gives back what only settings need that are no longer those in use.
-    pub(super) fn drop_unused(&mut self) {
-        if !self.settings.overlay.is_on() {
-            if let Some(pass) = self.targets.overlay.take() {
-                self.targets.bytes -= pass.bytes;
-            }
-        }
-        if !matches!(self.settings.look, Look::Vxct(_)) {
-            self.vxct.unlink();
-        }
     }
 
     /// Frames of the overlay as it is set. Without frames of the picture that it is drawn over there are none.

@@ -6,12 +6,15 @@
 //! they have from their neighbours.
 //!
 //! *Wire voxels*: the cubes' outlines, found in the occupancy bits of the voxel list; the overlay's wire cubes are the
-//! same walk. *Lod*: what the volume holds at the visible surfaces. Both are compiled when they are first shown.
+//! same walk. *Lod*: what the volume holds at the visible surfaces. Each is linked when it is first shown.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, TextureView, uniform_buffer,
+    TextureView, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, Lights, VolumeKind};
 
@@ -43,11 +46,8 @@ pub(crate) struct VoxelViewSettings {
 /// Shows the voxels.
 #[derive(Debug)]
 pub struct VoxelViewPass {
-    cubes: Kernel,
-    lit: Kernel,
-    octree: Option<OctreeKernels>,
-    lod: Option<Kernel>,
-    wires: Option<Kernel>,
+    /// Those that were shown so far.
+    kernels: HashMap<View, Kernel>,
     wires_layout: wgpu::BindGroupLayout,
     layout: wgpu::BindGroupLayout,
     settings: Buffer,
@@ -55,59 +55,21 @@ pub struct VoxelViewPass {
     picture: TextureView,
 }
 
-/// What only an octree can show.
-#[derive(Debug)]
-struct OctreeKernels {
-    nodes: Kernel,
-    bricks: Kernel,
-}
-
 impl VoxelViewPass {
-    /// Makes the pipelines; it writes into `targets` instead of the composite.
-    ///
-    /// # Errors
-    /// When the shader does not link.
-    pub fn new(
-        device: &Pipelines,
-        shaders: &ShaderLibrary,
-        gi: &Gi,
-        targets: &CompositeTargets,
-    ) -> Result<Self, ShaderError> {
+    /// Binds what it needs; it writes into `targets` instead of the composite.
+    pub fn new(device: &Pipelines, targets: &CompositeTargets) -> Self {
         let base = LayoutBuilder::compute()
             .uniform()
             .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT);
         let layout = base.clone().build(device, "voxel view");
         let wires_layout = base.storage().build(device, "wire voxels");
-        let groups = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
-        let kernel = |module: &str, entry: &str| {
-            let module = format!("render::voxel_view::{module}");
-            Kernel::new(device, shaders, &module, entry, &groups)
-        };
-        let octree = match gi.config().volume {
-            VolumeKind::Dense => None,
-            VolumeKind::Octree(_) => Some(OctreeKernels {
-                nodes: kernel("nodes", "main")?,
-                bricks: kernel("bricks", "main")?,
-            }),
-        };
         let settings = uniform_buffer(device, "voxel view", &VoxelViewSettings::zeroed());
         let group = BindGroupBuilder::new(&layout)
             .buffer(&settings)
             .view(&targets.picture)
             .build(device, "voxel view");
-        let (cubes, lit) = (kernel("cubes", "main")?, kernel("cubes", "lit")?);
-        Ok(Self {
-            cubes,
-            lit,
-            octree,
-            lod: None,
-            wires: None,
-            wires_layout,
-            layout,
-            settings,
-            group,
-            picture: targets.picture.clone(),
-        })
+        let (kernels, picture) = (HashMap::new(), targets.picture.clone());
+        Self { kernels, wires_layout, layout, settings, group, picture }
     }
 
     /// Shows a level to a camera of the given vertical field of view. Both take effect at the next
@@ -125,12 +87,13 @@ impl VoxelViewPass {
         (view, level): (View, u32),
         vertical_fov_rad: f32,
     ) -> Result<(), ShaderError> {
-        self.prepare(gi, view)?;
+        let view = shown(view, gi);
+        let kernel = self.prepare(gi, view)?.clone();
         let pixel_slope = 2.0 * (0.5 * vertical_fov_rad).tan() / gbuffer.size.y as f32;
         let settings = VoxelViewSettings { level, pixel_slope, padding: [0; 2] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
-        let wires = self.wires.as_ref().zip(gi.voxels()).filter(|_| view == View::WireVoxels);
-        let own = wires.map(|(_, voxels)| {
+        let wired = gi.voxels().filter(|_| view == View::WireVoxels);
+        let own = wired.map(|voxels| {
             BindGroupBuilder::new(&self.wires_layout)
                 .buffer(&self.settings)
                 .view(&self.picture)
@@ -139,31 +102,42 @@ impl VoxelViewPass {
         });
         let own = own.as_ref().unwrap_or(&self.group);
         let groups = [gi.globals(), own, &lights.group, &gbuffer.group];
-        let kernel = match (view, &self.octree, &self.lod, wires) {
-            (View::Lit, ..) => &self.lit,
-            (View::Nodes, Some(octree), ..) => &octree.nodes,
-            (View::Bricks, Some(octree), ..) => &octree.bricks,
-            (View::Lod, _, Some(lod), _) => lod,
-            (.., Some((wires, _))) => wires,
-            _ => &self.cubes,
-        };
         kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
         Ok(())
     }
 
-    /// Compiles what a view needs and is not there yet.
-    fn prepare(&mut self, gi: &Gi, view: View) -> Result<(), ShaderError> {
-        let (slot, name, own) = match view {
-            View::Lod => (&mut self.lod, "lod", &self.layout),
-            View::WireVoxels => (&mut self.wires, "wires", &self.wires_layout),
-            _ => return Ok(()),
+    /// The kernel of a view, linked if it was not shown before.
+    ///
+    /// # Errors
+    /// When its shader does not link.
+    pub(crate) fn prepare(&mut self, gi: &Gi, view: View) -> Result<&Kernel, ShaderError> {
+        let view = shown(view, gi);
+        let slot = match self.kernels.entry(view) {
+            Entry::Occupied(slot) => return Ok(slot.into_mut()),
+            Entry::Vacant(slot) => slot,
         };
-        if slot.is_none() {
-            let shaders = crate::shaders::library(gi.shaders());
-            let groups = [gi.globals_layout(), own, gi.lights_layout(), gi.gbuffer_layout()];
-            let module = format!("render::voxel_view::{name}");
-            *slot = Some(Kernel::new(gi.pipelines(), &shaders, &module, "main", &groups)?);
-        }
-        Ok(())
+        let (name, entry, own) = match view {
+            View::Lit => ("cubes", "lit", &self.layout),
+            View::Nodes => ("nodes", "main", &self.layout),
+            View::Bricks => ("bricks", "main", &self.layout),
+            View::Lod => ("lod", "main", &self.layout),
+            View::WireVoxels => ("wires", "main", &self.wires_layout),
+            _ => ("cubes", "main", &self.layout),
+        };
+        let shaders = crate::shaders::library(gi.shaders());
+        let groups = [gi.globals_layout(), own, gi.lights_layout(), gi.gbuffer_layout()];
+        let module = format!("render::voxel_view::{name}");
+        Ok(slot.insert(Kernel::new(gi.pipelines(), &shaders, &module, entry, &groups)?))
+    }
+}
+
+/// What stands in for a view that is not one of the voxels, or that there is nothing for.
+fn shown(view: View, gi: &Gi) -> View {
+    let is_octree = matches!(gi.config().volume, VolumeKind::Octree(_));
+    match view {
+        View::Lit | View::Lod => view,
+        View::Nodes | View::Bricks if is_octree => view,
+        View::WireVoxels if gi.voxels().is_some() => view,
+        _ => View::Voxels,
     }
 }

@@ -230,6 +230,20 @@ impl VxctLook {
         (self.shade, self.inject) = (None, None);
     }
 
+    /// Links what the look needs and is not there yet.
+    ///
+    /// # Errors
+    /// When a shader does not link.
+    pub(crate) fn prepare(&mut self, gpu: &Gpu, gi: &Gi, look: &Look) -> Result<(), ShaderError> {
+        if self.shade.is_none() && matches!(look, Look::Vxct(_)) {
+            self.shade = Some(ShadePass::new(gpu, gi)?);
+        }
+        if self.inject.is_none() && look.injected_light() != Injected::Shadowed {
+            self.inject = Some(InjectPass::new(gpu, gi)?);
+        }
+        Ok(())
+    }
+
     /// Takes up lights that were bound anew: first `peaks` of the surroundings, then the scene's.
     pub(crate) fn set_lights(
         &mut self,

@@ -236,3 +236,98 @@ impl ViewHandle for wgpu::TextureView {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, storage_buffer};
+    use crate::testing::{device, read};
+
+    /// Who holds the last handle differs; that nothing is destroyed too early shows in the copy, and by wgpu's refusal.
+    #[test]
+    fn what_is_recorded_stays_until_it_is_submitted() {
+        let (device, queue) = device();
+        let pipelines = Pipelines::new(&device);
+        let mut shaders = crate::shaders::library();
+        shaders.add(
+            "test::add",
+            "@group(0) @binding(0) var<storage, read> term: array<u32>;
+             @group(0) @binding(1) var<storage, read_write> sum: array<u32>;
+             @compute @workgroup_size(64)
+             fn main(@builtin(global_invocation_id) id: vec3u) {
+                 if id.x < 4u { sum[id.x] += term[id.x]; }
+             }",
+        );
+        let layout = LayoutBuilder::compute().storage().storage_mut().build(&pipelines, "add");
+        let kernel = crate::gpu::Kernel::new(&pipelines, &shaders, "test::add", "main", &[&layout])
+            .expect("it links");
+        let sum = storage_buffer(&device, "sum", 16);
+        let mut recorder = Recorder::new(&device, &queue);
+        for term in 1..4_u32 {
+            let source = crate::gpu::upload(&device, "source", &[term; 4]);
+            let term = storage_buffer(&device, "term", 16);
+            recorder.copy((&source, 0), (&term, 0), 16);
+            let group = BindGroupBuilder::new(&layout).buffer(&term).buffer(&sum);
+            kernel.run_linear(&mut recorder, &[&group.build(&device, "add")], 4);
+        }
+        recorder.submit();
+        assert_eq!(read::<u32>(&device, &queue, &sum, 4), [6; 4]);
+    }
+
+    #[test]
+    fn the_last_handle_destroys() {
+        let (device, queue) = device();
+        let buffer = storage_buffer(&device, "buffer", 16);
+        let plain = wgpu::Buffer::clone(&buffer);
+        let layout =
+            LayoutBuilder::compute().storage_mut().build(&Pipelines::new(&device), "a buffer");
+        let group = BindGroupBuilder::new(&layout).buffer(&buffer).build(&device, "a buffer");
+        let is_alive = || {
+            let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let mut recorder = Recorder::new(&device, &queue);
+            recorder.clear(&plain);
+            recorder.submit();
+            pollster::block_on(scope.pop()).is_none()
+        };
+        let clone = buffer.clone();
+        drop(buffer);
+        assert!(is_alive(), "a clone is left");
+        drop(clone);
+        assert!(is_alive(), "a bind group is left");
+        drop(group);
+        assert!(!is_alive(), "nothing is left but a plain handle");
+    }
+
+    #[test]
+    fn a_view_holds_its_texture() {
+        let (device, _) = device();
+        let descriptor = wgpu::TextureDescriptor {
+            label: Some("texture"),
+            size: wgpu::Extent3d::default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::R32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        };
+        let texture = Texture::new(&device, &descriptor);
+        let plain = wgpu::Texture::clone(&texture);
+        let can_be_seen = || {
+            let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let _ = plain.create_view(&wgpu::TextureViewDescriptor::default());
+            pollster::block_on(scope.pop()).is_none()
+        };
+        let view = texture.view();
+        drop(texture);
+        assert!(can_be_seen(), "a view is left");
+        let layout = LayoutBuilder::compute()
+            .texture_2d_unfilterable()
+            .build(&Pipelines::new(&device), "a view");
+        let group = BindGroupBuilder::new(&layout).view(&view).build(&device, "a view");
+        drop(view);
+        assert!(can_be_seen(), "a bind group is left");
+        drop(group);
+        assert!(!can_be_seen(), "nothing is left but a plain handle");
+    }
+}
