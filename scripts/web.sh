@@ -72,7 +72,7 @@ build_web() {
     cp -R "$root/crates/lumivox-web/page/." "$staging/"
     mkdir -p "$staging/lumivox"
     "$wasm_bindgen" "$target_dir/web/$web_target/web/lumivox_web.wasm" --target web --out-name lumivox \
-        --out-dir "$staging/lumivox" || die "wasm-bindgen failed (its message is above)."
+        --remove-name-section --remove-producers-section --out-dir "$staging/lumivox" || die "wasm-bindgen failed (its message is above)."
     cp -R "$root/crates/lumivox-web/npm/." "$staging/lumivox/"
     cp "$root/LICENSE-MIT" "$root/LICENSE-APACHE" "$staging/lumivox/"
     rm -rf "$out"

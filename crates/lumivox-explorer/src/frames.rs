@@ -126,7 +126,7 @@ impl Explorer {
     }
 
     /// What [`Self::draw`] drew last; see [`lumivox_render::Renderer::screen_texture`].
-    pub fn screen_texture(&self) -> Option<&wgpu::Texture> {
+    pub fn screen_texture(&self) -> Option<&lumivox::gpu::Texture> {
         self.renderer.as_ref().map(lumivox_render::Renderer::screen_texture)
     }
 

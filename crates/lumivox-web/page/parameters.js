@@ -156,7 +156,7 @@ export function radios(name, label, choices, change, group = h("div", { class: "
     const inputs = choices.map((choice) => {
         const input = h("input", { type: "radio", name, value: choice.name });
         input.addEventListener("change", () => change(choice.name));
-        group.append(h("label", {}, input, h("span", {}, choice.title)));
+        group.append(h("label", { title: choice.summary ?? "" }, input, h("span", {}, choice.title)));
         return input;
     });
     return { group, show: (/** @type {string} */ chosen) => inputs.forEach((input) => (input.checked = input.value === chosen)) };

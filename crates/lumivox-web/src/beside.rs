@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use glam::UVec2;
+use lumivox::gpu::Texture;
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{Exposure, Gpu, Picture, View};
 use web_time::Instant;
@@ -84,13 +85,13 @@ enum Turn {
 #[derive(Debug)]
 struct Still {
     pixels: Vec<[u8; 4]>,
-    texture: wgpu::Texture,
+    texture: Texture,
 }
 
 impl Still {
     fn new(gpu: &Gpu, size: UVec2, pixels: Vec<[u8; 4]>) -> Self {
         let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        let texture = Texture::new(&gpu.device, &wgpu::TextureDescriptor {
             label: Some("still"),
             size: extent,
             mip_level_count: 1,
@@ -107,13 +108,6 @@ impl Still {
         };
         gpu.queue.write_texture(texture.as_image_copy(), pixels.as_flattened(), layout, extent);
         Self { pixels, texture }
-    }
-}
-
-impl Drop for Still {
-    /// Browsers would keep it until they collect garbage.
-    fn drop(&mut self) {
-        self.texture.destroy();
     }
 }
 
@@ -150,7 +144,7 @@ impl Beside {
     }
 
     /// What stands on the left; nothing while the explorer's own picture is that of the left.
-    pub fn left(&self) -> Option<&wgpu::Texture> {
+    pub fn left(&self) -> Option<&Texture> {
         self.left_still.as_ref().map(|still| &still.texture)
     }
 
@@ -160,7 +154,7 @@ impl Beside {
     }
 
     /// What stands on the right, once something does.
-    pub fn texture(&self) -> Option<&wgpu::Texture> {
+    pub fn texture(&self) -> Option<&Texture> {
         self.right_still.as_ref().map(|still| &still.texture)
     }
 

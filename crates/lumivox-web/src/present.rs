@@ -1,6 +1,7 @@
 //! The last step: finished pictures onto the page's canvas.
 
 use glam::UVec2;
+use lumivox::gpu::Texture;
 use lumivox_render::Gpu;
 use web_sys::{HtmlCanvasElement, OffscreenCanvas};
 use wgpu::util::DeviceExt as _;
@@ -172,8 +173,8 @@ impl Presenter {
     pub fn show(
         &self,
         gpu: &Gpu,
-        left: &wgpu::Texture,
-        right: Option<(&wgpu::Texture, f32)>,
+        left: &Texture,
+        right: Option<(&Texture, f32)>,
     ) -> Result<(), WebError> {
         let frame = match self.surface.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(frame)

@@ -57,7 +57,7 @@ pub fn builtin_scenes() -> Result<Vec<Ts<Named>>, JsValue> {
     scenes
         .map(|name| {
             let title = name.replace('-', " ");
-            to_js(&Named { name: (*name).to_owned(), title })
+            to_js(&Named { name: (*name).to_owned(), title, summary: String::new() })
         })
         .collect()
 }
@@ -72,7 +72,8 @@ pub fn parameters() -> Result<Vec<Ts<ParameterInfo>>, JsValue> {
 #[wasm_bindgen]
 pub fn presets() -> Result<Vec<Ts<Named>>, JsValue> {
     let named = |preset: &PresetChoice| {
-        to_js(&Named { name: preset.name().to_owned(), title: preset.summary().to_owned() })
+        let (title, summary) = (preset.name().to_owned(), preset.summary().to_owned());
+        to_js(&Named { name: title.clone(), title, summary })
     };
     PresetChoice::ALL.iter().map(named).collect()
 }

@@ -1,0 +1,125 @@
+/** All settings by name. Ranges and defaults are in `parameters()`; what is left out stays. */
+export interface Settings {
+  /** Frames that are averaged: a whole number from 1 to 65536, frames. Default: 16. */
+  frames?: number;
+  /** Radiance in cd/m2 times 2 to this power is shown; auto makes the average a middle grey: a number from -64 to 64, or auto, stops. Default: auto. */
+  exposure?: number | "auto";
+  /** Curve from radiance to the screen's range: neutral, aces, linear or raw. Default: neutral. */
+  tone_map?: "neutral" | "aces" | "linear" | "raw";
+  /** What the picture shows: final, direct, indirect, diffuse, specular, occlusion, shadow, albedo, normal, depth, cost, voxels, lit, nodes, bricks, lod or wire-voxels. Default: final. */
+  view?: "final" | "direct" | "indirect" | "diffuse" | "specular" | "occlusion" | "shadow" | "albedo" | "normal" | "depth" | "cost" | "voxels" | "lit" | "nodes" | "bricks" | "lod" | "wire-voxels";
+  /** Level of the voxels that are shown; 0 is the finest: a whole number from 0 to 10. Default: 0. */
+  level?: number;
+  /** Edges of triangles over the picture: those that are visible, or all through surfaces: off, over or through. Default: off. */
+  wireframe?: "off" | "over" | "through";
+  /** Voxels as wire cubes over the picture: those that are visible, or all through surfaces: off, over or through. Default: off. */
+  wire_voxels?: "off" | "over" | "through";
+  /** The box that the voxels lie in: on or off. Default: false. */
+  show_grid?: boolean;
+  /** A plain background instead of the picture under the overlay: on or off. Default: false. */
+  hide_surfaces?: boolean;
+  /** Voxels along the longest axis: a multiple of 8 from 16 to 1024, voxels. Default: 128. */
+  resolution?: number;
+  /** Shift of the grid against the scene: three numbers x,y,z, each from 0 to below 1, voxels. Default: 0,0,0. */
+  grid_offset?: [number, number, number];
+  /** A radiance for each of six directions, or one a voxel: six_lobes or isotropic. Default: six_lobes. */
+  directionality?: "six_lobes" | "isotropic";
+  /** Where the voxels' light is stored: dense or octree. Default: dense. */
+  volume?: "dense" | "octree";
+  /** How an octree's nodes come into being; asks for an octree: ranks or locks. Default: ranks. */
+  octree_builder?: "ranks" | "locks";
+  /** How bricks find their neighbours' texels; asks for an octree: ranks, pointers or search. Default: ranks. */
+  octree_duplication?: "ranks" | "pointers" | "search";
+  /** Over which cells coarser levels are filtered; asks for an octree: occupied or every. Default: occupied. */
+  octree_mipmaps?: "occupied" | "every";
+  /** The most memory that the volume may take: a number from 1 to 1048576, or unlimited, MiB. Default: unlimited. */
+  volume_memory?: number | "unlimited";
+  /** How triangles become voxels: exact, dominant-axis, conservative or three-plane. Default: exact. */
+  voxelizer?: "exact" | "dominant-axis" | "conservative" | "three-plane";
+  /** How light comes into the voxels: direct or photons. Default: direct. */
+  injection?: "direct" | "photons";
+  /** Reflections of indirect light, the one at the visible surface included: a whole number from 0 to 16. Default: 8. */
+  bounces?: number;
+  /** How shadows are found: map or cone. Default: map. */
+  shadows?: "map" | "cone";
+  /** Edge of a shadow map: a whole number from 16 to 16384, texels. Default: 1024. */
+  shadow_resolution?: number;
+  /** Diffuse cones a pixel and frame: 6, 9 or 12. Default: 6. */
+  cones?: "6" | "9" | "12";
+  /** Cones from every pixel, or from one of each 2x2 block: full or half. Default: full. */
+  trace_resolution?: "full" | "half";
+  /** Sampled voxel's edge as a share of the cone's diameter: a number from 0.05 to 1, share. Default: 0.125. */
+  voxel_per_diameter?: number;
+  /** Growth of the sampled voxels by metre and cosine, at most; 0 is off: a number from 0.1 to 1, or 0, ratio. Default: 0.33333334. */
+  clearance?: number;
+  /** Start of the cones above the surface: a number from 0 to 4, voxels. Default: 0.5. */
+  normal_offset?: number;
+  /** Distance between samples as a share of the sampled voxel's edge: a number from 0.25 to 1, share. Default: 1. */
+  step?: number;
+  /** Share of light below which a cone ends: a number from 0 to 0.1, share. Default: 0.03. */
+  min_transmittance?: number;
+  /** Glossy reflections of indirect light: on or off. Default: true. */
+  specular?: boolean;
+  /** Width of a glossy cone as a share of the lobe's solid angle: a number from 0.02 to 1, share. Default: 0.25. */
+  specular_share?: number;
+  /** Reach of ambient occlusion; it never changes the light: a number from 0 to 1000000000, or unlimited, m. Default: unlimited. */
+  occlusion_distance?: number | "unlimited";
+  /** Draw the cones' directions at random, in each frame others: on or off. Default: true. */
+  jitter?: boolean;
+  /** Start cones farther where a wall is felt at their start: on or off. Default: true. */
+  clear_of_walls?: boolean;
+  /** What radiance loses for the cone's width; 0 is the physics: a number from 0 to 64. Default: 0. */
+  width_attenuation?: number;
+  /** What radiance gains with each level; 1 is the physics: a number from 1 to 8, factor. Default: 1. */
+  level_gain?: number;
+  /** How the picture comes about; preset vxct takes what goes with that look besides: physical or vxct. Default: physical. */
+  look?: "physical" | "vxct";
+  /** Which part of the light is shown: all, phong, shadows, specular or diffuse. Default: all. */
+  components?: "all" | "phong" | "shadows" | "specular" | "diffuse";
+  /** Phong's terms: on or off. Default: true. */
+  phong?: boolean;
+  /** Phong's ambient term: on or off. Default: true. */
+  phong_ambient?: boolean;
+  /** Phong's diffuse term: on or off. Default: true. */
+  phong_diffuse?: boolean;
+  /** Phong's highlights: on or off. Default: false. */
+  phong_specular?: boolean;
+  /** Light by diffuse cones: on or off. Default: true. */
+  vox_diffuse?: boolean;
+  /** Reflections by specular cones: on or off. Default: true. */
+  vox_specular?: boolean;
+  /** Shadows by cones towards the lights: on or off. Default: true. */
+  vox_shadows?: boolean;
+  /** The diffuse cone along the normal: on or off. Default: true. */
+  front_cone?: boolean;
+  /** Four diffuse cones along the surface: on or off. Default: false. */
+  side_cones?: boolean;
+  /** Four diffuse cones half-way between normal and sides: on or off. Default: true. */
+  intermediate_cones?: boolean;
+  /** Angle of diffuse cones: a number from 0.001 to 2, rad. Default: 0.55. */
+  diffuse_aperture?: number;
+  /** Angle of shadow cones: a number from 0.001 to 2, rad. Default: 0.4. */
+  occlusion_aperture?: number;
+  /** Angle of specular cones: a number from 0.001 to 2, rad. Default: 0.02. */
+  specular_aperture?: number;
+  /** Start of diffuse cones: a number from 0 to 4, half edges. Default: 0.19. */
+  diffuse_offset?: number;
+  /** Start of shadow cones: a number from 0 to 4, half edges. Default: 0.08. */
+  occlusion_offset?: number;
+  /** Start of specular cones: a number from 0 to 4, half edges. Default: 0.15. */
+  specular_offset?: number;
+  /** Step of diffuse cones: a number from 0.001 to 4, diameters. Default: 0.01. */
+  diffuse_dist_factor?: number;
+  /** Step of shadow cones: a number from 0.001 to 4, diameters. Default: 0.35. */
+  occlusion_dist_factor?: number;
+  /** Step of specular cones: a number from 0.001 to 4, diameters. Default: 0.3. */
+  specular_dist_factor?: number;
+  /** Start of diffuse cones above the surface: a number from 0 to 1, half edges. Default: 0.05. */
+  diffuse_origin_offset?: number;
+  /** How fast what is in the way of light becomes a full shadow: a number from 0 to 16. Default: 1.5. */
+  shadow_str?: number;
+  /** How fast reflections fade with the distance of what is reflected: a number from 0 to 16. Default: 3. */
+  shininess_falloff?: number;
+  /** What the voxels hold: vxct or shadowed. Default: vxct. */
+  injected_light?: "vxct" | "shadowed";
+}

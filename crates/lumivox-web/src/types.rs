@@ -449,6 +449,8 @@ pub struct Named {
     pub name: String,
     /// What people read.
     pub title: String,
+    /// What it is, in a sentence without a full stop; empty where the title says it.
+    pub summary: String,
 }
 
 /// One setting: what panels are made of.

@@ -1,6 +1,6 @@
 //! From the mean over frames to what a screen or a file shows.
 
-use lumivox::gpu::Recorder;
+use lumivox::gpu::{Recorder, Texture};
 
 use super::Renderer;
 use crate::readback::read_texture;
@@ -62,7 +62,7 @@ impl Renderer {
     }
 
     /// What [`Self::draw_screen`] drew last: `Rgba8Unorm`, encoded for a screen, of the picture's size.
-    pub fn screen_texture(&self) -> &wgpu::Texture {
+    pub fn screen_texture(&self) -> &Texture {
         self.targets.tone_map.screen()
     }
 

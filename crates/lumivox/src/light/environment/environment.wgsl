@@ -2,7 +2,10 @@
 //
 // A cone reads cells of an edge that grows with the distance, growth * t; seen from its start they all have the
 // angle `growth`. It reads the mip at which a bilinear sample is as wide. Mips hold means over solid angles, in
-// multiples of `light_globals.environment`; where there is no map they hold 1.
+// multiples of `light_globals.environment`.
+//
+// Where there is no map nothing is read: SwiftShader, the software GPU of browsers, reads beyond a cube's edges what
+// was in its memory before, and black times that may be no number.
 
 import package::constants::LIGHT_ENVIRONMENT;
 import package::light::lights::{light_globals, Light};
@@ -39,6 +42,9 @@ fn cube_level(direction: vec3f, width: f32, edge: u32) -> f32 {
 // Radiance from outside along a unit vector, for cells of an edge of `width` times the distance; without the
 // peaks that are lights.
 fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
+    if light_globals.has_map == 0u {
+        return light_globals.environment;
+    }
     let in_map = map_from_world(direction);
     let level = cube_level(in_map, width, textureDimensions(environment_soft).x);
     return light_globals.environment
@@ -48,7 +54,7 @@ fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
 // The same along a glossy reflection. A lobe (alpha of the microfacets) narrower than the peaks shows them as
 // they are; a wider one gets them from their lights, see `glossy_share`.
 fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
-    if alpha >= light_globals.mirror_alpha {
+    if alpha >= light_globals.mirror_alpha || light_globals.has_map == 0u {
         return environment_radiance(direction, width);
     }
     let in_map = map_from_world(direction);
@@ -65,6 +71,9 @@ fn glossy_share(light: Light, alpha: f32) -> f32 {
 
 // What the eye sees along a unit vector: all of it, sharp.
 fn environment_background(direction: vec3f) -> vec3f {
+    if light_globals.has_map == 0u {
+        return light_globals.environment;
+    }
     return light_globals.environment
         * textureSampleLevel(environment_sharp, environment_sampler, map_from_world(direction), 0.0)
             .rgb;
