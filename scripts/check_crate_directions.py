@@ -26,6 +26,7 @@ MAY_DEPEND_ON = {
     "lumivox-explorer": {"lumivox", "lumivox-render", "lumivox-scene"},
     "lumivox-app": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
     "lumivox-web": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
+    "lumivox-serve": set(),
 }
 
 ALL_KINDS = {"normal", "build", "dev"}

@@ -107,6 +107,7 @@ impl Gpu {
     ///
     /// # Errors
     /// [`RenderError::Device`] when the device is lost.
+    #[allow(clippy::unused_async, reason = "only browsers await")]
     pub async fn finished(&self, doing: &'static str) -> Result<(), RenderError> {
         #[cfg(not(target_arch = "wasm32"))]
         self.wait(doing)?;
@@ -180,9 +181,10 @@ fn choose(adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::Adap
         },
         _ if cfg!(target_arch = "wasm32") => RenderError::Adapter {
             problem: "this browser offers no GPU to WebGPU".to_owned(),
-            remedy: "switch hardware acceleration on in its settings, update the GPU's driver, or try \
+            remedy:
+                "switch hardware acceleration on in its settings, update the GPU's driver, or try \
                      another browser"
-                .to_owned(),
+                    .to_owned(),
         },
         _ => RenderError::Adapter {
             problem: "this machine has no GPU adapter for Vulkan, Metal or Direct3D 12".to_owned(),

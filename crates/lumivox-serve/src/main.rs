@@ -29,7 +29,8 @@ struct Arguments {
 
 fn main() -> anyhow::Result<()> {
     let Arguments { folder, port } = Arguments::parse();
-    let root = folder.canonicalize().with_context(|| format!("{}: cannot be read", folder.display()))?;
+    let root =
+        folder.canonicalize().with_context(|| format!("{}: cannot be read", folder.display()))?;
     let server = listen(port)?;
     let address = server.server_addr().to_ip().context("the server has no address")?;
     // The one line on stdout: whoever started this reads it.
@@ -151,9 +152,14 @@ mod tests {
         assert!(page.contains("text/html; charset=utf-8"), "{page}");
         let wasm = ask(port, "GET /a%20b/x.wasm");
         assert!(wasm.contains("application/wasm") && wasm.ends_with("wasm"), "{wasm}");
-        for line in ["GET /none", "GET /../secret", "GET /%2e%2e/secret", "GET /a b", "GET //secret"] {
+        for line in
+            ["GET /none", "GET /../secret", "GET /%2e%2e/secret", "GET /a b", "GET //secret"]
+        {
             let refused = ask(port, line);
-            assert!(!refused.contains("secret") && !refused.starts_with("HTTP/1.1 200"), "{refused}");
+            assert!(
+                !refused.contains("secret") && !refused.starts_with("HTTP/1.1 200"),
+                "{refused}"
+            );
         }
         assert!(ask(port, "POST /").starts_with("HTTP/1.1 405"));
         server.unblock();

@@ -91,16 +91,19 @@ struct Still {
 impl Still {
     fn new(gpu: &Gpu, size: UVec2, pixels: Vec<[u8; 4]>) -> Self {
         let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
-        let texture = Texture::new(&gpu.device, &wgpu::TextureDescriptor {
-            label: Some("still"),
-            size: extent,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let texture = Texture::new(
+            &gpu.device,
+            &wgpu::TextureDescriptor {
+                label: Some("still"),
+                size: extent,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            },
+        );
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
             bytes_per_row: Some(4 * size.x),

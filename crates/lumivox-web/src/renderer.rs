@@ -308,5 +308,6 @@ fn from_js<T: Tsify + serde::de::DeserializeOwned>(
     value: &Ts<T>,
     what: &str,
 ) -> Result<T, WebError> {
-    T::from_js(value.js_value()).map_err(|error| WebError::value(format!("this is not {what}: {error}")))
+    T::from_js(value.js_value())
+        .map_err(|error| WebError::value(format!("this is not {what}: {error}")))
 }

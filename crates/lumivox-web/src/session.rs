@@ -26,6 +26,8 @@ pub struct Session {
     notes: Vec<String>,
     /// When time was last let go on.
     ticked: Instant,
+    /// What the last frame took, ms.
+    frame_ms: f64,
 }
 
 impl Session {
@@ -42,7 +44,8 @@ impl Session {
         let explorer = Explorer::new(gpu, settings, PresetChoice::default());
         let exposing = Exposing::default();
         let ticked = Instant::now();
-        Ok(Self { explorer, presenter, exposing, view, beside: None, notes: Vec::new(), ticked })
+        let (beside, notes) = (None, Vec::new());
+        Ok(Self { explorer, presenter, exposing, view, beside, notes, ticked, frame_ms: 0.0 })
     }
 
     /// The device.
@@ -349,13 +352,16 @@ impl Session {
         self.show()?;
         let gpu = self.explorer.gpu().clone();
         gpu.finished("showing a picture").await?;
+        if !is_complete {
+            self.frame_ms = start.elapsed().as_secs_f64() * 1000.0;
+        }
         let stages = self.stages();
         let renderer = self.explorer.renderer();
         Ok(FrameReport {
             frame: renderer.map_or(0, lumivox_render::Renderer::frame_count),
             frames: self.explorer.settings().frames,
             complete: is_complete && !self.explorer.playback().is_playing,
-            frame_ms: start.elapsed().as_secs_f64() * 1000.0,
+            frame_ms: self.frame_ms,
             stages,
             reference_samples: self.beside.as_ref().and_then(Beside::samples),
         })

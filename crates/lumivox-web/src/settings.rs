@@ -1,6 +1,7 @@
 //! Settings by name, as a page has them: the table of `lumivox-render` in JavaScript's values.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use glam::Vec3;
 use lumivox_explorer::suggest;
@@ -125,12 +126,11 @@ pub fn declarations() -> String {
             unit => format!(", {unit}"),
         };
         let default = SettingValue::from(parameter.get(&defaults)).in_words();
-        text += &format!(
-            "  /** {}: {}{unit}. Default: {default}. */\n  {}?: {};\n",
-            parameter.summary,
-            parameter.kind.in_words(),
-            parameter.name,
-            type_of(parameter.kind)
+        let (what, values) = (parameter.summary, parameter.kind.in_words());
+        let (name, values_type) = (parameter.name, type_of(parameter.kind));
+        let _ = write!(
+            text,
+            "  /** {what}: {values}{unit}. Default: {default}. */\n  {name}?: {values_type};\n"
         );
     }
     text + "}\n"

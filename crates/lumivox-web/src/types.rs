@@ -366,7 +366,7 @@ impl SceneInfo {
                 .animations()
                 .into_iter()
                 .map(|animation| AnimationInfo {
-                    name: animation.name.to_owned(),
+                    name: animation.name,
                     duration_s: animation.duration_s,
                 })
                 .collect(),
@@ -393,7 +393,7 @@ pub struct FrameReport {
     pub frames: u32,
     /// Whether nothing is left to do until something changes.
     pub complete: bool,
-    /// From the call until the GPU was done, in milliseconds.
+    /// What the last frame took, from the call until the GPU was done, in milliseconds.
     pub frame_ms: f64,
     /// Where the browser lets GPUs tell times, else empty.
     pub stages: Vec<StageMs>,
@@ -438,7 +438,7 @@ pub struct MemoryInfo {
 
 impl From<&MemoryUse> for MemoryInfo {
     fn from(used: &MemoryUse) -> Self {
-        Self { name: used.name.to_string(), bytes: used.bytes as f64 }
+        Self { name: used.name.clone(), bytes: used.bytes as f64 }
     }
 }
 

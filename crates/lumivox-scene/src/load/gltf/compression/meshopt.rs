@@ -98,12 +98,8 @@ fn decode_stream(
         (Some("TRIANGLES"), _) if !count.is_multiple_of(3) => {
             return Err(format!("its {count} indices are no triangles"));
         }
-        (Some("TRIANGLES"), 2 | 4) => {
-            codec::decode_index_buffer(count, stride, encoded, workspace)
-        }
-        (Some("INDICES"), 2 | 4) => {
-            codec::decode_index_sequence(count, stride, encoded, workspace)
-        }
+        (Some("TRIANGLES"), 2 | 4) => codec::decode_index_buffer(count, stride, encoded, workspace),
+        (Some("INDICES"), 2 | 4) => codec::decode_index_sequence(count, stride, encoded, workspace),
         (Some("TRIANGLES" | "INDICES"), _) => {
             return Err("indices of a stride of not 2 or 4".to_owned());
         }

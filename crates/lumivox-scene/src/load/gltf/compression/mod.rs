@@ -32,7 +32,7 @@ pub(super) fn decompress(
     budget: u64,
 ) -> Result<(), SceneError> {
     let mut sink = Sink { file, budget: GeometryBudget::new(file, budget) };
-        meshopt::decompress(root, buffers, &mut sink)?;
+    meshopt::decompress(root, buffers, &mut sink)?;
     draco::decompress(root, buffers, &mut sink)
 }
 
