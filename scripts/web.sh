@@ -6,14 +6,16 @@
 # The WASM target comes from rustup where rustup can fetch it, else from Debian's packages
 # (rustc-web and its sources, of which the standard library is built as well).
 
+: "${root:?set root to the repository root before sourcing web.sh}"
+
 web_target=wasm32-unknown-unknown
 
 # The cargo that compiles for browsers, and what it needs besides, in `web_cargo`.
 find_web_cargo() {
     web_cargo=(cargo)
-    if (cd "$root" && rustc --print sysroot) 2>/dev/null | { read -r sysroot && [[ -d $sysroot/lib/rustlib/$web_target ]]; }; then
-        return 0
-    fi
+    local sysroot
+    sysroot=$(cd "$root" && rustc --print sysroot 2>/dev/null) || sysroot=
+    if [[ -d $sysroot/lib/rustlib/$web_target ]]; then return 0; fi
     if have rustup && [[ -z ${LUMIVOX_NO_INSTALL:-} ]]; then
         say "Rust's target for browsers is missing. Installing it: rustup target add $web_target"
         (cd "$root" && rustup target add "$web_target" >&2) && return 0
@@ -27,7 +29,7 @@ find_web_cargo() {
         # Cargo finds the compiler on the PATH, and rustup's would come first.
         web_cargo=(env "PATH=/usr/bin:$PATH" RUSTC_BOOTSTRAP=1
             CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld-19 /usr/bin/cargo)
-        web_build_std=(-Z build-std=std,panic_abort)
+        web_build_std=(-Z "build-std=std,panic_abort")
         return 0
     fi
     die "Rust cannot compile for browsers here: its target $web_target is missing." \
@@ -42,6 +44,7 @@ locked_version() { sed -n "/^name = \"$1\"\$/{n;s/^version = \"\(.*\)\"\$/\1/p;q
 need_wasm_bindgen() {
     local version
     version=$(locked_version wasm-bindgen)
+    : "${target_dir:?call set_target_dir first}"
     wasm_bindgen=$target_dir/tools/wasm-bindgen-$version/bin/wasm-bindgen
     [[ -x $wasm_bindgen ]] && return 0
     if have wasm-bindgen && [[ $(wasm-bindgen --version) == "wasm-bindgen $version" ]]; then
@@ -88,4 +91,19 @@ print_web_size() {
     packed=$(gzip -9 -c "$1" | wc -c)
     say "$(awk -v a="$bytes" -v b="$packed" 'BEGIN {
         printf "WASM: %.2f MB; %.2f MB as servers send it with gzip.", a / 1e6, b / 1e6 }')"
+}
+
+# The browser that the page is tested in, in `chromium`, and Node.js to drive it; fails without them.
+need_browser() {
+    local name
+    for name in "${CHROMIUM:-}" chromium chromium-browser google-chrome google-chrome-stable; do
+        if [[ -n $name ]] && have "$name"; then chromium=$(command -v "$name") && break; fi
+    done
+    if [[ -z ${chromium:-} ]]; then
+        install_debian_packages "Chromium, which tests the page," chromium || return 1
+        chromium=$(command -v chromium) || return 1
+    fi
+    have npm || install_debian_packages "Node.js, which drives the browser," nodejs npm || return 1
+    # Its runner takes lists of files from 20 on.
+    version_at_least "$(node --version | tr -d v)" 20
 }

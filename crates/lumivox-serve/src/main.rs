@@ -112,9 +112,6 @@ fn find(root: &Path, url: &str) -> Option<PathBuf> {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
 
-    use std::io::{Read as _, Write as _};
-    use std::net::TcpStream;
-
     use super::*;
 
     fn folder() -> tempfile::TempDir {
@@ -127,43 +124,6 @@ mod tests {
             std::fs::write(root.join(name), text).unwrap();
         }
         outer
-    }
-
-    fn ask(port: u16, line: &str) -> String {
-        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
-        write!(stream, "{line} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
-        let mut text = String::new();
-        stream.read_to_string(&mut text).unwrap();
-        text
-    }
-
-    #[test]
-    fn files_come_with_their_kinds_and_nothing_else_comes() {
-        let outer = folder();
-        let root = outer.path().join("page").canonicalize().unwrap();
-        let server = Arc::new(listen(0).unwrap());
-        let port = server.server_addr().to_ip().unwrap().port();
-        let worker = {
-            let server = server.clone();
-            std::thread::spawn(move || serve(&server, &root))
-        };
-        let page = ask(port, "GET /?query");
-        assert!(page.starts_with("HTTP/1.1 200") && page.ends_with("<p>"), "{page}");
-        assert!(page.contains("text/html; charset=utf-8"), "{page}");
-        let wasm = ask(port, "GET /a%20b/x.wasm");
-        assert!(wasm.contains("application/wasm") && wasm.ends_with("wasm"), "{wasm}");
-        for line in
-            ["GET /none", "GET /../secret", "GET /%2e%2e/secret", "GET /a b", "GET //secret"]
-        {
-            let refused = ask(port, line);
-            assert!(
-                !refused.contains("secret") && !refused.starts_with("HTTP/1.1 200"),
-                "{refused}"
-            );
-        }
-        assert!(ask(port, "POST /").starts_with("HTTP/1.1 405"));
-        server.unblock();
-        worker.join().unwrap();
     }
 
     #[cfg(unix)]

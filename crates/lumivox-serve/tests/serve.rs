@@ -1,0 +1,74 @@
+//! The program as a browser meets it.
+
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{Ipv4Addr, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+struct Server {
+    program: Child,
+    port: u16,
+}
+
+impl Server {
+    fn start(folder: &Path) -> Self {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_lumivox-serve"))
+            .arg(folder)
+            .args(["--port", "0"])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut address = String::new();
+        BufReader::new(program.stdout.take().unwrap()).read_line(&mut address).unwrap();
+        let port = address.trim().trim_start_matches("http://localhost:").trim_end_matches('/');
+        Self { port: port.parse().unwrap(), program }
+    }
+
+    fn ask(&self, line: &str) -> String {
+        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).unwrap();
+        write!(stream, "{line} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+        let mut text = String::new();
+        stream.read_to_string(&mut text).unwrap();
+        text
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
+#[test]
+fn files_come_with_their_kinds_and_nothing_else_comes() {
+    let outer = tempfile::tempdir().unwrap();
+    std::fs::write(outer.path().join("secret"), "secret").unwrap();
+    let root = outer.path().join("page");
+    std::fs::create_dir_all(root.join("a b")).unwrap();
+    std::fs::write(root.join("index.html"), "<p>").unwrap();
+    std::fs::write(root.join("a b/x.wasm"), "wasm").unwrap();
+    let server = Server::start(&root);
+
+    let page = server.ask("GET /?query");
+    assert!(page.starts_with("HTTP/1.1 200") && page.ends_with("<p>"), "{page}");
+    assert!(page.contains("text/html; charset=utf-8"), "{page}");
+    let wasm = server.ask("GET /a%20b/x.wasm");
+    assert!(wasm.contains("application/wasm") && wasm.ends_with("wasm"), "{wasm}");
+    for line in ["GET /none", "GET /../secret", "GET /%2e%2e/secret", "GET /a b", "GET //secret"] {
+        let refused = server.ask(line);
+        assert!(!refused.contains("secret") && !refused.starts_with("HTTP/1.1 200"), "{refused}");
+    }
+    assert!(server.ask("POST /").starts_with("HTTP/1.1 405"));
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_told() {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_lumivox-serve")).arg("no such folder").output().unwrap();
+    assert!(!output.status.success());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("no such folder: cannot be read"), "{said}");
+}
