@@ -7,7 +7,7 @@ use lumivox_scene::Scene;
 use web_time::Instant;
 
 use crate::beside::{Beside, Right};
-use crate::error::WebError;
+use crate::error::{Code, WebError};
 use crate::exposing::Exposing;
 use crate::load::Listener;
 use crate::present::{Canvas, Presenter};
@@ -287,6 +287,10 @@ impl Session {
             return Ok(());
         };
         let right = Right::named(split)?;
+        if let Right::View(view) = right {
+            let asked = RenderSettings { view, ..self.explorer.settings().clone() };
+            asked.validate(&self.gpu().device.limits())?;
+        }
         match &mut self.beside {
             Some(beside) if beside.right == right => beside.at = split.at,
             _ => {
@@ -344,8 +348,9 @@ impl Session {
             None => !self.render_view(self.view).await?,
             Some(mut beside) => {
                 let result = beside.advance(self).await;
-                // It stays whatever happened.
-                self.beside = Some(beside);
+                // It stays, unless it cannot be shown any more: then the picture goes on alone.
+                let is_refused = result.as_ref().is_err_and(|error| error.code == Code::Value);
+                self.beside = Some(beside).filter(|_| !is_refused);
                 result?
             }
         };
