@@ -1,0 +1,127 @@
+// @ts-check
+// How the camera is moved by hand: pure functions from a camera to the next. Angles in rad, lengths in metres.
+
+/** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").Vec3} Vec3 */
+
+/** How near to the vertical it may look, rad: further on, left and right would swap. */
+const STEEPEST_RAD = 1.55;
+
+/** @param {Vec3} a @param {Vec3} b @returns {Vec3} */
+export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+/** @param {Vec3} a @param {Vec3} b @returns {Vec3} */
+export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+/** @param {Vec3} a @param {number} by @returns {Vec3} */
+export const scale = (a, by) => [a[0] * by, a[1] * by, a[2] * by];
+/** @param {Vec3} a @param {Vec3} b */
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/** @param {Vec3} a */
+export const length = (a) => Math.hypot(...a);
+
+/** @param {Vec3} a @param {Vec3} b @returns {Vec3} */
+export function cross(a, b) {
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+/** A vector of length one; of a vector without a direction, `otherwise`.
+ * @param {Vec3} a @param {Vec3} otherwise @returns {Vec3} */
+function normalize(a, otherwise) {
+    const size = length(a);
+    return size > 0 && Number.isFinite(size) ? scale(a, 1 / size) : otherwise;
+}
+
+/** The camera's axes in the world, `above` being its own upward axis and `up` the world's.
+ * @param {Camera} camera
+ * @returns {{ forward: Vec3, right: Vec3, above: Vec3, up: Vec3 }} */
+export function axes(camera) {
+    const up = normalize(camera.up, [0, 1, 0]);
+    const forward = normalize(subtract(camera.target, camera.position), [0, 0, -1]);
+    /** @type {Vec3} */
+    const aside = Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 0, 1];
+    const right = normalize(cross(forward, up), normalize(cross(aside, up), [1, 0, 0]));
+    return { forward, right, above: cross(right, forward), up };
+}
+
+/** A vector turned about an axis of length one (Rodrigues 1840).
+ * @param {Vec3} v @param {Vec3} axis @param {number} angle @returns {Vec3} */
+function rotate(v, axis, angle) {
+    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    const along = scale(axis, dot(axis, v) * (1 - cos));
+    return add(add(scale(v, cos), scale(cross(axis, v), sin)), along);
+}
+
+/** A turn to the left, then up as far as it goes.
+ * @param {Camera} camera @param {number} left @param {number} above @returns {(v: Vec3) => Vec3} */
+function turn(camera, left, above) {
+    const { forward, right, up } = axes(camera);
+    const elevation = Math.asin(Math.min(1, Math.max(-1, dot(forward, up))));
+    const raised = Math.min(STEEPEST_RAD, Math.max(-STEEPEST_RAD, elevation + above));
+    return (v) => rotate(rotate(v, right, raised - elevation), up, left);
+}
+
+/** Turns the camera about its target, which stays: dragged to the right, the scene turns to the right.
+ * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
+export function orbit(camera, right, down) {
+    const offset = turn(camera, -right, -down)(subtract(camera.position, camera.target));
+    return { ...camera, position: add(camera.target, offset) };
+}
+
+/** Turns the camera where it stands, to the right and down.
+ * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
+export function look(camera, right, down) {
+    const offset = turn(camera, -right, -down)(subtract(camera.target, camera.position));
+    return { ...camera, target: add(camera.position, offset) };
+}
+
+/** Moves the camera within the picture's plane, by shares of the picture's height: what is at its target follows
+ * the pointer.
+ * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
+export function pan(camera, right, down) {
+    const { right: aside, above } = axes(camera);
+    const distance = length(subtract(camera.target, camera.position));
+    const height = 2 * distance * Math.tan((camera.vertical_fov_deg * Math.PI) / 360);
+    return moved(camera, add(scale(aside, -right * height), scale(above, down * height)));
+}
+
+/** Moves the camera towards its target (factors below 1) or away from it, but no nearer than `nearest`.
+ * @param {Camera} camera @param {number} factor @param {number} nearest @returns {Camera} */
+export function dolly(camera, factor, nearest) {
+    const distance = length(subtract(camera.target, camera.position));
+    const wanted = Math.max(distance * factor, Math.min(nearest, distance));
+    return { ...camera, position: subtract(camera.target, scale(axes(camera).forward, wanted)) };
+}
+
+/** Moves the camera and its target to its right, up in the world, and forwards.
+ * @param {Camera} camera @param {Vec3} way @returns {Camera} */
+export function fly(camera, way) {
+    const { forward, right, up } = axes(camera);
+    return moved(camera, add(add(scale(right, way[0]), scale(up, way[1])), scale(forward, way[2])));
+}
+
+/** Moves the camera so that a box fills the picture; the direction stays. `fitted` sees to upright pictures.
+ * @param {Camera} camera @param {{ min: Vec3, max: Vec3 }} bounds @returns {Camera} */
+export function frame(camera, bounds) {
+    const distance = Math.max(radius(bounds), 1e-4) / Math.sin((camera.vertical_fov_deg * Math.PI) / 360);
+    const target = scale(add(bounds.min, bounds.max), 0.5);
+    return { ...camera, target, position: subtract(target, scale(axes(camera).forward, distance)) };
+}
+
+/** The camera for a picture of this aspect (width by height): an upright one sees as far to the sides as a square one,
+ * so that a phone shows what a desktop does, up to 150 degrees.
+ * @param {Camera} camera @param {number} aspect @returns {Camera} */
+export function fitted(camera, aspect) {
+    if (!(aspect < 1)) return camera;
+    const widened = (Math.atan(Math.tan((camera.vertical_fov_deg * Math.PI) / 360) / aspect) * 360) / Math.PI;
+    return { ...camera, vertical_fov_deg: Math.max(camera.vertical_fov_deg, Math.min(150, widened)) };
+}
+
+/** Half the diagonal of a box.
+ * @param {{ min: Vec3, max: Vec3 }} bounds */
+export function radius(bounds) {
+    return 0.5 * length(subtract(bounds.max, bounds.min));
+}
+
+/** @param {Camera} camera @param {Vec3} by @returns {Camera} */
+function moved(camera, by) {
+    return { ...camera, position: add(camera.position, by), target: add(camera.target, by) };
+}

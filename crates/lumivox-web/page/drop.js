@@ -1,0 +1,81 @@
+// @ts-check
+// Files that are dropped or chosen, with their paths: a folder is searched, so that a .gltf finds its buffers.
+
+import { byId } from "./dom.js";
+
+/** @typedef {import("./types.js").SourceFile} SourceFile */
+
+/** Files that are taken from a dropped folder: more is no scene but a disk. */
+const MOST_FILES = 5000;
+
+/** Listens for files on the whole page and from the file dialog.
+ * @param {(files: SourceFile[]) => void} open @param {(text: string) => void} refuse */
+export function listenForFiles(open, refuse) {
+    const hint = byId("drop");
+    let depth = 0;
+    const hasFiles = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes("Files") ?? false;
+    const show = (/** @type {number} */ by) => {
+        depth = Math.max(0, depth + by);
+        hint.hidden = depth === 0;
+    };
+    addEventListener("dragenter", (event) => hasFiles(event) && show(1));
+    addEventListener("dragleave", (event) => hasFiles(event) && show(-1));
+    addEventListener("dragover", (event) => hasFiles(event) && event.preventDefault());
+    addEventListener("drop", async (event) => {
+        if (!event.dataTransfer || !hasFiles(event)) return;
+        event.preventDefault();
+        show(-Infinity);
+        try {
+            offer(await dropped(event.dataTransfer));
+        } catch (error) {
+            refuse(error instanceof Error ? error.message : String(error));
+        }
+    });
+    const input = byId("files", HTMLInputElement);
+    input.addEventListener("change", () => {
+        offer([...(input.files ?? [])].map((file) => ({ file, path: file.webkitRelativePath || file.name })));
+        // The same file may be chosen again.
+        input.value = "";
+    });
+    /** @param {SourceFile[]} files */
+    const offer = (files) => {
+        if (files.length > 0) open(files);
+        else refuse("There is no file in what was dropped: drop a .glb, a .gltf with its files, or an .obj with its .mtl");
+    };
+}
+
+/** All files of a drop. What is dropped must be asked for at once: later it is gone.
+ * @param {DataTransfer} transfer @returns {Promise<SourceFile[]>} */
+async function dropped(transfer) {
+    const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.() ?? null);
+    const plain = [...transfer.files].map((file) => ({ file, path: file.name }));
+    if (entries.every((entry) => entry === null)) return plain;
+    /** @type {SourceFile[]} */
+    const found = [];
+    for (const entry of entries) if (entry) await search(entry, found);
+    return found;
+}
+
+/** @param {FileSystemEntry} entry @param {SourceFile[]} found */
+async function search(entry, found) {
+    if (found.length > MOST_FILES) {
+        throw new Error(`The folder has more than ${MOST_FILES} files: drop the one that holds only the scene`);
+    }
+    if (isFile(entry)) {
+        const file = await new Promise((/** @type {(file: File) => void} */ resolve, reject) => entry.file(resolve, reject));
+        found.push({ file, path: entry.fullPath.replace(/^\//, "") });
+    } else if (isFolder(entry)) {
+        const reader = entry.createReader();
+        // A reader gives a part at a time, and nothing at the end.
+        for (;;) {
+            const part = await new Promise((/** @type {(part: FileSystemEntry[]) => void} */ resolve, reject) => reader.readEntries(resolve, reject));
+            if (part.length === 0) break;
+            for (const child of part) await search(child, found);
+        }
+    }
+}
+
+/** @param {FileSystemEntry} entry @returns {entry is FileSystemFileEntry} */
+const isFile = (entry) => entry.isFile;
+/** @param {FileSystemEntry} entry @returns {entry is FileSystemDirectoryEntry} */
+const isFolder = (entry) => entry.isDirectory;

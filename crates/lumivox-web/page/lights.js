@@ -1,0 +1,134 @@
+// @ts-check
+// The scene's lights and objects.
+
+import { byId, h, numberInput, plain, row } from "./dom.js";
+
+/** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").Light} Light */
+/** @typedef {import("./types.js").SceneInfo} SceneInfo */
+/** @typedef {import("./types.js").Vec3} Vec3 */
+
+/** Objects that are listed at once; the filter finds the others. */
+const MOST_OBJECTS = 200;
+
+const KINDS = { directional: "sun", point: "point", spot: "spot" };
+
+/** A light as it is added: where the camera is, as the console adds it.
+ * @param {Light["kind"]} kind @param {Camera} camera @param {number} count lights that there are @returns {Light} */
+export function newLight(kind, camera, count) {
+    const name = `${KINDS[kind]} ${count + 1}`;
+    /** @type {Vec3} */
+    const down = [0, -1, 0];
+    const [from, to] = [camera.position, camera.target];
+    if (kind === "directional") return { name, kind, color: [1, 1, 1], intensity: 100000, unit: "lux", direction: down };
+    const lamp = { name, kind, color: /** @type {Vec3} */ ([1, 1, 1]), intensity: 100, unit: /** @type {const} */ ("candela"), position: from, radius_m: 0, range_m: null };
+    if (kind === "point") return lamp;
+    return { ...lamp, direction: [to[0] - from[0], to[1] - from[1], to[2] - from[2]], inner_cone_deg: 20, outer_cone_deg: 30 };
+}
+
+/** Fields for all lights. A change tells the whole light.
+ * @param {Light[]} lights @param {(index: number, light: Light) => void} change @param {(index: number) => void} remove */
+export function showLights(lights, change, remove) {
+    const list = byId("lights");
+    const open = new Set([...list.querySelectorAll("details[open]")].map((details) => details.getAttribute("data-name")));
+    list.replaceChildren(...lights.map((light, index) => lightFields(light, open.has(light.name), (changes) => {
+        Object.assign(light, changes);
+        change(index, light);
+    }, () => remove(index))));
+    if (lights.length === 0) list.append(h("p", { class: "weak" }, "No lamps; what emits and the surroundings shine."));
+}
+
+/** @param {Light} light @param {boolean} open @param {(changes: Partial<Light>) => void} change @param {() => void} remove */
+function lightFields(light, open, change, remove) {
+    const dot = h("i", { class: "dot" });
+    const paint = () => (dot.style.background = hex(light.color));
+    paint();
+    const color = h("input", { type: "color", value: hex(light.color) });
+    color.addEventListener("input", () => {
+        const peak = Math.max(...light.color) || 1;
+        const [red, green, blue] = linear(color.value);
+        change({ color: [red * peak, green * peak, blue * peak] });
+        paint();
+    });
+    const fields = h("div", {},
+        row("Colour", "", color),
+        row("Strength", light.unit === "lux" ? "lux" : "cd", number(light.intensity, (intensity) => change({ intensity }))),
+    );
+    if (light.position) fields.append(three("Position", "m", light.position, (position) => change({ position })));
+    if (light.direction) fields.append(three("Direction", "", light.direction, (direction) => change({ direction })));
+    /** @type {[keyof Light, string, string][]} */
+    const numbers = [["radius_m", "Radius", "m"], ["range_m", "Range", "m"], ["inner_cone_deg", "Inner cone", "°"], ["outer_cone_deg", "Outer cone", "°"]];
+    for (const [name, label, unit] of numbers) {
+        const value = light[name];
+        if (typeof value === "number") fields.append(row(label, unit, number(value, (now) => change({ [name]: now }))));
+    }
+    fields.append(h("div", { class: "pair" }, h("button", { click: remove }, `Remove ${light.name}`)));
+    return h("details", { "data-name": light.name, open }, h("summary", {}, dot, light.name, " ", h("small", {}, KINDS[light.kind])), fields);
+}
+
+/** @param {number} value @param {(value: number) => void} change */
+function number(value, change) {
+    const input = numberInput({}, change);
+    input.value = plain(value);
+    return input;
+}
+
+/** @param {string} label @param {string} unit @param {Vec3} vector @param {(vector: Vec3) => void} change */
+function three(label, unit, vector, change) {
+    const now = /** @type {Vec3} */ ([...vector]);
+    const inputs = ["x", "y", "z"].map((axis, index) => {
+        const input = numberInput({ "aria-label": `${label} ${axis}`, step: 0.1 }, (value) => {
+            now[index] = value;
+            change([...now]);
+        });
+        input.value = plain(vector[index]);
+        return input;
+    });
+    const name = h("span", {}, label);
+    if (unit) name.append(" ", h("small", {}, unit));
+    return h("div", { class: "row", role: "group", "aria-label": label }, name, h("span", { class: "pair" }, ...inputs));
+}
+
+/** A linear colour as the screen shows it, as bright as its strongest part (IEC 61966-2-1).
+ * @param {Vec3} color */
+function hex(color) {
+    const peak = Math.max(...color, 1e-12);
+    const byte = (/** @type {number} */ part) => {
+        const share = Math.max(0, part / peak);
+        const encoded = share <= 0.0031308 ? 12.92 * share : 1.055 * share ** (1 / 2.4) - 0.055;
+        return Math.round(encoded * 255).toString(16).padStart(2, "0");
+    };
+    return `#${color.map(byte).join("")}`;
+}
+
+/** @param {string} text @returns {Vec3} */
+function linear(text) {
+    const part = (/** @type {number} */ at) => {
+        const encoded = Number.parseInt(text.slice(at, at + 2), 16) / 255;
+        return encoded <= 0.04045 ? encoded / 12.92 : ((encoded + 0.055) / 1.055) ** 2.4;
+    };
+    return [part(1), part(3), part(5)];
+}
+
+/** Objects by name, each with a box that hides it.
+ * @param {SceneInfo["objects"]} objects @param {(object: number, hidden: boolean) => void} hide */
+export function showObjects(objects, hide) {
+    const filter = byId("objects-filter", HTMLInputElement);
+    const list = byId("objects");
+    const show = () => {
+        const wanted = filter.value.trim().toLowerCase();
+        const found = objects.map((object, index) => ({ object, index })).filter(({ object }) => object.name.toLowerCase().includes(wanted));
+        const boxes = found.slice(0, MOST_OBJECTS).map(({ object, index }) => {
+            const box = h("input", { type: "checkbox", checked: !object.hidden });
+            box.addEventListener("change", () => {
+                object.hidden = !box.checked;
+                hide(index, object.hidden);
+            });
+            return h("label", { class: "object" }, box, object.name || `object ${index + 1}`);
+        });
+        list.replaceChildren(...boxes);
+        if (found.length > MOST_OBJECTS) list.append(h("p", { class: "weak" }, `and ${found.length - MOST_OBJECTS} more: filter by name`));
+    };
+    filter.oninput = show;
+    show();
+}

@@ -1,0 +1,169 @@
+// @ts-check
+// Links that carry the scene, the camera, the split and the settings behind the '#': written, read and checked.
+// Example: #scene=builtin:cornell&camera=0,1,4,0,1,0,40&split=reference,0.5&resolution=128
+
+/** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").LinkState} LinkState */
+/** @typedef {import("./types.js").ParameterInfo} ParameterInfo */
+/** @typedef {import("./types.js").Settings} Settings */
+/** @typedef {import("./types.js").Value} Value */
+/** @typedef {import("./types.js").Vec3} Vec3 */
+
+/** The longest link that is read, characters: many times what a page writes. */
+const LONGEST = 16384;
+
+/** The text behind the '#'.
+ * @param {LinkState} state @returns {string} */
+export function encode(state) {
+    /** @type {[string, string][]} */
+    const fields = [];
+    if (state.scene !== undefined) fields.push(["scene", state.scene]);
+    if (state.preset !== undefined) fields.push(["preset", state.preset]);
+    if (state.camera) fields.push(["camera", cameraText(state.camera)]);
+    if (state.split) fields.push(["split", `${state.split.right},${short(state.split.at)}`]);
+    if (state.scale !== undefined) fields.push(["scale", short(state.scale)]);
+    for (const [name, value] of Object.entries(state.settings)) fields.push([name, valueText(value)]);
+    const plain = (/** @type {string} */ text) =>
+        encodeURIComponent(text).replace(/%2C/g, ",").replace(/%3A/g, ":").replace(/%2F/g, "/");
+    return fields.map(([name, value]) => `${plain(name)}=${plain(value)}`).join("&");
+}
+
+/** Reads what stands behind a '#', with or without it. What cannot be read is left out and told of.
+ * @param {string} hash
+ * @param {{ parameters: ParameterInfo[], presets: { name: string }[] }} known
+ * @returns {{ state: LinkState, problems: string[] }} */
+export function decode(hash, known) {
+    /** @type {LinkState} */
+    const state = { settings: {} };
+    /** @type {string[]} */
+    const problems = [];
+    if (hash.length > LONGEST) return { state, problems: [`the link is longer than ${LONGEST} characters`] };
+    const seen = new Set();
+    for (const field of hash.replace(/^#/, "").split("&")) {
+        if (field === "") continue;
+        try {
+            const [name, text] = nameAndText(field);
+            if (seen.has(name)) throw new Error(`${name} stands in it twice`);
+            seen.add(name);
+            readField(state, name, text, known);
+        } catch (error) {
+            problems.push(error instanceof Error ? error.message : String(error));
+        }
+    }
+    return { state, problems };
+}
+
+/** @param {LinkState} state @param {string} name @param {string} text
+ * @param {{ parameters: ParameterInfo[], presets: { name: string }[] }} known */
+function readField(state, name, text, { parameters, presets }) {
+    if (name === "scene") state.scene = sceneOf(text);
+    else if (name === "camera") state.camera = cameraOf(text);
+    else if (name === "split") state.split = splitOf(text, parameters);
+    else if (name === "preset") state.preset = oneOf(name, text, presets.map((preset) => preset.name));
+    else if (name === "scale") state.scale = between(name, text, 0.25, 1);
+    else {
+        const info = parameters.find((parameter) => parameter.name === name);
+        if (!info) throw new Error(`there is no setting named "${name}"`);
+        state.settings[name] = valueOf(info, text);
+    }
+}
+
+/** The value that a text gives a setting. Its range is left to the renderer, whose error tells it.
+ * @param {ParameterInfo} info @param {string} text @returns {Value} */
+export function valueOf(info, text) {
+    if (info.word !== undefined && text === info.word) return text;
+    if (info.kind === "switch") return oneOf(info.name, text, ["on", "off"]) === "on";
+    if (info.kind === "choice") return oneOf(info.name, text, info.choices ?? []);
+    if (info.kind !== "whole" && info.kind !== "number") return text;
+    const number = numberOf(text);
+    if (number === undefined || (info.kind === "whole" && !Number.isInteger(number))) {
+        const what = info.kind === "whole" ? "a whole number" : "a number";
+        const word = info.word === undefined ? "" : ` or ${info.word}`;
+        throw new Error(`${info.name} must be ${what}${word}, not "${text}"`);
+    }
+    return number;
+}
+
+/** @param {Value} value @returns {string} */
+function valueText(value) {
+    if (typeof value === "boolean") return value ? "on" : "off";
+    return typeof value === "number" ? short(value) : value;
+}
+
+/** Seven digits, as many as single floats have.
+ * @param {number} number */
+function short(number) {
+    return String(Number(number.toPrecision(7)));
+}
+
+/** @param {Camera} camera */
+function cameraText(camera) {
+    const numbers = [...camera.position, ...camera.target, camera.vertical_fov_deg];
+    const [x, y, z] = camera.up;
+    if (x !== 0 || y !== 1 || z !== 0) numbers.push(x, y, z);
+    return numbers.map(short).join(",");
+}
+
+/** @param {string} text @returns {Camera} */
+function cameraOf(text) {
+    const numbers = text.split(",").map(numberOf);
+    const format = "camera must be 7 or 10 numbers: position, target, vertical angle in degrees, and up";
+    if (numbers.length !== 7 && numbers.length !== 10) throw new Error(format);
+    const [px, py, pz, tx, ty, tz, fov, ux = 0, uy = 1, uz = 0] = numbers.map((number) => {
+        if (number === undefined) throw new Error(format);
+        return number;
+    });
+    if (fov < 1 || fov > 170) throw new Error(`the camera's angle must be from 1 to 170 degrees, not ${fov}`);
+    /** @type {Camera} */
+    const camera = { position: [px, py, pz], target: [tx, ty, tz], up: [ux, uy, uz], vertical_fov_deg: fov };
+    if (px === tx && py === ty && pz === tz) throw new Error("the camera stands where it looks at");
+    if (ux === 0 && uy === 0 && uz === 0) throw new Error("the camera's up has no direction");
+    return camera;
+}
+
+/** @param {string} text @param {ParameterInfo[]} parameters */
+function splitOf(text, parameters) {
+    const [right, at, ...rest] = text.split(",");
+    if (at === undefined || rest.length > 0) throw new Error("split must be a view and a place, as in reference,0.5");
+    const views = parameters.find((parameter) => parameter.name === "view")?.choices ?? [];
+    return { right: oneOf("split", right, [...views, "reference"]), at: between("the place of the split", at, 0, 1) };
+}
+
+/** @param {string} text */
+function sceneOf(text) {
+    if (/^builtin:[a-z0-9-]+$/.test(text)) return text;
+    // Only what a page may fetch: no scripts, no data from within the link.
+    if (/^https?:\/\/[^/\s]/i.test(text) || (text !== "" && !/^[a-z][a-z0-9+.-]*:/i.test(text))) return text;
+    throw new Error(`scene must be builtin:NAME or an address with http or https, not "${text}"`);
+}
+
+/** @param {string} field @returns {[string, string]} */
+function nameAndText(field) {
+    const at = field.indexOf("=");
+    if (at < 1) throw new Error(`"${field}" is not of the form name=value`);
+    try {
+        return [decodeURIComponent(field.slice(0, at)), decodeURIComponent(field.slice(at + 1))];
+    } catch {
+        throw new Error(`"${field}" has a % without two hexadecimal digits of UTF-8 behind it`);
+    }
+}
+
+/** @param {string} text @returns {number | undefined} */
+function numberOf(text) {
+    return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text) && Number.isFinite(Number(text)) ? Number(text) : undefined;
+}
+
+/** @param {string} name @param {string} text @param {number} low @param {number} high */
+function between(name, text, low, high) {
+    const number = numberOf(text);
+    if (number === undefined || number < low || number > high) {
+        throw new Error(`${name} must be a number from ${low} to ${high}, not "${text}"`);
+    }
+    return number;
+}
+
+/** @param {string} name @param {string} text @param {string[]} names */
+function oneOf(name, text, names) {
+    if (!names.includes(text)) throw new Error(`${name} must be one of ${names.join(", ")}, not "${text}"`);
+    return text;
+}

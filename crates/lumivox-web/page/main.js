@@ -1,0 +1,350 @@
+// @ts-check
+// The page: what is shown, what was asked for, and how the parts come together. The renderer is in the worker.
+
+import { fitted, frame } from "./camera.js";
+import { Client, WorkerError } from "./client.js";
+import { Controls } from "./controls.js";
+import { byId, plain } from "./dom.js";
+import { listenForFiles } from "./drop.js";
+import { listenToTools, showPanel } from "./keys.js";
+import { newLight, showLights } from "./lights.js";
+import { decode } from "./link.js";
+import { announce, loading, say, showUnsupported } from "./messages.js";
+import { Parameters, radios, same } from "./parameters.js";
+import { cameraChoices, showFacts, showScene } from "./scene.js";
+import { copyLink, download, linkState, showLink } from "./share.js";
+import { SplitLine } from "./split.js";
+import { addReport, clearReports, milliseconds, showMemory } from "./timing.js";
+
+/** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").Catalogue} Catalogue */
+/** @typedef {import("./types.js").Changed} Changed */
+/** @typedef {import("./types.js").FrameReport} FrameReport */
+/** @typedef {import("./types.js").Light} Light */
+/** @typedef {import("./types.js").Memory} Memory */
+/** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").Progress} Progress */
+/** @typedef {import("./types.js").Settings} Settings */
+/** @typedef {import("./types.js").Source} Source */
+
+/** The preset that the renderer starts with. */
+const FIRST_PRESET = "balanced";
+/** Browsers' default limit of a texture's edge, pixels. */
+const LARGEST_PX = 8192;
+
+const canvas = byId("canvas", HTMLCanvasElement);
+const client = new Client(new URL("worker.js", import.meta.url));
+
+/** @type {Catalogue} */
+let catalogue;
+/** @type {Parameters} */
+let fields;
+/** @type {SplitLine} */
+let split;
+/** @type {Opened | null} */
+let opened = null;
+/** @type {Source | null} */
+let source = null;
+/** @type {Camera | null} */
+let camera = null;
+/** @type {Settings} */
+let settings = {};
+let preset = FIRST_PRESET;
+/** Settings that were changed by hand.
+ * @type {Set<string>} */
+const touched = new Set();
+let aspect = 1;
+/** Phones and the like have more pixels than one sees. */
+const usualScale = devicePixelRatio >= 2 ? 0.5 : 1;
+
+/** Where the page is: starting, loading, rendering, complete, empty (no scene), lost, failed, unsupported.
+ * @param {string} [now] */
+const state = (now = document.documentElement.dataset.state) => (document.documentElement.dataset.state = now);
+/** Changes that the worker has not answered. */
+let asked = 0;
+
+/** Asks the worker for a change: until it is answered and rendered, no picture is complete.
+ * @template T
+ * @param {string} call @param {unknown} data @param {(progress: Progress) => void} [onProgress] @returns {Promise<T>} */
+function ask(call, data, onProgress) {
+    asked += 1;
+    if (state() === "complete") state("rendering");
+    return client.call(call, data, onProgress).finally(() => (asked -= 1));
+}
+
+// --- Errors --------------------------------------------------------------------------------------------------------
+
+/** @param {unknown} error */
+function fail(error) {
+    const text = error instanceof Error ? error.message : String(error);
+    const { fatal = false, code = "" } = error instanceof WorkerError ? error : {};
+    if (fatal) say(`The renderer stopped: ${text}`, { action: { label: "Start again", run: startAgain } });
+    else if (code === "lost") say(text, { action: { label: "Try again", run: () => void attempt(ask("restore", null)) } });
+    else say(text);
+}
+
+/** What a promise gives; if it fails, that is told.
+ * @template T @param {Promise<T>} promise @returns {Promise<T | undefined>} */
+async function attempt(promise) {
+    try {
+        return await promise;
+    } catch (error) {
+        fail(error);
+        return undefined;
+    }
+}
+
+function startAgain() {
+    showLink(link());
+    location.reload();
+}
+
+// --- Scene and camera ----------------------------------------------------------------------------------------------
+
+/** Opens a scene; the one before stays if that fails.
+ * @param {Source} from @param {Camera} [place] where the camera shall be */
+async function open(from, place) {
+    const name = typeof from === "string" ? from.replace(/^builtin:/, "") : (from.find(({ path }) => /\.(glb|gltf|obj)$/i.test(path)) ?? from[0]).path;
+    const busy = loading(`Loading ${name}`);
+    state("loading");
+    announce(`Loading ${name}`);
+    try {
+        /** @type {Opened} */
+        const now = await ask("load", { source: from, camera: place && fitted(place, aspect) }, busy.progress);
+        [opened, source] = [now, from];
+        camera = place ?? now.scene.camera;
+        clearReports();
+        showScene(now.scene, typeof from === "string" ? from : "", (call, data) => void attempt(ask(call, data)));
+        showAllLights(now.scene.lights);
+        showSettings(now.settings);
+        if (!place && aspect < 1) sendCamera(false);
+        announce(`${now.scene.name} is loaded: ${byId("facts").textContent}`);
+        state("rendering");
+    } catch (error) {
+        fail(error);
+        state(opened ? "rendering" : "empty");
+        byId("scene", HTMLSelectElement).value = typeof source === "string" ? source : "";
+    } finally {
+        busy.end();
+    }
+}
+
+/** @param {boolean} isMoving */
+function sendCamera(isMoving) {
+    if (camera && opened) void attempt(ask("camera", { camera: fitted(camera, aspect), number: opened.number, isMoving }));
+}
+
+/** @param {Camera} to @param {boolean} isMoving */
+function moveTo(to, isMoving) {
+    camera = to;
+    sendCamera(isMoving);
+}
+
+function goHome() {
+    if (opened) moveTo(cameraChoices(opened.scene)[Number(byId("camera", HTMLSelectElement).value)], false);
+}
+
+function listenForCamera() {
+    new Controls(canvas, () => (camera && opened ? { camera, scene: opened.scene } : null), (to) => moveTo(to, true));
+    byId("camera").addEventListener("change", goHome);
+    byId("home").addEventListener("click", goHome);
+    canvas.addEventListener("keydown", ({ code, ctrlKey, metaKey, altKey }) => {
+        if (ctrlKey || metaKey || altKey) return;
+        if (code === "Home") goHome();
+        if (code === "KeyF" && camera && opened) moveTo(frame(camera, opened.scene.bounds), false);
+    });
+}
+
+/** @param {Light[]} lights */
+function showAllLights(lights) {
+    if (!opened) return;
+    opened.scene.lights = lights;
+    const change = (/** @type {number} */ index, /** @type {Light} */ light) => void attempt(ask("light", { index, light }));
+    showLights(lights, change, async (index) => {
+        const left = await attempt(ask("removeLight", index));
+        if (left) showAllLights(/** @type {Light[]} */ (left));
+    });
+}
+
+async function addLight(/** @type {string | null} */ kind) {
+    if (!opened || !camera) return;
+    const lights = await attempt(ask("addLight", newLight(/** @type {Light["kind"]} */ (kind), camera, opened.scene.lights.length)));
+    if (lights) showAllLights(/** @type {Light[]} */ (lights));
+}
+
+// --- Settings ------------------------------------------------------------------------------------------------------
+
+/** @param {Settings} now */
+function showSettings(now) {
+    settings = now;
+    fields.show(settings);
+    split.showLeft(String(settings.view ?? ""));
+}
+
+/** @param {string} call @param {Settings | string} data @returns {Promise<boolean>} */
+async function change(call, data) {
+    const busy = loading("Applying");
+    /** @type {Changed | undefined} */
+    const now = await attempt(ask(call, data, busy.progress));
+    busy.end();
+    if (now && opened && now.voxels !== undefined) {
+        opened.scene.voxels = now.voxels;
+        showFacts(opened.scene);
+    }
+    showSettings(now?.settings ?? settings);
+    return now !== undefined;
+}
+
+/** @param {Settings} changes */
+async function set(changes) {
+    const isSet = await change("set", changes);
+    if (isSet) for (const name of Object.keys(changes)) touched.add(name);
+    return isSet;
+}
+
+/** @param {string} name */
+async function setPreset(name) {
+    const before = settings;
+    if (!(await change("preset", name))) return false;
+    preset = name;
+    fields.usual = Object.fromEntries(
+        catalogue.parameters.map(({ name, default: first }) => [name, same(settings[name], before[name]) ? first : settings[name]]),
+    );
+    fields.show(settings);
+    return true;
+}
+
+/** What a link to this has to carry. */
+function link() {
+    const scale = byId("scale", HTMLInputElement).valueAsNumber;
+    const changed = { preset: preset === FIRST_PRESET ? undefined : preset, scale: scale === usualScale ? undefined : scale };
+    return linkState({ ...changed, source, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
+}
+
+async function savePicture() {
+    /** @type {Blob | undefined} */
+    const picture = await attempt(client.call("picture"));
+    if (picture) download(picture, opened?.scene.name ?? "");
+}
+
+// --- Size -------------------------------------------------------------------------------------------------------------
+
+function resize() {
+    const { clientWidth, clientHeight } = canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    const share = byId("scale", HTMLInputElement).valueAsNumber;
+    byId("scale-value").textContent = plain(share);
+    const scale = Math.min(devicePixelRatio * share, LARGEST_PX / Math.max(clientWidth, clientHeight));
+    const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(1, Math.round(side * scale)));
+    void attempt(ask("resize", { width, height, coarser: byId("coarser", HTMLInputElement).checked }));
+    const isUpright = aspect < 1;
+    aspect = clientWidth / clientHeight;
+    if (isUpright || aspect < 1) sendCamera(false);
+}
+
+// --- What the worker tells -----------------------------------------------------------------------------------------
+
+function listenToWorker() {
+    /** @type {{ end: () => void } | null} */
+    let restoring = null;
+    client.on("frame", (/** @type {FrameReport} */ report) => {
+        addReport(report);
+        const reference = report.reference_samples === undefined ? "" : ` · reference ${report.reference_samples} samples`;
+        byId("status").textContent = `${report.frame}/${report.frames} frames · ${milliseconds(report.frame_ms)}${reference}`;
+        if (state() === "loading") return;
+        const isComplete = report.complete && asked === 0;
+        state(isComplete ? "complete" : "rendering");
+        if (isComplete) void attempt(client.call("memory")).then((memory) => memory && showMemory(/** @type {Memory[]} */ (memory)));
+    });
+    const endRestoring = () => {
+        restoring?.end();
+        restoring = null;
+    };
+    client.on("error", (error) => {
+        endRestoring();
+        state("failed");
+        fail(error);
+    });
+    client.on("lost", (reason) => {
+        restoring ??= loading("Restoring the graphics device");
+        say(`The graphics device was lost: ${reason}`, { kind: "note" });
+        state("lost");
+    });
+    client.on("restored", () => {
+        endRestoring();
+        announce("The graphics device is back");
+        state("rendering");
+    });
+}
+
+// --- Start ---------------------------------------------------------------------------------------------------------
+
+function fillPanel() {
+    fields = new Parameters(catalogue.parameters, (name, value) => void set({ [name]: value }));
+    const views = catalogue.parameters.find(({ name }) => name === "view")?.choices ?? [];
+    split = new SplitLine(views, (now) => void attempt(ask("split", now)), (view) => void set({ view }));
+    const list = radios("preset", "Preset", catalogue.presets, async (name) => {
+        if (!(await setPreset(name))) list.show(preset);
+    }, byId("presets"));
+    list.show(preset);
+    showSettings(catalogue.settings);
+    const scenes = byId("scene", HTMLSelectElement);
+    scenes.append(new Option("a file or an address", ""), ...catalogue.scenes.map(({ name, title }) => new Option(title, `builtin:${name}`)));
+    scenes.options[0].disabled = true;
+    scenes.addEventListener("change", () => void open(scenes.value));
+    byId("address-form").addEventListener("submit", (event) => {
+        event.preventDefault();
+        const address = byId("address", HTMLInputElement).value.trim();
+        if (address) void open(address);
+    });
+    for (const button of document.querySelectorAll("[data-add]")) {
+        button.addEventListener("click", () => void addLight(button.getAttribute("data-add")));
+    }
+    for (const id of ["scale", "coarser"]) byId(id).addEventListener("input", resize);
+    return list;
+}
+
+async function start() {
+    byId("scale", HTMLInputElement).value = String(usualScale);
+    // A phone shows the picture first.
+    showPanel(matchMedia("(min-width: 45rem)").matches);
+    const busy = loading("Starting");
+    listenToWorker();
+    try {
+        if (!("gpu" in navigator) || !canvas.transferControlToOffscreen) {
+            throw new WorkerError({ message: "", code: "no-webgpu", fatal: true });
+        }
+        const screen = canvas.transferControlToOffscreen();
+        catalogue = await client.call("start", { canvas: screen }, undefined, [screen]);
+    } catch (error) {
+        const { code = "", message } = error instanceof WorkerError ? error : { message: String(error) };
+        const isKnown = showUnsupported(code, message);
+        state(isKnown ? "unsupported" : "failed");
+        return isKnown || fail(error);
+    } finally {
+        busy.end();
+    }
+    const presets = fillPanel();
+    const { state: linked, problems } = decode(location.hash, catalogue);
+    if (problems.length > 0) say(`The link has an error: ${problems.join("; ")}. What could be read is shown.`);
+    if (linked.scale !== undefined) byId("scale", HTMLInputElement).value = String(linked.scale);
+    new ResizeObserver(resize).observe(canvas);
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
+    listenForCamera();
+    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()) });
+    listenForFiles((files) => void open(files), (text) => say(text));
+    addEventListener("hashchange", () => location.reload());
+    resize();
+    if (linked.preset !== undefined && (await setPreset(linked.preset))) presets.show(preset);
+    // One by one, so that one that is refused is told of by name: the worker sets them together.
+    await Promise.all(Object.entries(linked.settings).map(([name, value]) => set({ [name]: value })));
+    if (linked.split) {
+        split.show(linked.split);
+        void attempt(ask("split", linked.split));
+    }
+    await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera);
+    // An address that is gone leaves no empty page.
+    if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
+}
+
+void start().catch(fail);

@@ -1,0 +1,100 @@
+// @ts-check
+// What the page says: errors that stay until they are closed, how far a loading is, and news for screen readers.
+
+import { byId, h, iconButton, title } from "./dom.js";
+
+/** @typedef {import("./types.js").Progress} Progress */
+
+/** Older messages make room. */
+const MOST = 4;
+/** What ends sooner shows no bar, ms. */
+const PATIENCE_MS = 200;
+
+/** Words for the renderer's stages. */
+const STAGES = /** @type {Record<string, string>} */ ({
+    reading: "Reading",
+    compile: "Compiling shaders",
+    upload: "Uploading",
+    voxelize: "Voxelizing",
+    light: "Lighting",
+});
+
+/** Shows a message until it is closed. The same again takes the place of the first.
+ * @param {string} text @param {{ kind?: "error" | "note", action?: { label: string, run: () => void }, link?: string }} options */
+export function say(text, { kind = "error", action, link } = {}) {
+    const list = byId("messages");
+    for (const old of [...list.children]) if (old.getAttribute("data-text") === text) old.remove();
+    const body = h("div", {}, h("p", {}, text));
+    const message = h("div", { class: kind, "data-text": text }, body);
+    if (link !== undefined) {
+        const field = h("input", { readonly: true, value: link, "aria-label": "Link" });
+        field.addEventListener("focus", () => field.select());
+        body.append(field);
+    }
+    if (action) body.append(h("button", { click: () => (message.remove(), action.run()) }, action.label));
+    message.append(iconButton("close", "Close the message", () => {
+        message.remove();
+        byId("canvas").focus({ preventScroll: true });
+    }));
+    list.append(message);
+    while (list.children.length > MOST) list.firstElementChild?.remove();
+}
+
+/** Closes the newest message; false if there is none. */
+export function closeNewest() {
+    const newest = byId("messages").lastElementChild;
+    newest?.remove();
+    return newest !== null;
+}
+
+/** Tells screen readers.
+ * @param {string} text */
+export function announce(text) {
+    byId("live").textContent = text;
+}
+
+let loadings = 0;
+
+/** Shows that something is going on, if it takes a moment. `end` must be called whatever happens.
+ * @param {string} what @returns {{ progress: (progress: Progress) => void, end: () => void }} */
+export function loading(what) {
+    loadings += 1;
+    const show = (/** @type {string} */ text, /** @type {number | undefined} */ share) => {
+        byId("loading-stage").textContent = text;
+        const bar = byId("loading-bar", HTMLProgressElement);
+        if (share === undefined) bar.removeAttribute("value");
+        else bar.value = share;
+    };
+    show(what, undefined);
+    const timer = setTimeout(() => (byId("loading").hidden = false), PATIENCE_MS);
+    return {
+        progress({ stage, done, total }) {
+            show(`${what}: ${(STAGES[stage] ?? title(stage)).toLowerCase()}`, total > 1 ? done / total : undefined);
+        },
+        end() {
+            clearTimeout(timer);
+            loadings -= 1;
+            if (loadings === 0) byId("loading").hidden = true;
+        },
+    };
+}
+
+/** Where there is no renderer: what is missing, by the code of the error.
+ * @type {Record<string, string>} */
+const MISSING = {
+    "no-webgpu": "This browser has no WebGPU",
+    "no-adapter": "WebGPU finds no graphics adapter",
+    "no-device": "The graphics device could not be opened",
+};
+
+/** Browsers without what is needed get a page of their own; false where the error is another one.
+ * @param {string} code @param {string} reason */
+export function showUnsupported(code, reason) {
+    if (!Object.hasOwn(MISSING, code)) return false;
+    byId("unsupported-title").textContent = MISSING[code];
+    byId("unsupported-reason").textContent = reason;
+    byId("unsupported-http").hidden = isSecureContext;
+    for (const id of ["stage", "panel"]) byId(id).hidden = true;
+    byId("unsupported").hidden = false;
+    return true;
+}

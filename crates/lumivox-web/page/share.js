@@ -1,0 +1,63 @@
+// @ts-check
+// What leaves the page: a link to what is seen, and the picture as a file.
+
+import { same } from "./parameters.js";
+import { encode } from "./link.js";
+import { say } from "./messages.js";
+
+/** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").LinkState} LinkState */
+/** @typedef {import("./types.js").ParameterInfo} ParameterInfo */
+/** @typedef {import("./types.js").Settings} Settings */
+/** @typedef {import("./types.js").Source} Source */
+/** @typedef {import("./types.js").Split} Split */
+
+/** What a link has to carry. Settings that differ from their defaults; behind a preset, which changes many, those that
+ * were set by hand.
+ * @param {{ source: Source | null, preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
+ *   settings: Settings, touched: Set<string> }} now
+ * @param {ParameterInfo[]} parameters @returns {LinkState} */
+export function linkState({ source, preset, camera, split, scale, settings, touched }, parameters) {
+    const carried = parameters.filter(({ name, default: first }) =>
+        settings[name] !== undefined && (preset === undefined ? !same(settings[name], first) : touched.has(name)));
+    /** @type {LinkState} */
+    const state = { settings: Object.fromEntries(carried.map(({ name }) => [name, settings[name]])) };
+    if (typeof source === "string") state.scene = source;
+    if (preset !== undefined) state.preset = preset;
+    if (camera) state.camera = camera;
+    if (split) state.split = split;
+    if (scale !== undefined) state.scale = scale;
+    return state;
+}
+
+/** Puts a link into the address bar.
+ * @param {LinkState} state */
+export function showLink(state) {
+    const address = new URL(`#${encode(state)}`, location.href).href;
+    history.replaceState(null, "", address);
+    return address;
+}
+
+/** Copies a link, or shows it where the browser does not let a page copy.
+ * @param {LinkState} state */
+export async function copyLink(state) {
+    const address = showLink(state);
+    const note = state.scene === undefined ? " It carries the camera and the settings, but not your file." : "";
+    try {
+        await navigator.clipboard.writeText(address);
+        say(`The link is copied.${note}`, { kind: "note" });
+    } catch {
+        say(`This browser does not let a page copy: here is the link.${note}`, { kind: "note", link: address });
+    }
+}
+
+/** Hands a picture to the browser's downloads.
+ * @param {Blob} picture @param {string} name of the scene */
+export function download(picture, name) {
+    const anchor = document.createElement("a");
+    anchor.href = URL.createObjectURL(picture);
+    anchor.download = `${name.replace(/[^\w.-]+/g, "-") || "picture"}.png`;
+    anchor.click();
+    // The download has begun long before.
+    setTimeout(() => URL.revokeObjectURL(anchor.href), 60_000);
+}

@@ -1,0 +1,54 @@
+// What the page's modules pass to each other. The renderer's own types come from the package.
+
+import type {
+    Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo, Vec3,
+} from "./lumivox/lumivox.js";
+
+export type { Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo, Vec3 };
+
+/** A setting's value; of three numbers their text, separated by commas. */
+export type Value = boolean | number | string;
+export type Settings = Record<string, Value>;
+
+/** Where a scene comes from: an address or "builtin:NAME", or files with their paths below what was dropped. */
+export type Source = string | SourceFile[];
+export interface SourceFile { file: File; path: string }
+
+/** The line between two views: the right one's name or "reference", and its place from 0 (left) to 1. */
+export interface Split { right: string; at: number }
+
+/** What a link carries: all but what is as it would be anyway. */
+export interface LinkState {
+    scene?: string;
+    preset?: string;
+    camera?: Camera;
+    split?: Split;
+    scale?: number;
+    settings: Settings;
+}
+
+/** What the worker knows before any scene. */
+export interface Catalogue {
+    scenes: { name: string; title: string }[];
+    presets: { name: string; title: string }[];
+    parameters: ParameterInfo[];
+    settings: Settings;
+}
+
+/** A scene that was opened; its number tells cameras of the one before apart. */
+export interface Opened { scene: SceneInfo; settings: Settings; number: number }
+
+/** What a change of settings leads to. */
+export interface Changed { settings: Settings; voxels?: number }
+
+export interface Memory { name: string; bytes: number }
+
+/** What crosses from the worker: the end of a call, its progress, or an event. */
+export type FromWorker =
+    | { id: number; result: unknown }
+    | { id: number; error: Failure }
+    | { id: number; progress: Progress }
+    | { event: string; data: unknown };
+
+/** An error as it crosses; after a fatal one the worker's renderer is of no use. */
+export interface Failure { message: string; code?: string; fatal: boolean }

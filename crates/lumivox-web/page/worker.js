@@ -1,0 +1,251 @@
+// @ts-check
+// The worker: it alone holds the renderer and its canvas, so that neither reading nor compiling nor tracing ever stops
+// the page. It renders frame after frame until the picture is complete, then sleeps until something changes. All uses
+// of the package's API are here.
+
+import { LastOf, Together } from "./coalesce.js";
+import init, { builtinScenes, createRenderer, parameters, presets } from "./lumivox/lumivox.js";
+
+/** @typedef {import("./lumivox/lumivox.js").Renderer} Renderer */
+/** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").Failure} Failure */
+/** @typedef {import("./types.js").Light} Light */
+/** @typedef {import("./types.js").Memory} Memory */
+/** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").Settings} Settings */
+/** @typedef {import("./types.js").Source} Source */
+/** @typedef {import("./types.js").Split} Split */
+/** @typedef {import("./coalesce.js").OnProgress} OnProgress */
+
+/** A frame that takes longer, ms, has fewer pixels while the camera moves: as in the window. */
+const SLOW_MS = 100;
+/** The camera stands still after this time without a change, ms. */
+const STILL_MS = 250;
+/** A device that is lost so often without a frame in between is not asked for again by itself. */
+const LOSSES = 3;
+
+/** @type {Renderer} */
+let renderer;
+let number = 0;
+let isReady = false;
+let isPlaying = false;
+let isComplete = false;
+let isLost = false;
+let losses = 0;
+/** @type {Camera | null} */
+let camera = null;
+
+const size = { width: 1, height: 1, factor: 1, coarser: true, movedAt: -Infinity, fullMs: 0 };
+
+/** @param {string} event @param {unknown} data */
+const tell = (event, data) => self.postMessage({ event, data });
+
+// --- Frames --------------------------------------------------------------------------------------------------------
+
+/** Wakes the loop, if it sleeps. */
+let wake = () => {};
+
+function changed() {
+    isComplete = false;
+    wake();
+}
+
+const last = new LastOf(changed);
+const together = new Together((changes, onProgress) => renderer.set(changes, onProgress), changed);
+
+/** Until the browser wants another picture; a hidden page wants none. */
+const nextPicture = () => new Promise((resolve) => {
+    if (typeof requestAnimationFrame === "function") requestAnimationFrame(resolve);
+    else setTimeout(resolve);
+});
+
+async function frames() {
+    for (;;) {
+        if (!isReady || isLost || (isComplete && !isPlaying && size.factor === 1)) {
+            await new Promise((/** @type {(value?: undefined) => void} */ resolve) => (wake = resolve));
+            wake = () => {};
+            continue;
+        }
+        try {
+            await fitSize();
+            if (camera) renderer.setCamera(camera);
+            camera = null;
+            isComplete = true;
+            const report = await renderer.render();
+            // What has changed meanwhile has set it to false.
+            isComplete = isComplete && report.complete;
+            losses = 0;
+            if (size.factor === 1) size.fullMs = report.frame_ms;
+            tell("frame", { ...report, complete: isComplete && !isPlaying && size.factor === 1 });
+        } catch (error) {
+            isComplete = true;
+            // A lost device makes the frame fail before it tells of itself.
+            await new Promise((resolve) => setTimeout(resolve, STILL_MS));
+            if (!isLost) tell("error", failure(error));
+        }
+        await nextPicture();
+    }
+}
+
+/** Fewer pixels while the camera moves, if frames are slow. */
+async function fitSize() {
+    const isMoving = performance.now() - size.movedAt < STILL_MS;
+    const factor = isMoving && size.coarser && size.fullMs > SLOW_MS ? 0.5 : 1;
+    if (factor === size.factor) return;
+    size.factor = factor;
+    await applySize();
+}
+
+function applySize() {
+    const side = (/** @type {number} */ pixels) => Math.max(1, Math.round(pixels * size.factor));
+    return renderer.resize(side(size.width), side(size.height));
+}
+
+// --- A lost device -------------------------------------------------------------------------------------------------
+
+/** @param {string} reason */
+async function lost(reason) {
+    if (isLost) return;
+    isLost = true;
+    losses += 1;
+    tell("lost", reason);
+    if (losses <= LOSSES) await restore().catch((error) => tell("error", failure(error)));
+    else tell("error", { message: `The graphics device was lost ${losses} times: ${reason}`, code: "lost", fatal: false });
+}
+
+async function restore() {
+    await renderer.restore();
+    isLost = false;
+    tell("restored", null);
+    changed();
+}
+
+// --- Calls ---------------------------------------------------------------------------------------------------------
+
+/** @param {Source} source @returns {string | File | File[]} */
+function sourceFor(source) {
+    if (typeof source === "string") return source;
+    const files = source.map(({ file, path }) => {
+        // The path does not cross to a worker everywhere.
+        Object.defineProperty(file, "webkitRelativePath", { value: path, configurable: true });
+        return file;
+    });
+    return files.length === 1 ? files[0] : files;
+}
+
+const outcome = () => ({ settings: renderer.settings(), voxels: renderer.scene()?.voxels });
+
+const calls = {
+    /** @param {{ canvas: OffscreenCanvas }} data */
+    async start({ canvas }) {
+        await init();
+        renderer = await createRenderer(canvas);
+        renderer.onLost = (reason) => void lost(reason);
+        void frames();
+        return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings: renderer.settings() };
+    },
+    /** @param {{ source: Source, camera?: Camera }} data @param {OnProgress} onProgress @returns {Promise<Opened>} */
+    async load(data, onProgress) {
+        const scene = await renderer.loadScene(sourceFor(data.source), onProgress);
+        number += 1;
+        camera = data.camera ?? null;
+        isReady = true;
+        isPlaying = false;
+        return { scene, settings: renderer.settings(), number };
+    },
+    /** @param {Settings} changes @param {OnProgress} onProgress */
+    async set(changes, onProgress) {
+        await together.set(changes, onProgress);
+        return outcome();
+    },
+    /** @param {string} name @param {OnProgress} onProgress */
+    async preset(name, onProgress) {
+        await renderer.setPreset(name, onProgress);
+        return outcome();
+    },
+    /** A camera of the scene of that number; of one that is gone it counts no more.
+     * @param {{ camera: Camera, number: number, isMoving: boolean }} data */
+    async camera(data) {
+        if (data.number !== number) return;
+        camera = data.camera;
+        if (data.isMoving) size.movedAt = performance.now();
+    },
+    /** @param {{ width: number, height: number, coarser: boolean }} data */
+    async resize(data) {
+        Object.assign(size, data);
+        await last.run("size", applySize);
+    },
+    /** @param {Split | null} split */
+    async split(split) {
+        await last.run("split", () => renderer.setSplit(split));
+    },
+    /** @param {{ index: number, light: Light }} data */
+    async light({ index, light }) {
+        await last.run(`light ${index}`, () => renderer.setLight(index, light));
+    },
+    /** @param {Light} light */
+    async addLight(light) {
+        await renderer.addLight(light);
+        return renderer.scene()?.lights ?? [];
+    },
+    /** @param {number} index */
+    async removeLight(index) {
+        await renderer.removeLight(index);
+        return renderer.scene()?.lights ?? [];
+    },
+    /** @param {{ object: number, hidden: boolean }} data */
+    async hide({ object, hidden }) {
+        await renderer.setHidden(object, hidden);
+    },
+    /** @param {number | null} animation */
+    async play(animation) {
+        renderer.play(animation);
+        isPlaying = animation !== null;
+    },
+    /** @param {number} seconds */
+    async time(seconds) {
+        renderer.setTime(seconds);
+    },
+    /** The picture as a PNG. */
+    async picture() {
+        const { width, height, data } = await renderer.readPixels();
+        const canvas = new OffscreenCanvas(width, height);
+        const context = canvas.getContext("2d");
+        if (!context) throw new Error("the browser gave no canvas to make the picture's file with");
+        const image = context.createImageData(width, height);
+        image.data.set(data);
+        context.putImageData(image, 0, 0);
+        return canvas.convertToBlob({ type: "image/png" });
+    },
+    /** @returns {Promise<Memory[]>} */
+    async memory() {
+        return renderer.memory();
+    },
+    restore,
+};
+
+/** Calls that change nothing. */
+const LOOKS = new Set(["picture", "memory"]);
+
+/** @param {unknown} error @returns {Failure} */
+function failure(error) {
+    const message = error instanceof Error ? error.message : String(error);
+    const code = /** @type {{ code?: string }} */ (error)?.code;
+    // A trap in WASM leaves its memory in the middle of something.
+    return { message, code, fatal: error instanceof WebAssembly.RuntimeError };
+}
+
+self.addEventListener("message", async ({ data: { id, call, data } }) => {
+    try {
+        const method = /** @type {(data: unknown, onProgress: OnProgress) => Promise<unknown>} */ (
+            calls[/** @type {keyof typeof calls} */ (call)]
+        );
+        const result = await method(data, (progress) => self.postMessage({ id, progress }));
+        self.postMessage({ id, result });
+    } catch (error) {
+        self.postMessage({ id, error: failure(error) });
+    }
+    if (!LOOKS.has(call)) changed();
+});
+
+self.addEventListener("unhandledrejection", ({ reason }) => tell("error", failure(reason)));

@@ -1,0 +1,99 @@
+// Links: what is written is read again, and what is broken is told of and left out.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { decode, encode } from "../../page/link.js";
+import { linkState } from "../../page/share.js";
+
+const known = {
+    presets: [{ name: "fast" }, { name: "high" }],
+    parameters: [
+        { name: "view", kind: "choice", choices: ["final", "direct", "wire-voxels"], default: "final" },
+        { name: "resolution", kind: "whole", min: 16, max: 1024, default: 64 },
+        { name: "exposure", kind: "number", min: -64, max: 64, word: "auto", default: "auto" },
+        { name: "specular", kind: "switch", default: true },
+        { name: "grid_offset", kind: "vector", default: "0,0,0" },
+    ],
+};
+
+test("what is written is read again", () => {
+    const state = {
+        scene: "https://example.org/a b/hall.glb?x=1&y=2#part",
+        preset: "high",
+        camera: { position: [0.1, -2, 3e-8], target: [4, 5, 6.25], up: [0, 0, 1], vertical_fov_deg: 40 },
+        split: { right: "reference", at: 0.375 },
+        scale: 0.5,
+        settings: { view: "wire-voxels", resolution: 128, exposure: "auto", specular: false, grid_offset: "0.5,0,0.25" },
+    };
+    assert.deepEqual(decode(`#${encode(state)}`, known), { state, problems: [] });
+});
+
+test("a link can be read by people", () => {
+    const camera = { position: [0, 1, 4], target: [0, 1, 0], up: [0, 1, 0], vertical_fov_deg: 40 };
+    const text = encode({ scene: "builtin:cornell", camera, settings: { exposure: -1.5 } });
+    assert.equal(text, "scene=builtin:cornell&camera=0,1,4,0,1,0,40&exposure=-1.5");
+});
+
+test("a link carries what is not as it would be anyway", () => {
+    const settings = { view: "direct", resolution: 64, exposure: "auto", specular: false, grid_offset: "0,0,0" };
+    const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution"]) };
+    assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { view: "direct", specular: false } });
+    // What a preset has set, it sets again; what was set by hand behind it may be a default.
+    const behind = linkState({ ...now, preset: "high" }, known.parameters);
+    assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64 } });
+    // Files stay where they are.
+    assert.equal(linkState({ ...now, source: [] }, known.parameters).scene, undefined);
+});
+
+test("no link is no problem", () => {
+    for (const hash of ["", "#"]) assert.deepEqual(decode(hash, known), { state: { settings: {} }, problems: [] });
+});
+
+test("what is broken is told of, and the rest holds", () => {
+    const { state, problems } = decode("#resolution=many&exposure=2&view=nothing", known);
+    assert.deepEqual(state.settings, { exposure: 2 });
+    assert.deepEqual(problems, [
+        'resolution must be a whole number, not "many"',
+        'view must be one of final, direct, wire-voxels, not "nothing"',
+    ]);
+});
+
+for (const [field, part] of [
+    ["colour=red", 'no setting named "colour"'],
+    ["__proto__=1", 'no setting named "__proto__"'],
+    ["resolution=64.5", "a whole number"],
+    ["exposure=1e999", "a number or auto"],
+    ["exposure=0x10", "a number or auto"],
+    ["specular=1", "one of on, off"],
+    ["preset=best", "one of fast, high"],
+    ["scale=0.1", "from 0.25 to 1"],
+    ["camera=1,2,3", "7 or 10 numbers"],
+    ["camera=0,1,4,0,1,0,x", "7 or 10 numbers"],
+    ["camera=0,1,4,0,1,0,", "7 or 10 numbers"],
+    ["camera=0,1,4,0,1,0,180", "from 1 to 170"],
+    ["camera=0,1,4,0,1,4,40", "stands where it looks at"],
+    ["camera=0,1,4,0,1,0,40,0,0,0", "no direction"],
+    ["split=reference", "a view and a place"],
+    ["split=nowhere,0.5", "one of final"],
+    ["split=direct,2", "from 0 to 1"],
+    ["scene=javascript:alert(1)", "http or https"],
+    ["scene=builtin:../etc", "http or https"],
+    ["scene=data:model/gltf-binary,x", "http or https"],
+    ["scene=", "http or https"],
+    ["scene=%E0%A4%A", "hexadecimal"],
+    ["nonsense", "name=value"],
+    ["=1", "name=value"],
+    ["resolution=64&resolution=128", "twice"],
+]) {
+    test(`a broken link: ${field}`, () => {
+        const { problems } = decode(`#${field}`, known);
+        assert.equal(problems.length, 1);
+        assert.ok(problems[0].includes(part), problems[0]);
+    });
+}
+
+test("a link of any length is told of at once", () => {
+    const { state, problems } = decode(`#scene=${"a".repeat(100_000)}`, known);
+    assert.deepEqual(state, { settings: {} });
+    assert.equal(problems.length, 1);
+});
