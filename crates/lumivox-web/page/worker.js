@@ -67,12 +67,13 @@ async function frames() {
             continue;
         }
         try {
-            await fitSize();
-            if (camera) renderer.setCamera(camera);
-            camera = null;
+            // What changes from here on sets it to false.
             isComplete = true;
+            await fitSize();
+            const asked = camera;
+            camera = null;
+            if (asked) await renderer.setCamera(asked);
             const report = await renderer.render();
-            // What has changed meanwhile has set it to false.
             isComplete = isComplete && report.complete;
             losses = 0;
             if (size.factor === 1) size.fullMs = report.frame_ms;
@@ -103,6 +104,9 @@ function applySize() {
 
 // --- A lost device -------------------------------------------------------------------------------------------------
 
+/** Hears when the present device is lost. */
+const listen = () => void renderer.lost().then(lost);
+
 /** @param {string} reason */
 async function lost(reason) {
     if (isLost) return;
@@ -115,6 +119,7 @@ async function lost(reason) {
 
 async function restore() {
     await renderer.restore();
+    listen();
     isLost = false;
     tell("restored", null);
     changed();
@@ -133,16 +138,19 @@ function sourceFor(source) {
     return files.length === 1 ? files[0] : files;
 }
 
-const outcome = () => ({ settings: renderer.settings(), voxels: renderer.scene()?.voxels });
+const outcome = async () => ({ settings: await renderer.settings(), voxels: (await renderer.scene())?.voxels });
 
 const calls = {
     /** @param {{ canvas: OffscreenCanvas }} data */
     async start({ canvas }) {
         await init();
         renderer = await createRenderer(canvas);
-        renderer.onLost = (reason) => void lost(reason);
+        // For the console of a browser's tools.
+        Object.assign(self, { renderer });
+        listen();
         void frames();
-        return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings: renderer.settings() };
+        const settings = await renderer.settings();
+        return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings };
     },
     /** @param {{ source: Source, camera?: Camera }} data @param {OnProgress} onProgress @returns {Promise<Opened>} */
     async load(data, onProgress) {
@@ -151,7 +159,7 @@ const calls = {
         camera = data.camera ?? null;
         isReady = true;
         isPlaying = false;
-        return { scene, settings: renderer.settings(), number };
+        return { scene, settings: await renderer.settings(), number };
     },
     /** @param {Settings} changes @param {OnProgress} onProgress */
     async set(changes, onProgress) {
@@ -186,12 +194,12 @@ const calls = {
     /** @param {Light} light */
     async addLight(light) {
         await renderer.addLight(light);
-        return renderer.scene()?.lights ?? [];
+        return (await renderer.scene())?.lights ?? [];
     },
     /** @param {number} index */
     async removeLight(index) {
         await renderer.removeLight(index);
-        return renderer.scene()?.lights ?? [];
+        return (await renderer.scene())?.lights ?? [];
     },
     /** @param {{ object: number, hidden: boolean }} data */
     async hide({ object, hidden }) {
@@ -199,12 +207,12 @@ const calls = {
     },
     /** @param {number | null} animation */
     async play(animation) {
-        renderer.play(animation);
+        await renderer.play(animation);
         isPlaying = animation !== null;
     },
     /** @param {number} seconds */
     async time(seconds) {
-        renderer.setTime(seconds);
+        await renderer.setTime(seconds);
     },
     /** The picture as a PNG. */
     async picture() {

@@ -85,8 +85,7 @@ impl Session {
         );
         self.explorer.open(opened);
         self.exposing = Exposing::default();
-        self.beside = None;
-        self.start_again();
+        self.change();
         self.update(listener).await?;
         self.info().ok_or_else(no_scene)
     }

@@ -476,7 +476,7 @@ pub struct ParameterInfo {
     /// Whole numbers are multiples of this.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub step: Option<f64>,
+    pub multiple: Option<f64>,
     /// The names of a choice.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -514,7 +514,7 @@ impl ParameterInfo {
             kind: kind.to_owned(),
             min: None,
             max: None,
-            step: None,
+            multiple: None,
             choices: Vec::new(),
             word: None,
             default,
@@ -523,7 +523,7 @@ impl ParameterInfo {
             Kind::Switch => {}
             Kind::Whole { low, high, multiple } => {
                 (info.min, info.max) = (Some(low.into()), Some(high.into()));
-                info.step = Some(multiple.into());
+                info.multiple = Some(multiple.into());
             }
             Kind::Number { low, high, word, .. } => {
                 (info.min, info.max) = (Some(low.into()), Some(high.into()));
