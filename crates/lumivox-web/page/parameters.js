@@ -51,10 +51,10 @@ export class Parameters {
     }
 }
 
-/** Whether two values are one: numbers pass through single floats.
+/** Whether two values are one: numbers pass through single floats, and three of them may be a text.
  * @param {Value} a @param {Value} b */
 export function same(a, b) {
-    return a === b || (typeof a === "number" && typeof b === "number" && plain(a) === plain(b));
+    return String(a) === String(b) || (typeof a === "number" && typeof b === "number" && plain(a) === plain(b));
 }
 
 /** @param {ParameterInfo} info @param {(value: Value) => void} change @param {HTMLElement} reset */
@@ -106,7 +106,7 @@ function textField(info, change, id) {
 function numberField(info, change, id) {
     const { min = -Infinity, max = Infinity } = info;
     const span = max - min;
-    const step = info.kind === "whole" ? (info.multiple ?? 1) : span <= 1 ? 0.01 : span <= WIDEST_SLIDER ? 0.1 : 0.5;
+    const step = info.kind === "whole" ? (info.step ?? 1) : span <= 1 ? 0.01 : span <= WIDEST_SLIDER ? 0.1 : 0.5;
     const input = numberInput({ id, step }, change);
     const control = h("span", { class: "pair" }, input);
     /** @type {HTMLInputElement | undefined} */

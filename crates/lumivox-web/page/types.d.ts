@@ -1,13 +1,14 @@
 // What the page's modules pass to each other. The renderer's own types come from the package.
 
 import type {
-    Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo, Vec3,
+    Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo,
 } from "./lumivox/lumivox.js";
 
-export type { Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo, Vec3 };
+export type { Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo };
+export type Vec3 = [number, number, number];
 
-/** A setting's value; of three numbers their text, separated by commas. */
-export type Value = boolean | number | string;
+/** A setting's value; of three numbers also their text, separated by commas. */
+export type Value = boolean | number | string | Vec3;
 export type Settings = Record<string, Value>;
 
 /** Where a scene comes from: an address or "builtin:NAME", or files with their paths below what was dropped. */
