@@ -12,6 +12,7 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Light} Light */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
@@ -154,7 +155,7 @@ const calls = {
     },
     /** @param {{ source: Source, camera?: Camera }} data @param {OnProgress} onProgress @returns {Promise<Opened>} */
     async load(data, onProgress) {
-        const scene = await renderer.loadScene(sourceFor(data.source), onProgress);
+        const scene = /** @type {SceneInfo} */ (await renderer.loadScene(sourceFor(data.source), onProgress));
         number += 1;
         camera = data.camera ?? null;
         isReady = true;

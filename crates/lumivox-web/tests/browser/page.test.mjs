@@ -8,7 +8,9 @@ import { Session } from "./harness/browser.mjs";
 import { columns, different, flip, flipOfFiles, freshPath, nativePicture, png } from "./harness/picture.mjs";
 
 /** As in scenes.test.mjs. */
-const BOUND = 0.01;
+const BOUND = 0.03;
+/** A key moves for as long as it is held, ms. */
+const HELD = { delay: 150 };
 
 /** @type {Session} */
 let session;
@@ -28,7 +30,7 @@ const camera = () => app.call("camera");
 async function moved(move) {
     const from = await camera();
     await move();
-    await app.complete();
+    await app.settled();
     const to = await camera();
     assert.notDeepEqual(to, from);
     return [from, to];
@@ -44,12 +46,11 @@ test("the canvas shows the picture", async () => {
         slider.dispatchEvent(new Event("input"));
     });
     await sharp.page.setViewportSize(size);
-    await sharp.page.addStyleTag({ content: "body * { visibility: hidden !important } #canvas { visibility: visible !important }" }).catch(() => {});
+    // By the object model: the page's policy lets in no styles of others.
     await sharp.page.evaluate(() => {
-        for (const part of document.querySelectorAll("#bar, #below, #panel, #split")) part.remove();
+        for (const part of ["bar", "below", "split"]) document.getElementById(part)?.style.setProperty("visibility", "hidden");
     });
-    await sharp.page.waitForTimeout(500);
-    await sharp.complete();
+    await sharp.settled();
     const picture = await sharp.pixels();
     assert.deepEqual([picture.width, picture.height], [size.width, size.height]);
     const [shown, read] = [await freshPath("shown.png"), await freshPath("read.png")];
@@ -64,16 +65,10 @@ test("the canvas shows the picture", async () => {
 test("a link carries camera, settings, split and picture", async () => {
     await moved(async () => {
         await app.page.locator("#canvas").focus();
-        await app.page.keyboard.press("ArrowLeft");
+        await app.page.keyboard.press("ArrowLeft", HELD);
     });
-    await app.page.locator("#panel-toggle").click();
-    await app.page.locator("#compare").selectOption("albedo");
-    await app.complete();
-    await app.page.getByText("Volume", { exact: true }).click();
-    await app.page.locator("#set-volume").selectOption("octree");
-    await app.complete();
-    await app.page.locator("#panel-close").click();
-    await app.complete();
+    await app.inPanel("View", () => app.page.locator("#compare").selectOption("albedo"));
+    await app.inPanel("Volume", () => app.page.locator("#set-volume").selectOption("octree"));
     await app.page.locator("#link").click();
     await app.page.locator("#messages .note").waitFor();
     const address = await app.page.evaluate(() => navigator.clipboard.readText());
@@ -91,9 +86,8 @@ test("a link carries camera, settings, split and picture", async () => {
     assert.equal(different(await app.pixels(), await other.pixels()), 0);
     await other.check();
     await other.close();
-    await app.page.locator("#compare").selectOption("", { force: true });
-    await app.page.locator("#set-volume").selectOption("dense", { force: true });
-    await app.complete();
+    await app.inPanel("View", () => app.page.locator("#compare").selectOption(""));
+    await app.inPanel("Volume", () => app.page.locator("#set-volume").selectOption("dense"));
     await app.check();
 });
 
@@ -111,11 +105,7 @@ test("the split shows both views, each on its side", async () => {
     const still = { exposure: -1.5, view: "final" };
     const [direct, final] = [await app.pictureWith({ ...still, view: "direct" }), await app.pictureWith(still)];
     assert.ok(different(direct, final) > 1000);
-    await app.page.locator("#panel-toggle").click();
-    await app.page.getByRole("button", { name: "direct | with indirect" }).click();
-    await app.complete();
-    await app.page.locator("#panel-close").click();
-    await app.complete();
+    await app.inPanel("View", () => app.page.getByRole("button", { name: "direct | with indirect" }).click());
     const halves = await app.pixels();
     const middle = halves.width / 2;
     assert.equal(different(columns(halves, 0, middle), columns(direct, 0, middle)), 0, "the left half is direct light");
@@ -133,13 +123,12 @@ test("the split shows both views, each on its side", async () => {
 });
 
 test("ours | reference traces paths beside the picture", async () => {
-    await app.page.locator("#panel-toggle").click();
-    await app.page.getByRole("button", { name: "ours | reference" }).click();
-    await app.page.locator("#status", { hasText: /reference [1-9]\d* samples/ }).waitFor();
-    await app.page.getByRole("button", { name: "ours | reference" }).click();
-    await app.complete();
-    await app.page.locator("#panel-close").click();
-    await app.complete();
+    await app.inPanel("View", async () => {
+        const toggle = app.page.getByRole("button", { name: "ours | reference" });
+        await toggle.click();
+        await app.page.locator("#status", { hasText: /reference [1-9]\d* samples/ }).waitFor();
+        await toggle.click();
+    });
     assert.ok(await app.page.locator("#split").isHidden());
     await app.check();
 });
@@ -156,13 +145,11 @@ test("the picture is saved as a PNG file", async () => {
 
 test("the picture has the window's size", async () => {
     await app.page.setViewportSize({ width: 320, height: 400 });
-    await app.page.waitForTimeout(100);
-    await app.complete();
+    await app.settled();
     const { width, height } = await app.pixels();
     assert.deepEqual([width, height], [80, 100]);
     await app.page.setViewportSize(VIEWPORT);
-    await app.page.waitForTimeout(100);
-    await app.complete();
+    await app.settled();
     const again = await App.show(session, "builtin:cornell");
     const difference = await flip(await nativePicture("builtin:cornell", ...NATIVE), await again.pixels());
     assert.ok(difference <= BOUND, `FLIP ${difference} is above ${BOUND}`);
@@ -183,7 +170,7 @@ test("mouse, wheel, keys and fingers move the camera", async () => {
     assert.ok(Math.abs(distance(still) - distance(orbited)) < 1e-3, "orbiting keeps the distance");
     await moved(() => drag("right"));
     await moved(() => mouse.wheel(0, -300));
-    await moved(() => keyboard.press("w"));
+    await moved(() => keyboard.press("w", HELD));
     await moved(() => keyboard.press("Home"));
     const devtools = await app.page.context().newCDPSession(app.page);
     const touch = (/** @type {string} */ type, /** @type {{ x: number, y: number }[]} */ touchPoints) =>
@@ -204,27 +191,22 @@ test("mouse, wheel, keys and fingers move the camera", async () => {
 test("lights and objects change the picture, and back", async () => {
     await app.page.locator("#canvas").focus();
     await app.page.keyboard.press("Home");
-    await app.complete();
+    await app.settled();
     const before = await app.pixels();
-    await app.page.locator("#panel-toggle").click();
-    await app.page.getByText("Objects", { exact: true }).click();
     const box = app.page.locator("#objects input[type=checkbox]").first();
-    await box.click();
-    await app.complete();
+    await app.inPanel("Objects", () => box.click());
     assert.ok(different(before, await app.pixels()) > 100);
-    await box.click();
-    await app.complete();
+    await app.inPanel("Objects", () => box.click());
     assert.equal(different(before, await app.pixels()), 0);
-    await app.page.getByText("Light", { exact: true }).click();
     const lights = (await app.call("scene")).lights.length;
-    await app.page.locator("[data-add=point]").click();
-    await app.complete();
+    await app.inPanel("Light", () => app.page.locator("[data-add=point]").click());
     assert.equal((await app.call("scene")).lights.length, lights + 1);
     assert.ok(different(before, await app.pixels()) > 100);
-    await app.page.locator("#lights").getByRole("button", { name: /Remove/ }).last().click();
-    await app.complete();
+    await app.inPanel("Light", async () => {
+        await app.page.locator("#lights details").last().evaluate((/** @type {HTMLDetailsElement} */ details) => (details.open = true));
+        await app.page.locator("#lights").getByRole("button", { name: /Remove/ }).last().click();
+    });
     assert.equal(different(before, await app.pixels()), 0);
-    await app.page.locator("#panel-close").click();
     await app.check();
 });
 
@@ -244,7 +226,6 @@ test("a phone has room for it, and every control has a name", async () => {
     const controls = tree.split("\n").filter((line) => /^\s*- (button|checkbox|combobox|textbox|searchbox|slider|radio|spinbutton)\b/.test(line));
     assert.ok(controls.length > 50, `${controls.length} controls`);
     assert.deepEqual(controls.filter((line) => !/^\s*- \w+ "/.test(line)), [], "controls without a name");
-    await phone.page.getByLabel("Octree").first().waitFor({ state: "attached", timeout: 1000 }).catch(() => {});
     await phone.check();
     await phone.close();
 });

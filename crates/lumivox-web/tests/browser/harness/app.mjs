@@ -8,17 +8,17 @@ import { Messages } from "./messages.mjs";
 /** @typedef {import("./browser.mjs").Session} Session */
 /** @typedef {import("./picture.mjs").Picture} Picture */
 
-/** A software GPU takes its time. */
-const PATIENCE_MS = 120_000;
+/** A software GPU takes its time; a page that is there answers at once. */
+const [RENDERED_MS, ANSWERED_MS] = [120_000, 20_000];
 
 /** At a quarter of the pixels each way the picture has 96x72. */
 export const VIEWPORT = { width: 384, height: 288 };
 export const SIZE = { width: 96, height: 72 };
 /** Small and quick; the native program's words for it are in `NATIVE`. */
-export const QUICK = { resolution: 32, frames: 2, bounces: 1 };
-export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "2", "--bounces", "1"];
+export const QUICK = { resolution: 32, frames: 4, bounces: 1 };
+export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "4", "--bounces", "1"];
 /** The same in a link. */
-export const LINK = "scale=0.25&resolution=32&frames=2&bounces=1";
+export const LINK = "scale=0.25&resolution=32&frames=4&bounces=1";
 
 export class App {
     /** @param {Page} page @param {Messages} messages */
@@ -34,7 +34,7 @@ export class App {
     static async open(session, { link = "", path = "", context = {}, before } = {}) {
         const tab = await session.browser.newContext({ viewport: VIEWPORT, ...context });
         const page = await tab.newPage();
-        page.setDefaultTimeout(PATIENCE_MS);
+        page.setDefaultTimeout(ANSWERED_MS);
         const messages = await Messages.of(page);
         await before?.(page);
         await page.goto(new URL(`${path}${link && `#${link}`}`, session.address).href);
@@ -57,16 +57,27 @@ export class App {
 
     /** Waits until the page is in a state. @param {string} state */
     async state(state) {
-        await this.page.waitForSelector(`html[data-state=${state}]`, { state: "attached" });
+        await this.page.waitForSelector(`html[data-state=${state}]`, { state: "attached", timeout: RENDERED_MS });
     }
 
     /** Waits for the finished picture. */
     async complete() {
         // A page that failed would wait in vain.
         const ends = ["complete", "failed", "empty", "unsupported"].map((state) => `html[data-state=${state}]`);
-        await this.page.waitForSelector(ends.join(), { state: "attached" });
+        await this.page.waitForSelector(ends.join(), { state: "attached", timeout: RENDERED_MS });
         const state = await this.page.evaluate(() => document.documentElement.dataset.state);
         assert.equal(state, "complete", `the page says: ${(await this.errors()).join(" | ")} ${this.messages.take().join(" | ")}`);
+    }
+
+    /** Waits for the finished picture after something that the page hears of with a later frame: input, or its size. */
+    async settled() {
+        await this.page.evaluate(() => new Promise((resolve) => {
+            // Held keys and resized boxes are looked at once a frame, and the camera rests for a moment at the end.
+            let frames = 0;
+            const next = () => ((frames += 1) < 3 ? requestAnimationFrame(next) : setTimeout(resolve, 300));
+            requestAnimationFrame(next);
+        }));
+        await this.complete();
     }
 
     /** The errors that it shows. @returns {Promise<string[]>} */
@@ -86,6 +97,24 @@ export class App {
     async check() {
         assert.deepEqual(await this.errors(), [], "the page must show no error");
         this.messages.check();
+    }
+
+    /** Does something in the panel, with one of its sections open; it takes a part of a small window, so that it is
+     * closed again. @param {string} section @param {() => Promise<unknown>} work */
+    async inPanel(section, work) {
+        const show = async (/** @type {string} */ expanded) => {
+            const toggle = this.page.locator("#panel-toggle");
+            if ((await toggle.getAttribute("aria-expanded")) !== expanded) await toggle.click();
+        };
+        await show("true");
+        await this.page.locator("#panel > details", { has: this.page.getByRole("heading", { name: section, exact: true }) })
+            .evaluate((/** @type {HTMLDetailsElement} */ details) => (details.open = true));
+        try {
+            await work();
+        } finally {
+            await show("false");
+            await this.settled();
+        }
     }
 
     /** Drops files on the page, as a mouse would.
