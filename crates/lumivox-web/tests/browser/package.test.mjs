@@ -68,7 +68,7 @@ test("what is wrong is an Error with a code and a remedy, and nothing has change
         ["setCamera", [{ position: [0, 0, 0], target: [0, 0, 0] }], "value", /target/],
         ["setCamera", [{ position: [0, 0] }], "value", /camera/],
         ["setLight", [99, {}], "value", /99/],
-        ["setLight", [0, { strength: 3 }], "value", /light/],
+        ["addLight", [{ strength: 3 }], "value", /not a light.*strength/],
         ["addLight", [{ intensity: -1 }], "value", /intensity/],
         ["setHidden", [99, true], "value", /99/],
         ["play", [3], "value", /animation/],
@@ -97,7 +97,7 @@ test("what is wrong is an Error with a code and a remedy, and nothing has change
 });
 
 test("calls may overlap, and a renderer that was freed is gone", async () => {
-    const app = await App.open(session, { path: "lumivox/README.md" });
+    const app = await App.open(session, { path: "lumivox/package.json" });
     const seen = await app.page.evaluate(async (module) => {
         const { default: init, createRenderer } = await import(module);
         await init();

@@ -148,8 +148,9 @@ export class App {
             try {
                 // @ts-ignore: the page leaves it there
                 return { result: await self.renderer[method](...args) };
-            } catch (error) {
-                return { error: { message: error?.message ?? String(error), code: error?.code, isError: error instanceof Error } };
+            } catch (thrown) {
+                const { message = String(thrown), code } = /** @type {{ message?: string, code?: string }} */ (thrown ?? {});
+                return { error: { message, code, isError: thrown instanceof Error } };
             }
         }, /** @type {const} */ ([method, args]));
         if (error) throw Object.assign(new Error(error.message), error);
