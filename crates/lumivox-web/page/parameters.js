@@ -106,7 +106,7 @@ function textField(info, change, id) {
 function numberField(info, change, id) {
     const { min = -Infinity, max = Infinity } = info;
     const span = max - min;
-    const step = info.kind === "whole" ? (info.step ?? 1) : span <= 1 ? 0.01 : span <= WIDEST_SLIDER ? 0.1 : 0.5;
+    const step = info.kind === "whole" ? (info.multiple ?? 1) : span <= 1 ? 0.01 : span <= WIDEST_SLIDER ? 0.1 : 0.5;
     const input = numberInput({ id, step }, change);
     const control = h("span", { class: "pair" }, input);
     /** @type {HTMLInputElement | undefined} */

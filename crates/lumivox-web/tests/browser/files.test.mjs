@@ -5,13 +5,10 @@ import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, beforeEach, test } from "node:test";
-import { App, NATIVE } from "./harness/app.mjs";
+import { App, BOUND, NATIVE } from "./harness/app.mjs";
 import { serve, Session } from "./harness/browser.mjs";
 import { glb, OBJ, separate } from "./harness/files.mjs";
 import { different, flip, nativePicture } from "./harness/picture.mjs";
-
-/** As in scenes.test.mjs. */
-const BOUND = 0.03;
 
 /** @type {Session} */
 let session;

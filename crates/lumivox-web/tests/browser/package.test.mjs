@@ -98,6 +98,8 @@ test("what is wrong is an Error with a code and a remedy, and nothing has change
 
 test("calls may overlap, and a renderer that was freed is gone", async () => {
     const app = await App.open(session, { path: "lumivox/package.json" });
+    // A file alone has no icon.
+    app.messages.expect(/404/);
     const seen = await app.page.evaluate(async (module) => {
         const { default: init, createRenderer } = await import(module);
         await init();

@@ -3,12 +3,10 @@
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
-import { App, LINK, NATIVE, VIEWPORT } from "./harness/app.mjs";
+import { App, BOUND, LINK, NATIVE, VIEWPORT } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
 import { columns, different, flip, flipOfFiles, freshPath, nativePicture, png } from "./harness/picture.mjs";
 
-/** As in scenes.test.mjs. */
-const BOUND = 0.03;
 /** A key moves for as long as it is held, ms. */
 const HELD = { delay: 150 };
 

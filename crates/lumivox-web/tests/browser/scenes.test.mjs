@@ -2,12 +2,9 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { App, NATIVE, QUICK } from "./harness/app.mjs";
+import { App, BOUND, NATIVE, QUICK } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
 import { colors, different, flip, nativePicture } from "./harness/picture.mjs";
-
-/** Mean FLIP between two software GPUs' pictures of the same. */
-const BOUND = 0.03;
 
 /** @type {Session} */
 let session;

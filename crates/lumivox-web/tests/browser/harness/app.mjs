@@ -9,16 +9,31 @@ import { Messages } from "./messages.mjs";
 /** @typedef {import("./picture.mjs").Picture} Picture */
 
 /** A software GPU takes its time; a page that is there answers at once. */
-const [RENDERED_MS, ANSWERED_MS] = [120_000, 20_000];
+const [RENDERED_MS, ANSWERED_MS] = [60_000, 20_000];
 
 /** At a quarter of the pixels each way the picture has 96x72. */
 export const VIEWPORT = { width: 384, height: 288 };
 export const SIZE = { width: 96, height: 72 };
+/** Mean FLIP that pictures of two software GPUs, SwiftShader here and lavapipe there, may have between them: an edge that
+ * goes through the middle of a row of pixels falls to either side, and so do cones that begin beside it. Measured: 0.0006
+ * (furnace) to 0.036 (atrium); a picture that was wrong had 0.12 and more. */
+export const BOUND = 0.05;
 /** Small and quick; the native program's words for it are in `NATIVE`. */
 export const QUICK = { resolution: 32, frames: 4, bounces: 1 };
 export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "4", "--bounces", "1"];
 /** The same in a link. */
 export const LINK = "scale=0.25&resolution=32&frames=4&bounces=1";
+
+/** What a promise gives, unless it takes too long: a worker that stopped answers no more.
+ * @template T @param {Promise<T>} promise @param {string} what @returns {Promise<T>} */
+function within(promise, what) {
+    /** @type {NodeJS.Timeout | undefined} */
+    let timer;
+    const late = new Promise((_, reject) => {
+        timer = setTimeout(() => reject(new Error(`${what} did not end within ${RENDERED_MS / 1000} s`)), RENDERED_MS);
+    });
+    return Promise.race([promise, /** @type {Promise<never>} */ (late)]).finally(() => clearTimeout(timer));
+}
 
 export class App {
     /** @param {Page} page @param {Messages} messages */
@@ -144,7 +159,7 @@ export class App {
     /** Calls the renderer; its error is thrown here, with message and code.
      * @param {string} method @param {unknown[]} args @returns {Promise<any>} */
     async call(method, ...args) {
-        const { result, error } = await this.worker.evaluate(async ([method, args]) => {
+        const { result, error } = await within(this.worker.evaluate(async ([method, args]) => {
             try {
                 // @ts-ignore: the page leaves it there
                 return { result: await self.renderer[method](...args) };
@@ -152,20 +167,20 @@ export class App {
                 const { message = String(thrown), code } = /** @type {{ message?: string, code?: string }} */ (thrown ?? {});
                 return { error: { message, code, isError: thrown instanceof Error } };
             }
-        }, /** @type {const} */ ([method, args]));
+        }, /** @type {const} */ ([method, args])), method);
         if (error) throw Object.assign(new Error(error.message), error);
         return result;
     }
 
     /** Renders until nothing is left to do. The page's own loop sleeps: what it is not told of, it does not render. */
     async render() {
-        return this.worker.evaluate(async () => {
+        return within(this.worker.evaluate(async () => {
             // @ts-ignore
             const renderer = self.renderer;
             let report = await renderer.render();
             while (!report.complete) report = await renderer.render();
             return report;
-        });
+        }), "rendering");
     }
 
     /** What the canvas shows. @returns {Promise<Picture>} */
