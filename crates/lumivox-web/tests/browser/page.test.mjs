@@ -17,7 +17,7 @@ let app;
 before(async () => {
     session = await Session.start();
     app = await App.show(session, "builtin:cornell", {
-        context: { permissions: ["clipboard-read", "clipboard-write"], acceptDownloads: true, hasTouch: true },
+        context: { acceptDownloads: true, hasTouch: true },
     });
 });
 after(() => session?.end());
@@ -61,10 +61,10 @@ test("the canvas shows the picture", async () => {
 });
 
 test("a link carries camera, settings, split and picture", async () => {
-    await moved(async () => {
-        await app.page.locator("#canvas").focus();
-        await app.page.keyboard.press("ArrowLeft", HELD);
-    });
+    const app = await App.show(session, "builtin:cornell", { context: { permissions: ["clipboard-read", "clipboard-write"] } });
+    await app.page.locator("#canvas").focus();
+    await app.page.keyboard.press("ArrowLeft", HELD);
+    await app.settled();
     await app.inPanel("View", () => app.page.locator("#compare").selectOption("albedo"));
     await app.inPanel("Volume", () => app.page.locator("#set-volume").selectOption("octree"));
     await app.page.locator("#link").click();
@@ -77,16 +77,15 @@ test("a link carries camera, settings, split and picture", async () => {
     assert.deepEqual(theirs, ours);
     assert.equal(theirs.volume, "octree");
     assert.ok(!/grid_offset|tone_map/.test(address), `what is as usual needs no place in a link: ${address}`);
-    const [from, to] = [await camera(), await other.call("camera")];
+    const [from, to] = [await app.call("camera"), await other.call("camera")];
     for (const part of ["position", "target"]) {
         for (const axis of [0, 1, 2]) assert.ok(Math.abs(from[part][axis] - to[part][axis]) < 1e-5, `${part} ${from[part]} and ${to[part]}`);
     }
     assert.equal(different(await app.pixels(), await other.pixels()), 0);
     await other.check();
     await other.close();
-    await app.inPanel("View", () => app.page.locator("#compare").selectOption(""));
-    await app.inPanel("Volume", () => app.page.locator("#set-volume").selectOption("dense"));
     await app.check();
+    await app.close();
 });
 
 test("a link with errors tells them, and shows the rest", async () => {
@@ -117,17 +116,6 @@ test("the split shows both views, each on its side", async () => {
     await app.page.keyboard.press("End");
     await app.complete();
     assert.equal(different(await app.pixels(), direct), 0, "with the line at the right edge all is the left view");
-    await app.check();
-});
-
-test("ours | reference traces paths beside the picture", async () => {
-    await app.inPanel("View", async () => {
-        const toggle = app.page.getByRole("button", { name: "ours | reference" });
-        await toggle.click();
-        await app.page.locator("#status", { hasText: /reference [1-9]\d* samples/ }).waitFor();
-        await toggle.click();
-    });
-    assert.ok(await app.page.locator("#split").isHidden());
     await app.check();
 });
 
@@ -226,4 +214,17 @@ test("a phone has room for it, and every control has a name", async () => {
     assert.deepEqual(controls.filter((line) => !/^\s*- \w+ "/.test(line)), [], "controls without a name");
     await phone.check();
     await phone.close();
+});
+
+test("ours | reference traces paths beside the picture", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    await app.inPanel("View", async () => {
+        const toggle = app.page.getByRole("button", { name: "ours | reference" });
+        await toggle.click();
+        await app.page.locator("#status", { hasText: /reference [1-9]\d* samples/ }).waitFor();
+        await toggle.click();
+    });
+    assert.ok(await app.page.locator("#split").isHidden());
+    await app.check();
+    await app.close();
 });

@@ -40,11 +40,11 @@ test("a link can be read by people", () => {
 
 test("a link carries what is not as it would be anyway", () => {
     const settings = { view: "direct", resolution: 64, exposure: "auto", specular: false, grid_offset: [0, 0, 0] };
-    const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution"]) };
-    assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { view: "direct", specular: false } });
+    const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution", "specular", "grid_offset"]) };
+    assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { specular: false } });
     // What a preset has set, it sets again; what was set by hand behind it may be a default.
     const behind = linkState({ ...now, preset: "high" }, known.parameters);
-    assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64 } });
+    assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64, specular: false, grid_offset: [0, 0, 0] } });
     // Files stay where they are.
     assert.equal(linkState({ ...now, source: [] }, known.parameters).scene, undefined);
 });
