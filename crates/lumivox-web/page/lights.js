@@ -7,6 +7,7 @@ import { byId, h, numberInput, plain, row } from "./dom.js";
 /** @typedef {import("./types.js").Light} Light */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {import("./types.js").Vec3} Vec3 */
+/** @typedef {NonNullable<Light["kind"]>} Kind */
 
 /** Objects that are listed at once; the filter finds the others. */
 const MOST_OBJECTS = 200;
@@ -14,14 +15,14 @@ const MOST_OBJECTS = 200;
 const KINDS = { directional: "sun", point: "point", spot: "spot" };
 
 /** A light as it is added: where the camera is, as the console adds it.
- * @param {Light["kind"]} kind @param {Camera} camera @param {number} count lights that there are @returns {Light} */
+ * @param {Kind} kind @param {Camera} camera @param {number} count lights that there are @returns {Light} */
 export function newLight(kind, camera, count) {
     const name = `${KINDS[kind]} ${count + 1}`;
     /** @type {Vec3} */
     const down = [0, -1, 0];
     const [from, to] = [camera.position, camera.target];
-    if (kind === "directional") return { name, kind, color: [1, 1, 1], intensity: 100000, unit: "lux", direction: down };
-    const lamp = { name, kind, color: /** @type {Vec3} */ ([1, 1, 1]), intensity: 100, unit: /** @type {const} */ ("candela"), position: from, radius_m: 0, range_m: null };
+    if (kind === "directional") return { name, kind, intensity: 100000, direction: down };
+    const lamp = { name, kind, intensity: 100, position: from };
     if (kind === "point") return lamp;
     return { ...lamp, direction: [to[0] - from[0], to[1] - from[1], to[2] - from[2]], inner_cone_deg: 20, outer_cone_deg: 30 };
 }
@@ -31,39 +32,55 @@ export function newLight(kind, camera, count) {
 export function showLights(lights, change, remove) {
     const list = byId("lights");
     const open = new Set([...list.querySelectorAll("details[open]")].map((details) => details.getAttribute("data-name")));
-    list.replaceChildren(...lights.map((light, index) => lightFields(light, open.has(light.name), (changes) => {
+    list.replaceChildren(...lights.map((light, index) => lightFields(light, open.has(light.name ?? ""), (changes) => {
         Object.assign(light, changes);
         change(index, light);
     }, () => remove(index))));
     if (lights.length === 0) list.append(h("p", { class: "weak" }, "No lamps; what emits and the surroundings shine."));
 }
 
+/** What each kind heeds besides colour and strength.
+ * @type {Record<Kind, (keyof Light)[]>} */
+const HEEDED = {
+    directional: ["direction", "angular_radius_deg"],
+    point: ["position", "radius_m", "range_m"],
+    spot: ["position", "direction", "radius_m", "range_m", "inner_cone_deg", "outer_cone_deg"],
+};
+
+/** @type {[keyof Light, string, string][]} */
+const NUMBERS = [
+    ["angular_radius_deg", "Angular radius", "°"], ["radius_m", "Radius", "m"], ["range_m", "Range", "m"],
+    ["inner_cone_deg", "Inner cone", "°"], ["outer_cone_deg", "Outer cone", "°"],
+];
+
 /** @param {Light} light @param {boolean} open @param {(changes: Partial<Light>) => void} change @param {() => void} remove */
 function lightFields(light, open, change, remove) {
+    const { kind = "point", name = "", color: shown = [1, 1, 1], intensity = 0, position, direction } = light;
     const dot = h("i", { class: "dot" });
-    const paint = () => (dot.style.background = hex(light.color));
+    const paint = () => (dot.style.background = hex(light.color ?? shown));
     paint();
-    const color = h("input", { type: "color", value: hex(light.color) });
+    const color = h("input", { type: "color", value: hex(shown) });
     color.addEventListener("input", () => {
-        const peak = Math.max(...light.color) || 1;
+        const peak = Math.max(...(light.color ?? shown)) || 1;
         const [red, green, blue] = linear(color.value);
         change({ color: [red * peak, green * peak, blue * peak] });
         paint();
     });
     const fields = h("div", {},
         row("Colour", "", color),
-        row("Strength", light.unit === "lux" ? "lux" : "cd", number(light.intensity, (intensity) => change({ intensity }))),
+        row("Strength", kind === "directional" ? "lux" : "cd", number(intensity, (intensity) => change({ intensity }))),
     );
-    if (light.position) fields.append(three("Position", "m", light.position, (position) => change({ position })));
-    if (light.direction) fields.append(three("Direction", "", light.direction, (direction) => change({ direction })));
-    /** @type {[keyof Light, string, string][]} */
-    const numbers = [["radius_m", "Radius", "m"], ["range_m", "Range", "m"], ["inner_cone_deg", "Inner cone", "°"], ["outer_cone_deg", "Outer cone", "°"]];
-    for (const [name, label, unit] of numbers) {
-        const value = light[name];
-        if (typeof value === "number") fields.append(row(label, unit, number(value, (now) => change({ [name]: now }))));
+    const isHeeded = (/** @type {keyof Light} */ property) => HEEDED[kind].includes(property);
+    if (position && isHeeded("position")) fields.append(three("Position", "m", position, (position) => change({ position })));
+    if (direction && isHeeded("direction")) fields.append(three("Direction", "", direction, (direction) => change({ direction })));
+    for (const [property, label, unit] of NUMBERS) {
+        const value = light[property];
+        if (typeof value === "number" && isHeeded(property)) {
+            fields.append(row(label, unit, number(value, (now) => change({ [property]: now }))));
+        }
     }
-    fields.append(h("div", { class: "pair" }, h("button", { click: remove }, `Remove ${light.name}`)));
-    return h("details", { "data-name": light.name, open }, h("summary", {}, dot, light.name, " ", h("small", {}, KINDS[light.kind])), fields);
+    fields.append(h("div", { class: "pair" }, h("button", { click: remove }, `Remove ${name}`)));
+    return h("details", { "data-name": name, open }, h("summary", {}, dot, name, " ", h("small", {}, KINDS[kind])), fields);
 }
 
 /** @param {number} value @param {(value: number) => void} change */

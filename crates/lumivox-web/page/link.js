@@ -87,7 +87,8 @@ export function valueOf(info, text) {
 /** @param {Value} value @returns {string} */
 function valueText(value) {
     if (typeof value === "boolean") return value ? "on" : "off";
-    return typeof value === "number" ? short(value) : value;
+    if (typeof value === "number") return short(value);
+    return typeof value === "string" ? value : value.map(short).join(",");
 }
 
 /** Seven digits, as many as single floats have.

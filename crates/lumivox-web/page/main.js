@@ -168,7 +168,7 @@ function showAllLights(lights) {
 
 async function addLight(/** @type {string | null} */ kind) {
     if (!opened || !camera) return;
-    const lights = await attempt(ask("addLight", newLight(/** @type {Light["kind"]} */ (kind), camera, opened.scene.lights.length)));
+    const lights = await attempt(ask("addLight", newLight(/** @type {NonNullable<Light["kind"]>} */ (kind), camera, opened.scene.lights.length)));
     if (lights) showAllLights(/** @type {Light[]} */ (lights));
 }
 

@@ -84,7 +84,6 @@ export function loading(what) {
 const MISSING = {
     "no-webgpu": "This browser has no WebGPU",
     "no-adapter": "WebGPU finds no graphics adapter",
-    "no-device": "The graphics device could not be opened",
 };
 
 /** Browsers without what is needed get a page of their own; false where the error is another one.

@@ -51,10 +51,10 @@ export class Parameters {
     }
 }
 
-/** Whether two values are one: numbers pass through single floats.
+/** Whether two values are one: numbers pass through single floats, and three of them may be a text.
  * @param {Value} a @param {Value} b */
 export function same(a, b) {
-    return a === b || (typeof a === "number" && typeof b === "number" && plain(a) === plain(b));
+    return String(a) === String(b) || (typeof a === "number" && typeof b === "number" && plain(a) === plain(b));
 }
 
 /** @param {ParameterInfo} info @param {(value: Value) => void} change @param {HTMLElement} reset */

@@ -11,7 +11,7 @@ import { showObjects } from "./lights.js";
 /** The cameras that one can choose, the one of the beginning first.
  * @param {SceneInfo} scene @returns {Camera[]} */
 export function cameraChoices({ camera, cameras }) {
-    return [camera, ...cameras.filter(({ name }) => name === undefined || name !== camera.name)];
+    return [camera, ...cameras.filter(({ name }) => !name || name !== camera.name)];
 }
 
 /** @param {SceneInfo} scene @param {string} address @param {Tell} tell */
@@ -23,7 +23,7 @@ export function showScene(scene, address, tell) {
     scenes.value = [...scenes.options].some(({ value }) => value === address) ? address : "";
     scenes.options[0].textContent = scenes.value === "" ? scene.name : "a file or an address";
     showFacts(scene);
-    const cameras = cameraChoices(scene).map(({ name }, index) => ({ value: String(index), label: name ?? `camera ${index + 1}` }));
+    const cameras = cameraChoices(scene).map(({ name }, index) => ({ value: String(index), label: name || `camera ${index + 1}` }));
     fillSelect(byId("camera", HTMLSelectElement), cameras, "0");
     showObjects(scene.objects, (object, hidden) => tell("hide", { object, hidden }));
     showNotes(scene.notes);

@@ -12,14 +12,15 @@ import { say } from "./messages.js";
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
 
-/** What a link has to carry. Settings that differ from their defaults; behind a preset, which changes many, those that
- * were set by hand.
+/** What a link has to carry. Of the settings those that were set by hand, since others follow from these: VXCT's own
+ * change with the volume, and setting them would ask for its look. What is back at its default is left out, but not
+ * behind a preset, which has its own.
  * @param {{ source: Source | null, preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
  *   settings: Settings, touched: Set<string> }} now
  * @param {ParameterInfo[]} parameters @returns {LinkState} */
 export function linkState({ source, preset, camera, split, scale, settings, touched }, parameters) {
     const carried = parameters.filter(({ name, default: first }) =>
-        settings[name] !== undefined && (preset === undefined ? !same(settings[name], first) : touched.has(name)));
+        settings[name] !== undefined && touched.has(name) && (preset !== undefined || !same(settings[name], first)));
     /** @type {LinkState} */
     const state = { settings: Object.fromEntries(carried.map(({ name }) => [name, settings[name]])) };
     if (typeof source === "string") state.scene = source;

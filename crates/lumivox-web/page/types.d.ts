@@ -1,13 +1,17 @@
 // What the page's modules pass to each other. The renderer's own types come from the package.
 
 import type {
-    Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo, Vec3,
+    Camera as AnyCamera, FrameReport, Light, ParameterInfo, Progress, SceneInfo as AnySceneInfo,
 } from "./lumivox/lumivox.js";
 
-export type { Camera, FrameReport, Light, ParameterInfo, Progress, SceneInfo, Vec3 };
+export type { FrameReport, Light, ParameterInfo, Progress };
+export type Vec3 = [number, number, number];
+/** What comes from the renderer has all that may be left out on the way to it. */
+export type Camera = Required<Omit<AnyCamera, "name">> & { name?: string };
+export interface SceneInfo extends AnySceneInfo { camera: Camera; cameras: Camera[] }
 
-/** A setting's value; of three numbers their text, separated by commas. */
-export type Value = boolean | number | string;
+/** A setting's value; of three numbers also their text, separated by commas. */
+export type Value = boolean | number | string | Vec3;
 export type Settings = Record<string, Value>;
 
 /** Where a scene comes from: an address or "builtin:NAME", or files with their paths below what was dropped. */

@@ -12,6 +12,7 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Light} Light */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
@@ -21,6 +22,8 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 const SLOW_MS = 100;
 /** The camera stands still after this time without a change, ms. */
 const STILL_MS = 250;
+/** A browser that wants no picture for this time, ms, gets one all the same. */
+const UNASKED_MS = 500;
 /** A device that is lost so often without a frame in between is not asked for again by itself. */
 const LOSSES = 3;
 
@@ -53,10 +56,11 @@ function changed() {
 const last = new LastOf(changed);
 const together = new Together((changes, onProgress) => renderer.set(changes, onProgress), changed);
 
-/** Until the browser wants another picture; a hidden page wants none. */
+/** Until the browser wants another picture; a hidden page wants few. After its GPU process has crashed Chromium asks no
+ * more, but takes what it is given. */
 const nextPicture = () => new Promise((resolve) => {
     if (typeof requestAnimationFrame === "function") requestAnimationFrame(resolve);
-    else setTimeout(resolve);
+    setTimeout(resolve, typeof requestAnimationFrame === "function" ? UNASKED_MS : 0);
 });
 
 async function frames() {
@@ -154,7 +158,7 @@ const calls = {
     },
     /** @param {{ source: Source, camera?: Camera }} data @param {OnProgress} onProgress @returns {Promise<Opened>} */
     async load(data, onProgress) {
-        const scene = await renderer.loadScene(sourceFor(data.source), onProgress);
+        const scene = /** @type {SceneInfo} */ (await renderer.loadScene(sourceFor(data.source), onProgress));
         number += 1;
         camera = data.camera ?? null;
         isReady = true;

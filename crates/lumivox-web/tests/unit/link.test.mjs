@@ -12,7 +12,7 @@ const known = {
         { name: "resolution", kind: "whole", min: 16, max: 1024, default: 64 },
         { name: "exposure", kind: "number", min: -64, max: 64, word: "auto", default: "auto" },
         { name: "specular", kind: "switch", default: true },
-        { name: "grid_offset", kind: "vector", default: "0,0,0" },
+        { name: "grid_offset", kind: "vector", default: [0, 0, 0] },
     ],
 };
 
@@ -28,6 +28,10 @@ test("what is written is read again", () => {
     assert.deepEqual(decode(`#${encode(state)}`, known), { state, problems: [] });
 });
 
+test("three numbers are written as their text", () => {
+    assert.equal(encode({ settings: { grid_offset: [0.5, 0, 0.1] } }), "grid_offset=0.5,0,0.1");
+});
+
 test("a link can be read by people", () => {
     const camera = { position: [0, 1, 4], target: [0, 1, 0], up: [0, 1, 0], vertical_fov_deg: 40 };
     const text = encode({ scene: "builtin:cornell", camera, settings: { exposure: -1.5 } });
@@ -35,12 +39,12 @@ test("a link can be read by people", () => {
 });
 
 test("a link carries what is not as it would be anyway", () => {
-    const settings = { view: "direct", resolution: 64, exposure: "auto", specular: false, grid_offset: "0,0,0" };
-    const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution"]) };
-    assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { view: "direct", specular: false } });
+    const settings = { view: "direct", resolution: 64, exposure: "auto", specular: false, grid_offset: [0, 0, 0] };
+    const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution", "specular", "grid_offset"]) };
+    assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { specular: false } });
     // What a preset has set, it sets again; what was set by hand behind it may be a default.
     const behind = linkState({ ...now, preset: "high" }, known.parameters);
-    assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64 } });
+    assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64, specular: false, grid_offset: [0, 0, 0] } });
     // Files stay where they are.
     assert.equal(linkState({ ...now, source: [] }, known.parameters).scene, undefined);
 });

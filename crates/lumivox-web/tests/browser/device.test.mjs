@@ -1,0 +1,136 @@
+// Devices that are lost, refuse, or are not there at all.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { App, LINK } from "./harness/app.mjs";
+import { Session } from "./harness/browser.mjs";
+import { different } from "./harness/picture.mjs";
+
+/** @type {Session} */
+let session;
+/** @type {App} */
+let app;
+before(async () => {
+    session = await Session.start();
+    app = await App.show(session, "builtin:cornell");
+});
+after(() => session?.end());
+
+test("what WebGPU's validation says is heard by these tests", async () => {
+    await app.worker.evaluate(async () => {
+        const adapter = await navigator.gpu.requestAdapter();
+        const device = await adapter?.requestDevice();
+        device?.createBuffer({ size: 16, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.MAP_WRITE });
+        await device?.queue.onSubmittedWorkDone();
+        device?.destroy();
+    });
+    // What the browser says takes its own way.
+    await app.page.waitForTimeout(500);
+    assert.match(app.messages.take().join("\n"), /warning \(rendering\): .*MapRead/);
+});
+
+/** Loses the device, and waits for the picture on another one. @param {App} app */
+async function lose(app) {
+    const before = await app.pixels();
+    await app.worker.evaluate(async () => {
+        // @ts-ignore: the page leaves it there
+        (await self.renderer.device()).destroy();
+    });
+    await app.page.locator("#messages .note", { hasText: "was lost" }).waitFor();
+    await app.page.locator("#live", { hasText: "is back" }).waitFor({ state: "attached" });
+    await app.complete();
+    assert.equal(different(before, await app.pixels()), 0);
+    assert.equal(await app.call("isLost"), false);
+    await app.page.getByLabel("Close the message").click();
+    await app.page.locator("#live").evaluate((live) => (live.textContent = ""));
+    await app.check();
+}
+
+test("a lost device is replaced as often as needed, and the picture is the same", async () => {
+    for (let time = 0; time < 2; time += 1) await lose(app);
+});
+
+test("more than the device holds is refused with what to choose instead, and the picture stays", async (t) => {
+    const before = await app.pixels();
+    const settings = await app.call("settings");
+    /** @type {[string, () => Promise<unknown>, RegExp][]} */
+    const refused = [
+        ["a volume", () => app.call("set", { resolution: 1024 }), /max_texture_dimension_3d.*set the resolution to at most 680/],
+        ["an octree", () => app.call("set", { resolution: 128, volume: "octree", volume_memory: 1 }), /octree.*allow more, or set the resolution to/],
+        ["a picture's width", () => app.call("resize", 20000, 16), /max_texture_dimension_2d.*ask for at most 8192x8192/],
+        ["shadow maps", () => app.call("set", { shadow_resolution: 16384 }), /must be from 16 to 8192/],
+    ];
+    for (const [what, ask, remedy] of refused) {
+        await t.test(what, async () => {
+            await assert.rejects(ask(), (/** @type {any} */ error) => {
+                console.log(`${what}: ${error.code}: ${error.message}`);
+                assert.equal(error.code, what === "shadow maps" ? "value" : "limit");
+                assert.match(error.message, remedy);
+                return true;
+            });
+            assert.deepEqual(await app.call("settings"), settings);
+            await app.render();
+            assert.equal(different(before, await app.pixels()), 0);
+            await app.check();
+        });
+    }
+    await t.test("by hand", async () => {
+        const field = app.page.locator("#set-resolution");
+        await app.inPanel("Volume", async () => {
+            await field.fill("1024");
+            await field.press("Enter");
+            const text = await app.error();
+            assert.match(text, /set the resolution to at most 680/);
+            assert.ok(!text.includes("--"), `a page has no command line: ${text}`);
+        });
+        assert.equal(await field.inputValue(), "32");
+        assert.equal(different(before, await app.pixels()), 0);
+        await app.check();
+    });
+});
+
+test("a split survives a lost device", async () => {
+    const split = await App.show(session, "builtin:cornell", { link: "split=albedo,0.5" });
+    await lose(split);
+    await split.close();
+});
+
+test("a browser without WebGPU is told which ones have it", async () => {
+    const before = (/** @type {import("playwright-core").Page} */ page) =>
+        page.addInitScript(() => Reflect.deleteProperty(Navigator.prototype, "gpu"));
+    const without = await App.open(session, { link: `scene=builtin:cornell&${LINK}`, before });
+    await without.state("unsupported");
+    const text = await without.page.locator("#unsupported").innerText();
+    for (const word of ["no WebGPU", "Chrome", "Edge", "Safari", "Firefox"]) assert.ok(text.includes(word), text);
+    assert.ok(await without.page.locator("#stage").isHidden());
+    await without.check();
+    await without.close();
+});
+
+test("a browser without an adapter for it is told so", async () => {
+    const plain = await Session.start({ webgpu: false });
+    try {
+        const without = await App.open(plain, { link: `scene=builtin:cornell&${LINK}` });
+        without.messages.expect(/No available adapters|WebGPU/);
+        await without.state("unsupported");
+        const text = await without.page.locator("#unsupported").innerText();
+        assert.match(text, /Firefox 141/);
+        console.log(text.split("\n").slice(0, 6).join(" | "));
+        await without.check();
+    } finally {
+        await plain.end();
+    }
+});
+
+test("a GPU process that crashes is survived", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    // The browser's own words about it.
+    app.messages.expect(/external Instance reference no longer exists/);
+    const before = await app.pixels();
+    await session.crashGpu();
+    await app.page.locator("#live", { hasText: "is back" }).waitFor({ state: "attached" });
+    await app.complete();
+    assert.equal(different(before, await app.pixels()), 0);
+    await app.check();
+    await app.close();
+});

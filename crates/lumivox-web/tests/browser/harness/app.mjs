@@ -1,0 +1,204 @@
+// The page in a tab: what it shows, what it says, and the renderer in its worker.
+
+import assert from "node:assert/strict";
+import { Messages } from "./messages.mjs";
+
+/** @typedef {import("playwright-core").Page} Page */
+/** @typedef {import("playwright-core").BrowserContextOptions} ContextOptions */
+/** @typedef {import("./browser.mjs").Session} Session */
+/** @typedef {import("./picture.mjs").Picture} Picture */
+
+/** A software GPU takes its time; a page that is there answers at once. */
+const [RENDERED_MS, ANSWERED_MS] = [60_000, 20_000];
+
+/** At a quarter of the pixels each way the picture has 96x72. */
+export const VIEWPORT = { width: 384, height: 288 };
+export const SIZE = { width: 96, height: 72 };
+/** Mean FLIP that pictures of two software GPUs, SwiftShader here and lavapipe there, may have between them: an edge that
+ * goes through the middle of a row of pixels falls to either side, and so do cones that begin beside it. Measured: 0.0006
+ * (furnace) to 0.036 (atrium); a picture that was wrong had 0.12 and more. */
+export const BOUND = 0.05;
+/** Small and quick; the native program's words for it are in `NATIVE`. */
+export const QUICK = { resolution: 32, frames: 4, bounces: 1 };
+export const NATIVE = ["--size", "96x72", "--resolution", "32", "--frames", "4", "--bounces", "1"];
+/** The same in a link. */
+export const LINK = "scale=0.25&resolution=32&frames=4&bounces=1";
+
+/** What a promise gives, unless it takes too long: a worker that stopped answers no more.
+ * @template T @param {Promise<T>} promise @param {string} what @returns {Promise<T>} */
+function within(promise, what) {
+    /** @type {NodeJS.Timeout | undefined} */
+    let timer;
+    const late = new Promise((_, reject) => {
+        timer = setTimeout(() => reject(new Error(`${what} did not end within ${RENDERED_MS / 1000} s`)), RENDERED_MS);
+    });
+    return Promise.race([promise, /** @type {Promise<never>} */ (late)]).finally(() => clearTimeout(timer));
+}
+
+export class App {
+    /** @param {Page} page @param {Messages} messages */
+    constructor(page, messages) {
+        this.page = page;
+        this.messages = messages;
+    }
+
+    /** Opens the page in a tab of its own context.
+     * @param {Session} session
+     * @param {{ link?: string, path?: string, context?: ContextOptions, before?: (page: Page) => Promise<unknown> }} options
+     *   `before` may prepare the tab */
+    static async open(session, { link = "", path = "", context = {}, before } = {}) {
+        const tab = await session.browser.newContext({ viewport: VIEWPORT, ...context });
+        const page = await tab.newPage();
+        page.setDefaultTimeout(ANSWERED_MS);
+        const messages = await Messages.of(page);
+        await before?.(page);
+        await page.goto(new URL(`${path}${link && `#${link}`}`, session.address).href);
+        return new App(page, messages);
+    }
+
+    /** Opens it with a scene, and waits for the picture.
+     * @param {Session} session @param {string} scene @param {{ link?: string, context?: ContextOptions }} options */
+    static async show(session, scene, { link = "", context } = {}) {
+        const app = await App.open(session, { link: [`scene=${scene}`, LINK, link].filter(Boolean).join("&"), context });
+        await app.complete();
+        return app;
+    }
+
+    async close() {
+        await this.page.context().close();
+    }
+
+    // --- What the page shows ---
+
+    /** Waits until the page is in a state. @param {string} state */
+    async state(state) {
+        await this.page.waitForSelector(`html[data-state=${state}]`, { state: "attached", timeout: RENDERED_MS });
+    }
+
+    /** Waits for the finished picture. */
+    async complete() {
+        // A page that failed would wait in vain.
+        const ends = ["complete", "failed", "empty", "unsupported"].map((state) => `html[data-state=${state}]`);
+        await this.page.waitForSelector(ends.join(), { state: "attached", timeout: RENDERED_MS });
+        const state = await this.page.evaluate(() => document.documentElement.dataset.state);
+        assert.equal(state, "complete", `the page says: ${(await this.errors()).join(" | ")} ${this.messages.take().join(" | ")}`);
+    }
+
+    /** Waits for the finished picture after something that the page hears of with a later frame: input, or its size. */
+    async settled() {
+        await this.page.evaluate(() => new Promise((resolve) => {
+            // Held keys and resized boxes are looked at once a frame, and the camera rests for a moment at the end.
+            let frames = 0;
+            const next = () => ((frames += 1) < 3 ? requestAnimationFrame(next) : setTimeout(resolve, 300));
+            requestAnimationFrame(next);
+        }));
+        await this.complete();
+    }
+
+    /** The errors that it shows. @returns {Promise<string[]>} */
+    async errors() {
+        return (await this.page.locator("#messages .error p").allTextContents()).map((text) => text.trim());
+    }
+
+    /** Waits for an error, closes it, and gives its text. */
+    async error() {
+        const message = this.page.locator("#messages .error").last();
+        const text = (await message.locator("p").textContent()) ?? "";
+        await message.getByLabel("Close the message").click();
+        return text.trim();
+    }
+
+    /** Fails if there are errors, on the page or on the console. */
+    async check() {
+        assert.deepEqual(await this.errors(), [], "the page must show no error");
+        this.messages.check();
+    }
+
+    /** Does something in the panel, with one of its sections open; it takes a part of a small window, so that it is
+     * closed again. @param {string} section @param {() => Promise<unknown>} work */
+    async inPanel(section, work) {
+        const show = async (/** @type {string} */ expanded) => {
+            const toggle = this.page.locator("#panel-toggle");
+            if ((await toggle.getAttribute("aria-expanded")) !== expanded) await toggle.click();
+        };
+        await show("true");
+        await this.page.locator("#panel > details", { has: this.page.getByRole("heading", { name: section, exact: true }) })
+            .evaluate((/** @type {HTMLDetailsElement} */ details) => (details.open = true));
+        try {
+            await work();
+        } finally {
+            await show("false");
+            await this.settled();
+        }
+    }
+
+    /** Drops files on the page, as a mouse would.
+     * @param {{ name: string, bytes: Buffer | string }[]} files */
+    async drop(files) {
+        const contents = files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString("base64") }));
+        await this.page.evaluate((contents) => {
+            const transfer = new DataTransfer();
+            for (const { name, base64 } of contents) {
+                transfer.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name));
+            }
+            for (const type of ["dragenter", "dragover", "drop"]) {
+                const event = new DragEvent(type, { dataTransfer: transfer, bubbles: true, cancelable: true });
+                document.querySelector("canvas")?.dispatchEvent(event);
+            }
+        }, contents);
+    }
+
+    // --- The renderer in the worker ---
+
+    get worker() {
+        const [worker] = this.page.workers();
+        assert.ok(worker, "the page has no worker");
+        return worker;
+    }
+
+    /** Calls the renderer; its error is thrown here, with message and code.
+     * @param {string} method @param {unknown[]} args @returns {Promise<any>} */
+    async call(method, ...args) {
+        const { result, error } = await within(this.worker.evaluate(async ([method, args]) => {
+            try {
+                // @ts-ignore: the page leaves it there
+                return { result: await self.renderer[method](...args) };
+            } catch (thrown) {
+                const { message = String(thrown), code } = /** @type {{ message?: string, code?: string }} */ (thrown ?? {});
+                return { error: { message, code, isError: thrown instanceof Error } };
+            }
+        }, /** @type {const} */ ([method, args])), method);
+        if (error) throw Object.assign(new Error(error.message), error);
+        return result;
+    }
+
+    /** Renders until nothing is left to do. The page's own loop sleeps: what it is not told of, it does not render. */
+    async render() {
+        return within(this.worker.evaluate(async () => {
+            // @ts-ignore
+            const renderer = self.renderer;
+            let report = await renderer.render();
+            while (!report.complete) report = await renderer.render();
+            return report;
+        }), "rendering");
+    }
+
+    /** What the canvas shows. @returns {Promise<Picture>} */
+    async pixels() {
+        const { width, height, base64 } = await this.worker.evaluate(async () => {
+            // @ts-ignore
+            const { width, height, data } = await self.renderer.readPixels();
+            let text = "";
+            for (let at = 0; at < data.length; at += 8192) text += String.fromCharCode(...data.subarray(at, at + 8192));
+            return { width, height, base64: btoa(text) };
+        });
+        return { width, height, data: Buffer.from(base64, "base64") };
+    }
+
+    /** The picture of other settings. @param {Record<string, unknown>} settings */
+    async pictureWith(settings) {
+        await this.call("set", settings);
+        await this.render();
+        return this.pixels();
+    }
+}

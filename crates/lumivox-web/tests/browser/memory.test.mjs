@@ -1,0 +1,63 @@
+// Memory: scene after scene, it stays what it was.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { App } from "./harness/app.mjs";
+import { Session } from "./harness/browser.mjs";
+import { glb } from "./harness/files.mjs";
+
+/** Loads; memory is compared between a fifth of them and the end, when all that is kept for later is there. */
+const LOADS = 50;
+const FIRST = 10;
+/** What garbage collectors and caches may make of it, bytes: a scene of this test takes 28 MiB of the GPU. */
+const SLACK = 24 << 20;
+
+/** @type {Session} */
+let session;
+/** @type {App} */
+let app;
+before(async () => {
+    session = await Session.start();
+    app = await App.show(session, "builtin:cornell");
+});
+after(() => session?.end());
+
+async function memory() {
+    const wasm = await app.worker.evaluate(async () => {
+        const lumivox = await import(new URL("lumivox/lumivox.js", self.location.href).href);
+        const { memory } = await lumivox.default();
+        // @ts-ignore: there by --expose-gc
+        for (let time = 0; time < 3; time += 1) self.gc(), await new Promise((resolve) => setTimeout(resolve, 50));
+        return memory.buffer.byteLength;
+    });
+    return { wasm, page: await session.memory("renderer"), gpu: await session.memory("GPU") };
+}
+
+test(`memory is stable over ${LOADS} scene loads`, async () => {
+    const base64 = (await glb("panel")).toString("base64");
+    const load = (/** @type {number} */ count) => app.worker.evaluate(async ([base64, count]) => {
+        // @ts-ignore: the page leaves it there
+        const renderer = self.renderer;
+        const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+        const sources = ["builtin:cornell", new File([bytes], "panel.glb"), "builtin:spheres", "builtin:furnace"];
+        for (let time = 0; time < count; time += 1) {
+            await renderer.loadScene(sources[time % sources.length]);
+            await renderer.render();
+        }
+    }, /** @type {const} */ ([base64, count]));
+    await load(FIRST);
+    const first = await memory();
+    const middle = (LOADS - FIRST) / 2;
+    await load(middle);
+    const half = await memory();
+    await load(LOADS - FIRST - middle);
+    const last = await memory();
+    const mebibytes = (/** @type {Record<string, number>} */ of) =>
+        Object.entries(of).map(([what, bytes]) => `${what} ${(bytes / (1 << 20)).toFixed(1)} MiB`).join(", ");
+    console.log(`after ${FIRST} loads: ${mebibytes(first)}\nafter ${FIRST + middle}: ${mebibytes(half)}\nafter ${LOADS}: ${mebibytes(last)}`);
+    assert.equal(last.wasm, first.wasm, "WASM's memory must not have grown");
+    for (const what of /** @type {const} */ (["page", "gpu"])) {
+        assert.ok(last[what] <= first[what] + SLACK, `the ${what} process has grown from ${first[what]} to ${last[what]} bytes`);
+    }
+    await app.check();
+});

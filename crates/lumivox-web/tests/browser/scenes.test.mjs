@@ -1,0 +1,120 @@
+// Pictures: the browser's agree with the native program's.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { App, BOUND, NATIVE, QUICK } from "./harness/app.mjs";
+import { Session } from "./harness/browser.mjs";
+import { colors, different, flip, nativePicture } from "./harness/picture.mjs";
+
+/** @type {Session} */
+let session;
+/** @type {App} */
+let app;
+before(async () => {
+    session = await Session.start();
+    app = await App.show(session, "builtin:cornell");
+});
+after(() => session?.end());
+
+/** What the package knows. @param {"builtinScenes" | "parameters" | "presets"} list @returns {Promise<any[]>} */
+const known = (list) => app.worker.evaluate(async (list) => {
+    const lumivox = await import(new URL("lumivox/lumivox.js", self.location.href).href);
+    return lumivox[list]();
+}, list);
+
+const agrees = async (/** @type {string} */ scene, /** @type {string[]} */ options, /** @type {string} */ what) => {
+    const difference = await flip(await nativePicture(scene, ...NATIVE, ...options), await app.pixels(), `${what.replace(/\W/g, "-")}.png`);
+    console.log(`${what}: FLIP ${difference.toFixed(5)}`);
+    assert.ok(difference <= BOUND, `${what}: FLIP ${difference} against the native picture is above ${BOUND}`);
+};
+
+test("every built-in scene agrees with the native picture", async (t) => {
+    const scenes = await known("builtinScenes");
+    assert.equal(scenes.length, 7);
+    for (const { name } of scenes) {
+        await t.test(name, async () => {
+            await app.call("loadScene", `builtin:${name}`);
+            await app.render();
+            await agrees(`builtin:${name}`, [], name);
+            await app.check();
+        });
+    }
+});
+
+test("both volumes and the presets agree with the native picture", async (t) => {
+    await app.call("loadScene", "builtin:cornell");
+    const usual = await app.call("settings");
+    for (const volume of ["octree", "dense"]) {
+        await t.test(volume, async () => {
+            await app.pictureWith({ volume });
+            await agrees("builtin:cornell", ["--volume", volume], volume);
+        });
+    }
+    for (const preset of ["vxct", "report"]) {
+        await t.test(preset, async () => {
+            await app.call("setPreset", preset);
+            await app.pictureWith(QUICK);
+            await agrees("builtin:cornell", ["--preset", preset], preset);
+        });
+    }
+    await app.call("setPreset", "balanced");
+    await app.call("set", usual);
+    await app.check();
+});
+
+test("every view is a picture of its own, in both volumes", async (t) => {
+    const views = (await known("parameters")).find(({ name }) => name === "view").choices;
+    assert.ok(views.length >= 15, `${views.length} views`);
+    const octrees = new Set(["nodes", "bricks"]);
+    /** @type {Map<string, import("./harness/picture.mjs").Picture>} */
+    const seen = new Map();
+    for (const volume of ["dense", "octree"]) {
+        await app.call("set", { volume });
+        for (const view of views) {
+            await t.test(`${view}, ${volume}`, async () => {
+                if (octrees.has(view) && volume === "dense") {
+                    await assert.rejects(app.call("set", { view }), /octree/);
+                    return;
+                }
+                const picture = await app.pictureWith({ view });
+                assert.ok(colors(picture) > 1, `${view} shows nothing`);
+                for (const [other, earlier] of seen) {
+                    if (other.startsWith(volume)) assert.ok(different(picture, earlier) > 0, `${view} looks like ${other}`);
+                }
+                seen.set(`${volume} ${view}`, picture);
+            });
+        }
+    }
+    await app.call("set", { volume: "dense", view: "final" });
+    await app.check();
+});
+
+test("the path-traced reference agrees with the native one", async () => {
+    const exposure = -1.5;
+    await app.call("set", { exposure });
+    await app.call("setSplit", { right: "reference", at: 0, samples: 8 });
+    const report = await app.render();
+    assert.equal(report.reference_samples, 8);
+    const file = await nativeReference("--samples", "8", "--exposure", String(exposure));
+    const difference = await flip(file, await app.pixels(), "reference.png");
+    console.log(`reference: FLIP ${difference.toFixed(5)}`);
+    assert.ok(difference <= BOUND, `FLIP ${difference} is above ${BOUND}`);
+    await app.call("setSplit", null);
+    await app.call("set", { exposure: "auto" });
+    await app.check();
+});
+
+async function nativeReference(/** @type {string[]} */ ...options) {
+    const { freshPath, native } = await import("./harness/picture.mjs");
+    const file = await freshPath("reference.png");
+    await native("reference", "builtin:cornell", "-o", file, "--size", "96x72", ...options);
+    return file;
+}
+
+test("the same is rendered again to the bit", async () => {
+    const first = await app.pictureWith({ resolution: 32 });
+    await app.pictureWith({ resolution: 40 });
+    const again = await app.pictureWith({ resolution: 32 });
+    assert.equal(different(first, again), 0);
+    await app.check();
+});
