@@ -120,7 +120,7 @@ impl Renderer {
         &self,
         #[wasm_bindgen(unchecked_param_type = "string | URL | File | Iterable<File>")]
         source: JsValue,
-        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
     ) -> Result<Ts<SceneInfo>, JsValue> {
         let listener = Listener::new(on_progress);
@@ -145,7 +145,7 @@ impl Renderer {
     pub async fn set(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Settings")] changes: JsValue,
-        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
     ) -> Result<(), JsValue> {
         let changes: Settings =
@@ -165,7 +165,7 @@ impl Renderer {
     pub async fn set_preset(
         &self,
         name: String,
-        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
     ) -> Result<(), JsValue> {
         Ok(self.session().await.set_preset(&name, &Listener::new(on_progress)).await?)
@@ -287,7 +287,7 @@ impl Renderer {
     /// Goes on after the device was lost: all is uploaded to another one.
     pub async fn restore(
         &self,
-        #[wasm_bindgen(unchecked_param_type = "OnProgress | undefined | null", js_name = onProgress)]
+        #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
     ) -> Result<(), JsValue> {
         Ok(self.session().await.restore(&Listener::new(on_progress)).await?)
