@@ -91,10 +91,14 @@ function valueText(value) {
     return typeof value === "string" ? value : value.map(short).join(",");
 }
 
-/** Seven digits, as many as single floats have.
+/** As few digits as tell the number apart from others when it is a single float, as the renderer has it: nine at most.
  * @param {number} number */
 function short(number) {
-    return String(Number(number.toPrecision(7)));
+    for (let digits = 6; digits < 9; digits += 1) {
+        const shorter = Number(number.toPrecision(digits));
+        if (Math.fround(shorter) === Math.fround(number)) return String(shorter);
+    }
+    return String(Number(number.toPrecision(9)));
 }
 
 /** @param {Camera} camera */

@@ -32,6 +32,15 @@ test("three numbers are written as their text", () => {
     assert.equal(encode({ settings: { grid_offset: [0.5, 0, 0.1] } }), "grid_offset=0.5,0,0.1");
 });
 
+test("numbers come back as the renderer's single floats", () => {
+    for (const number of [3.799999952316284, 40.03192138671875, 1 / 3, 2.8161563873291016, 1e-8, 65504, 0]) {
+        const camera = { position: [number, 0, 0], target: [0, 0, 1], up: [0, 1, 0], vertical_fov_deg: 40 };
+        const back = decode(encode({ camera, settings: {} }), known).state.camera.position[0];
+        assert.equal(Math.fround(back), Math.fround(number));
+        assert.ok(String(back).length <= 12, String(back));
+    }
+});
+
 test("a link can be read by people", () => {
     const camera = { position: [0, 1, 4], target: [0, 1, 0], up: [0, 1, 0], vertical_fov_deg: 40 };
     const text = encode({ scene: "builtin:cornell", camera, settings: { exposure: -1.5 } });
