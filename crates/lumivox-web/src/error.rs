@@ -68,7 +68,7 @@ impl From<RenderError> for WebError {
             RenderError::Adapter { .. } | RenderError::NoDevice { .. } => Code::NoAdapter,
             RenderError::Limit { .. }
             | RenderError::OutOfMemory { .. }
-            | RenderError::Gi(GiError::Limit { .. }) => Code::Limit,
+            | RenderError::Gi(GiError::Limit { .. } | GiError::Budget { .. }) => Code::Limit,
             RenderError::Setting { .. } => Code::Value,
             _ => Code::Device,
         };

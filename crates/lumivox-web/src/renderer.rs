@@ -251,8 +251,9 @@ impl Renderer {
     pub async fn read_pixels(&self) -> Result<JsValue, JsValue> {
         let (size, pixels) = self.session().await.pixels().await?;
         let opaque: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
-        let clamped = wasm_bindgen::Clamped(opaque.as_slice());
-        let image = web_sys::ImageData::new_with_u8_clamped_array_and_sh(clamped, size.x, size.y)?;
+        // A copy: what `ImageData` is made of stays its own, and this vector goes.
+        let own = js_sys::Uint8ClampedArray::from(opaque.as_slice());
+        let image = web_sys::ImageData::new_with_js_u8_clamped_array_and_sh(&own, size.x, size.y)?;
         Ok(image.into())
     }
 
@@ -304,10 +305,13 @@ fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {
     value.into_ts().map_err(|error| WebError::value(error.to_string()).into())
 }
 
+/// An object of the page. By way of its text, since that way properties that nobody knows are refused.
 fn from_js<T: Tsify + serde::de::DeserializeOwned>(
     value: &Ts<T>,
     what: &str,
 ) -> Result<T, WebError> {
-    T::from_js(value.js_value())
+    let text = js_sys::JSON::stringify(&value.js_value()).ok().and_then(|text| text.as_string());
+    let text = text.unwrap_or_default();
+    serde_json::from_str(&text)
         .map_err(|error| WebError::value(format!("this is not {what}: {error}")))
 }

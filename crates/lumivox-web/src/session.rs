@@ -62,9 +62,8 @@ impl Session {
         self.presenter = Presenter::new(&gpu, self.presenter.canvas().clone())?;
         self.explorer.set_gpu(gpu);
         self.start_again();
-        if let Some(beside) = &mut self.beside {
-            beside.forget();
-        }
+        // What is beside stands on the device that is gone.
+        self.beside = self.beside.take().map(|beside| Beside::new(beside.right, beside.at));
         self.update(listener).await
     }
 

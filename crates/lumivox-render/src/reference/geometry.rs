@@ -5,7 +5,9 @@ use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use lumivox_scene::{Mesh, Scene};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
 
 /// `LEAF` of `world.wgsl`.
 const LEAF: u32 = 1 << 31;
@@ -191,9 +193,22 @@ fn build(triangles: &[TriangleRecord]) -> Bvh2 {
     if corners.is_empty() {
         return Bvh2::default();
     }
-    let quality =
-        BvhBuildParams { max_prims_per_leaf: MOST_PER_LEAF, ..BvhBuildParams::medium_build() };
-    build_bvh2_from_tris(&corners, quality, &mut std::time::Duration::default())
+    // The steps of `build_bvh2_from_tris`, which asks for a clock that browsers have not.
+    let quality = BvhBuildParams::medium_build();
+    let mut hierarchy = PlocBuilder::with_capacity(corners.len()).build(
+        quality.ploc_search_distance,
+        &corners,
+        (0..corners.len() as u32).collect::<Vec<_>>(),
+        quality.sort_precision,
+        quality.search_depth_threshold,
+    );
+    let mut optimizer = ReinsertionOptimizer::default();
+    let share = quality.reinsertion_batch_ratio;
+    optimizer.run(&mut hierarchy, share, None);
+    collapse(&mut hierarchy, MOST_PER_LEAF, quality.collapse_traversal_cost);
+    let share = share * quality.post_collapse_reinsertion_batch_ratio_multiplier;
+    optimizer.run(&mut hierarchy, share, None);
+    hierarchy
 }
 
 fn append_vertices(

@@ -52,7 +52,7 @@ export class App {
         page.setDefaultTimeout(ANSWERED_MS);
         const messages = await Messages.of(page);
         await before?.(page);
-        await page.goto(new URL(`${path}${link && `#${link}`}`, session.address).href);
+        await page.goto(new URL(`${path}${link && `#${link}`}`, session.address).href, { timeout: RENDERED_MS });
         return new App(page, messages);
     }
 

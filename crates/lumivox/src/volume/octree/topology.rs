@@ -136,7 +136,7 @@ impl TopologyKernels {
         let slots = u64::from(groups) * 8;
         let octree_words = layout.words(slots);
         let needed = octree_words * 4 + slots * 8;
-        budget::check("the nodes of the octree", needed, memory_budget, grid, GROWTH)?;
+        budget::check("the list of the octree's nodes", needed, memory_budget, grid, GROWTH)?;
         let octree =
             memory.buffer("octree: nodes", octree_words, 4, Remedy::Surface(resolution))?;
         let sites = memory.buffer("octree: sites", slots, 8, Remedy::Surface(resolution))?;
