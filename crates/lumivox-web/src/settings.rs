@@ -99,7 +99,10 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
             // Texts are read as on a command line, so that fields and addresses need no types.
             None => parameter.parse(&value.in_words())?,
         };
-        parameter.set(settings, value)?;
+        // What is so already asks for nothing: an option of an octree would ask for one.
+        if parameter.get(settings) != value {
+            parameter.set(settings, value)?;
+        }
     }
     Ok(())
 }
@@ -169,7 +172,7 @@ mod tests {
             ("resolution", SettingValue::Number(64.0)),
             ("view", text("indirect")),
             ("volume", text("octree")),
-            ("half", SettingValue::Switch(true)),
+            ("specular", SettingValue::Switch(false)),
             ("exposure", SettingValue::Number(-1.5)),
         ])
         .unwrap();
@@ -182,9 +185,9 @@ mod tests {
 
     #[test]
     fn texts_are_read_as_on_a_command_line() {
-        let settings = changed(&[("resolution", text("96")), ("half", text("on"))]).unwrap();
+        let settings = changed(&[("resolution", text("96")), ("specular", text("off"))]).unwrap();
         assert_eq!(all(&settings)["resolution"], SettingValue::Number(96.0));
-        assert_eq!(all(&settings)["half"], SettingValue::Switch(true));
+        assert_eq!(all(&settings)["specular"], SettingValue::Switch(false));
         assert_eq!(all(&changed(&[("exposure", text("auto"))]).unwrap())["exposure"], text("auto"));
     }
 
@@ -197,9 +200,9 @@ mod tests {
         );
         assert!(message("zzz", text("64")).contains("parameters()"));
         assert!(message("view", text("inside")).contains("indirect"));
-        assert!(message("resolution", SettingValue::Number(64.5)).contains("whole number"));
-        assert!(message("resolution", SettingValue::Number(f64::NAN)).contains("whole number"));
-        assert!(message("half", SettingValue::Number(3.0)).contains("on or off"));
+        assert!(message("frames", SettingValue::Number(64.5)).contains("whole number"));
+        assert!(message("resolution", SettingValue::Number(f64::NAN)).contains("multiple of 8"));
+        assert!(message("specular", SettingValue::Number(3.0)).contains("on or off"));
     }
 
     /// `LUMIVOX_BLESS=1` writes them anew.

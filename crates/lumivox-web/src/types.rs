@@ -551,8 +551,9 @@ mod tests {
         for name in lumivox_scene::builtin::names() {
             for light in &lumivox_scene::builtin::scene(name).unwrap().lights {
                 let again = Light::from(light).to_scene(light.attenuation).unwrap();
-                assert_eq!(Light::from(&again), Light::from(light));
                 assert!(again.direction.distance(light.direction) < 1e-6);
+                let again = lumivox_scene::Light { direction: light.direction, ..again };
+                assert_eq!(Light::from(&again), Light::from(light));
             }
         }
     }
