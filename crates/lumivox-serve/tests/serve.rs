@@ -54,7 +54,7 @@ fn files_come_with_their_kinds_and_nothing_else_comes() {
 
     let page = server.ask("GET /?query");
     assert!(page.starts_with("HTTP/1.1 200") && page.ends_with("<p>"), "{page}");
-    assert!(page.contains("text/html; charset=utf-8"), "{page}");
+    assert!(page.contains("content-type: text/html") && page.contains("no-cache"), "{page}");
     let wasm = server.ask("GET /a%20b/x.wasm");
     assert!(wasm.contains("application/wasm") && wasm.ends_with("wasm"), "{wasm}");
     for line in ["GET /none", "GET /../secret", "GET /%2e%2e/secret", "GET /a b", "GET //secret"] {
@@ -62,6 +62,37 @@ fn files_come_with_their_kinds_and_nothing_else_comes() {
         assert!(!refused.contains("secret") && !refused.starts_with("HTTP/1.1 200"), "{refused}");
     }
     assert!(server.ask("POST /").starts_with("HTTP/1.1 405"));
+}
+
+#[test]
+fn browsers_that_keep_their_connections_hold_nobody_up() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("index.html"), "<p>").unwrap();
+    let server = Server::start(folder.path());
+    let mut kept: Vec<TcpStream> =
+        (0..40).map(|_| TcpStream::connect((Ipv4Addr::LOCALHOST, server.port)).unwrap()).collect();
+    for stream in &mut kept {
+        write!(stream, "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+        let mut start = [0; 12];
+        stream.read_exact(&mut start).unwrap();
+        assert_eq!(&start, b"HTTP/1.1 200");
+    }
+    assert!(server.ask("GET /").ends_with("<p>"));
+}
+
+#[test]
+fn a_port_that_is_taken_is_told_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path());
+    let port = server.port.to_string();
+    let output = Command::new(env!("CARGO_BIN_EXE_lumivox-serve"))
+        .arg(folder.path())
+        .args(["--port", &port])
+        .output()
+        .unwrap();
+    assert!(!output.status.success());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains(&port) && said.contains("--port"), "{said}");
 }
 
 #[test]
