@@ -1,6 +1,6 @@
 //! Lumivox in the browser: the same library and renderer, compiled to WebAssembly, on WebGPU.
 //!
-//! JavaScript sees [`renderer`]: a class that shows a scene on a canvas. It works in windows and in workers alike; the
+//! JavaScript sees `renderer.rs`: a class that shows a scene on a canvas. It works in windows and in workers alike; the
 //! page of this project (`page/`) lets a worker own it, so that nothing that takes long holds up its panels.
 //!
 //! | file | is |
