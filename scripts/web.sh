@@ -62,7 +62,12 @@ need_wasm_bindgen() {
 
 # build_web FOLDER: the page, with the npm package in its folder `lumivox`.
 build_web() {
-    local out=$1 web_cargo=() web_build_std=() wasm_bindgen staging
+    local out=${1%/} web_cargo=() web_build_std=() wasm_bindgen staging
+    # Only an older page is replaced: nothing of anybody's is lost.
+    if [[ -e $out && ! -e $out/lumivox/lumivox_bg.wasm && -n $(ls -A -- "$out") ]]; then
+        die "$out is there, and is no page of Lumivox: it would be replaced." \
+            "Choose a folder that is empty or not there yet."
+    fi
     find_web_cargo
     need_wasm_bindgen
     say "Compiling for browsers; the first time takes minutes."
