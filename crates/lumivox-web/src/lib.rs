@@ -11,7 +11,7 @@
 //! | `present.rs` | the last step onto the canvas |
 //! | `exposing.rs` | when pictures are exposed anew |
 //! | `load.rs`, `files.rs` | scenes from addresses and files |
-//! | `settings.rs`, `types.rs` | what is handed over, with declarations for TypeScript |
+//! | `settings.rs`, `types/` | what is handed over, with declarations for TypeScript |
 //! | `error.rs` | exceptions and their codes |
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "in a test a panic is the message"))]

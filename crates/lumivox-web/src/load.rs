@@ -109,7 +109,9 @@ async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
     files.add(&name, bytes);
     let mut tried = std::collections::BTreeSet::new();
     loop {
-        let loaded = parse(&files, listener);
+        // What is missing in this round may be there in the next: only the last one's warnings are true.
+        let nobody = tracing::subscriber::NoSubscriber::default();
+        let loaded = tracing::subscriber::with_default(nobody, || parse(&files, listener));
         let mut has_more = false;
         for missing in files.take_missing() {
             if !tried.insert(missing.clone()) {
@@ -122,6 +124,9 @@ async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
             }
         }
         if !has_more {
+            for warning in loaded.iter().flat_map(|scene| &scene.notes.warnings) {
+                tracing::warn!("{name}: {warning}");
+            }
             return loaded;
         }
     }

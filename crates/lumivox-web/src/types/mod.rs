@@ -1,0 +1,206 @@
+//! What a page hands over and gets back: plain objects, with declarations for TypeScript made from these types.
+
+mod camera;
+mod light;
+mod parameter;
+
+use glam::Vec3;
+use lumivox_render::MemoryUse;
+use lumivox_scene::{Bounds, Scene};
+use serde::{Deserialize, Serialize};
+use tsify::Tsify;
+
+pub use camera::Camera;
+pub use light::{Light, LightKind};
+pub use parameter::ParameterInfo;
+
+/// How far something is that takes time.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct Progress {
+    /// `fetching`, `reading`, `textures`, `compile`, `upload`, `voxelize` or `light`.
+    pub stage: String,
+    /// From 0 to `total`.
+    pub done: f64,
+    /// Bytes of files, or steps; 0 where nobody knows.
+    pub total: f64,
+}
+
+/// A box along the axes, in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Tsify)]
+pub struct Box3 {
+    /// Its least corner.
+    #[tsify(type = "[number, number, number]")]
+    pub min: Vec3,
+    /// Its greatest.
+    #[tsify(type = "[number, number, number]")]
+    pub max: Vec3,
+}
+
+impl From<Bounds> for Box3 {
+    fn from(bounds: Bounds) -> Self {
+        Self { min: bounds.min, max: bounds.max }
+    }
+}
+
+/// An object of a scene: a mesh at some place.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct ObjectInfo {
+    /// Each is there once.
+    pub name: String,
+    /// Whether it is left out.
+    pub hidden: bool,
+}
+
+/// What moves in a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct AnimationInfo {
+    /// As its file calls it.
+    pub name: String,
+    /// When it starts again, in seconds.
+    pub duration_s: f32,
+}
+
+/// What is known of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct SceneInfo {
+    /// The file's name without its extension.
+    pub name: String,
+    /// Triangles of all objects.
+    pub triangles: usize,
+    /// Voxels that it touches, at the present resolution.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxels: Option<u32>,
+    /// Around all that is there.
+    pub bounds: Box3,
+    /// Those of the file.
+    pub cameras: Vec<Camera>,
+    /// The one in use.
+    pub camera: Camera,
+    /// Meshes at their places.
+    pub objects: Vec<ObjectInfo>,
+    /// Names of materials.
+    pub materials: Vec<String>,
+    /// All lights, with those that were added because nothing shone.
+    pub lights: Vec<Light>,
+    /// What can be played.
+    pub animations: Vec<AnimationInfo>,
+    /// What was approximated or passed over while loading, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl SceneInfo {
+    /// Of a scene as it is seen.
+    pub fn new(
+        scene: &Scene,
+        camera: &lumivox_scene::Camera,
+        objects: &[String],
+        voxels: Option<u32>,
+        notes: Vec<String>,
+    ) -> Self {
+        let objects = objects.iter().zip(&scene.instances);
+        Self {
+            name: scene.name.clone(),
+            triangles: scene.triangle_count(),
+            voxels,
+            bounds: scene.bounds().into(),
+            cameras: scene.cameras.iter().map(Camera::from).collect(),
+            camera: camera.into(),
+            objects: objects
+                .map(|(name, instance)| ObjectInfo {
+                    name: name.clone(),
+                    hidden: instance.is_hidden,
+                })
+                .collect(),
+            materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
+            lights: scene.lights.iter().map(Light::from).collect(),
+            animations: scene
+                .animations()
+                .into_iter()
+                .map(|animation| AnimationInfo {
+                    name: animation.name,
+                    duration_s: animation.duration_s,
+                })
+                .collect(),
+            notes,
+        }
+    }
+}
+
+/// The time of a stage of a frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct StageMs {
+    /// `G-buffer`, `direct light`, `trace`, ...
+    pub name: String,
+    /// Milliseconds on the GPU.
+    pub ms: f64,
+}
+
+/// What a frame has done.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct FrameReport {
+    /// Frames in the picture so far.
+    pub frame: u32,
+    /// Frames that it will have.
+    pub frames: u32,
+    /// Whether nothing is left to do until something changes.
+    pub complete: bool,
+    /// What the last frame took, from the call until the GPU was done, in milliseconds.
+    pub frame_ms: f64,
+    /// Where the browser lets GPUs tell times, else empty.
+    pub stages: Vec<StageMs>,
+    /// Samples of each pixel in the reference, where one is shown.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_samples: Option<u32>,
+}
+
+/// The right part of the picture shows something else.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Tsify)]
+#[serde(deny_unknown_fields)]
+pub struct Split {
+    /// The name of a view, or `reference` for the path tracer.
+    pub right: String,
+    /// Where it begins, from 0 (at the left edge) to 1. Default: the middle.
+    #[serde(default = "middle")]
+    #[tsify(optional)]
+    pub at: f32,
+    /// Samples of each pixel that the reference takes, at least 1. Default: 256.
+    #[serde(default = "usual_samples")]
+    #[tsify(optional)]
+    pub samples: u32,
+}
+
+fn middle() -> f32 {
+    0.5
+}
+
+fn usual_samples() -> u32 {
+    256
+}
+
+/// What GPU memory is used for.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct MemoryInfo {
+    /// What it holds.
+    pub name: String,
+    /// How much.
+    pub bytes: f64,
+}
+
+impl From<&MemoryUse> for MemoryInfo {
+    fn from(used: &MemoryUse) -> Self {
+        Self { name: used.name.clone(), bytes: used.bytes as f64 }
+    }
+}
+
+/// A name to choose by, and what it is called.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct Named {
+    /// What functions take.
+    pub name: String,
+    /// What people read.
+    pub title: String,
+    /// What it is, in a sentence without a full stop; empty where the title says it.
+    pub summary: String,
+}

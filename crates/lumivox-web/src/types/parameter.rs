@@ -1,0 +1,112 @@
+//! What is known of each setting.
+
+use lumivox_render::RenderSettings;
+use lumivox_render::parameters::{Kind, PARAMETERS, Parameter};
+use serde::Serialize;
+use tsify::Tsify;
+
+use crate::settings::SettingValue;
+
+/// One setting: what panels are made of.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct ParameterInfo {
+    /// Its name in [`Settings`](crate::settings::Settings).
+    pub name: String,
+    /// `picture`, `view`, `overlay`, `volume`, `light`, `cones` or `vxct`.
+    pub group: String,
+    /// Of its numbers; empty where there is none.
+    pub unit: String,
+    /// What it is.
+    pub summary: String,
+    /// Which values there are.
+    #[tsify(type = "\"switch\" | \"whole\" | \"number\" | \"vector\" | \"choice\"")]
+    pub kind: String,
+    /// The least.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// The most.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// Whole numbers are multiples of this.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiple: Option<f64>,
+    /// The names of a choice.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<String>,
+    /// What stands for no number: `auto`, `unlimited`.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub word: Option<String>,
+    /// Where nobody has set anything.
+    #[tsify(type = "boolean | number | string | [number, number, number]")]
+    pub default: SettingValue,
+}
+
+impl ParameterInfo {
+    /// All of them, in the order of the table.
+    pub fn all() -> Vec<Self> {
+        let defaults = RenderSettings::default();
+        PARAMETERS.iter().map(|parameter| Self::of(parameter, &defaults)).collect()
+    }
+
+    fn of(parameter: &Parameter, defaults: &RenderSettings) -> Self {
+        let default = SettingValue::from(parameter.get(defaults));
+        let kind = match parameter.kind {
+            Kind::Switch => "switch",
+            Kind::Whole { .. } => "whole",
+            Kind::Number { .. } => "number",
+            Kind::Vector { .. } => "vector",
+            Kind::Choice(_) => "choice",
+        };
+        let mut info = Self {
+            name: parameter.name.to_owned(),
+            group: parameter.group.name().to_owned(),
+            unit: parameter.unit.to_owned(),
+            summary: parameter.summary.to_owned(),
+            kind: kind.to_owned(),
+            min: None,
+            max: None,
+            multiple: None,
+            choices: Vec::new(),
+            word: None,
+            default,
+        };
+        match parameter.kind {
+            Kind::Switch => {}
+            Kind::Whole { low, high, multiple } => {
+                (info.min, info.max) = (Some(low.into()), Some(high.into()));
+                info.multiple = Some(multiple.into());
+            }
+            Kind::Number { low, high, word, .. } => {
+                (info.min, info.max) = (Some(low.into()), Some(high.into()));
+                info.word = word.map(str::to_owned);
+            }
+            Kind::Vector { low, below } => {
+                (info.min, info.max) = (Some(low.into()), Some(below.into()));
+            }
+            Kind::Choice(names) => {
+                info.choices = names.iter().map(|name| (*name).to_owned()).collect();
+            }
+        }
+        info
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_have_their_ranges() {
+        let all = ParameterInfo::all();
+        let of = |name: &str| all.iter().find(|info| info.name == name).unwrap();
+        assert_eq!((of("frames").min, of("frames").max), (Some(1.0), Some(65_536.0)));
+        assert_eq!(of("exposure").word.as_deref(), Some("auto"));
+        assert!(of("view").choices.iter().any(|view| view == "indirect"));
+        assert_eq!(all.len(), PARAMETERS.len());
+    }
+}
