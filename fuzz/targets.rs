@@ -1,5 +1,5 @@
 //! What is done with each input, shared by the fuzz targets and by the test that runs the committed
-//! corpus (`crates/lumivox-scene/tests/corpus.rs`).
+//! corpus (`crates/lumivox-scene/tests/it/corpus`).
 //!
 //! Whatever the bytes, a loader may refuse them with an error or give a scene that keeps its promises;
 //! it may not panic, run for long, or take memory out of proportion.

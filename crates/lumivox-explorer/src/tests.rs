@@ -1,3 +1,5 @@
+use std::sync::OnceLock;
+
 use glam::{Mat4, Vec3};
 use lumivox::Preset;
 use pollster::block_on;
@@ -17,9 +19,14 @@ fn placements_go_there_and_back() {
     assert!(back.scale.abs_diff_eq(placement.scale, 1e-5), "{back:?}");
 }
 
+/// The device of all tests: each that opened one of its own would make every pipeline anew.
 fn gpu() -> Gpu {
-    let options = lumivox_render::GpuOptions { portable: true, ..Default::default() };
-    block_on(Gpu::new(&options)).expect("a GPU adapter, as ./test installs one")
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    let open = || {
+        let options = lumivox_render::GpuOptions { portable: true, ..Default::default() };
+        block_on(Gpu::new(&options)).expect("a GPU adapter, as ./test installs one")
+    };
+    GPU.get_or_init(open).clone()
 }
 
 fn small() -> RenderSettings {

@@ -3,30 +3,41 @@
 use glam::{DVec3, Mat4, Vec3};
 
 use super::{names, scene};
-use crate::{Scene, SceneError};
+use crate::{Instance, Scene, SceneError};
 
-/// Every triangle in world space, with its corners' normals.
-fn world_triangles(scene: &Scene) -> Vec<([DVec3; 3], [DVec3; 3])> {
-    let mut triangles = Vec::new();
-    for instance in &scene.instances {
+/// Triangles in world space, with their corners' normals, and a ball around them: most rays miss most things.
+struct Thing {
+    middle: DVec3,
+    radius_m: f64,
+    triangles: Vec<([DVec3; 3], [DVec3; 3])>,
+}
+
+/// Every instance.
+fn things(scene: &Scene) -> Vec<Thing> {
+    let thing = |instance: &Instance| {
         let mesh = &scene.meshes[instance.mesh];
         let m = instance.world_from_local.as_dmat4();
         let normal_matrix = m.inverse().transpose();
-        for t in mesh.triangles() {
-            triangles.push((
-                t.map(|i| m.transform_point3(mesh.positions[i].as_dvec3())),
-                t.map(|i| normal_matrix.transform_vector3(mesh.normals[i].as_dvec3())),
-            ));
-        }
-    }
-    triangles
+        let place = |i: usize| m.transform_point3(mesh.positions[i].as_dvec3());
+        let corners = || (0..mesh.positions.len()).map(place);
+        let middle = corners().sum::<DVec3>() / mesh.positions.len() as f64;
+        let radius_m = corners().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+        let normal = |i: usize| normal_matrix.transform_vector3(mesh.normals[i].as_dvec3());
+        let triangles = mesh.triangles().map(|t| (t.map(place), t.map(normal))).collect();
+        Thing { middle, radius_m, triangles }
+    };
+    scene.instances.iter().map(thing).collect()
 }
 
 /// The nearest hit along a ray: its distance, and whether it meets the front (Moller & Trumbore
 /// 1997, "Fast, minimum storage ray-triangle intersection", without culling).
-fn cast(triangles: &[([DVec3; 3], [DVec3; 3])], origin: DVec3, dir: DVec3) -> Option<(f64, bool)> {
+fn cast(things: &[Thing], origin: DVec3, dir: DVec3) -> Option<(f64, bool)> {
+    // Far more than the slack below lets a ray pass outside of a triangle.
+    let is_near = |thing: &&Thing| {
+        (thing.middle - origin).cross(dir).length() <= (thing.radius_m + 1e-3) * dir.length()
+    };
     let mut nearest: Option<(f64, bool)> = None;
-    for ([a, b, c], _) in triangles {
+    for ([a, b, c], _) in things.iter().filter(is_near).flat_map(|thing| &thing.triangles) {
         let (ab, ac) = (*b - *a, *c - *a);
         let p = dir.cross(ac);
         let det = ab.dot(p);
@@ -61,9 +72,9 @@ fn directions(count: u32) -> impl Iterator<Item = DVec3> {
 }
 
 fn assert_closed_around(scene: &Scene, origin: Vec3) {
-    let triangles = world_triangles(scene);
+    let things = things(scene);
     for dir in directions(4000) {
-        let hit = cast(&triangles, origin.as_dvec3(), dir);
+        let hit = cast(&things, origin.as_dvec3(), dir);
         let (distance, front) = hit.unwrap_or_else(|| panic!("{} is open along {dir}", scene.name));
         assert!(front, "{}: a back face along {dir} at {distance} m", scene.name);
     }
@@ -84,7 +95,9 @@ fn every_name_gives_a_valid_scene_with_a_camera() {
 #[test]
 fn normals_agree_with_the_winding() {
     for &name in names() {
-        for (corners, normals) in world_triangles(&scene(name).unwrap()) {
+        for (corners, normals) in
+            things(&scene(name).unwrap()).into_iter().flat_map(|t| t.triangles)
+        {
             let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             assert!(face.length() > 0.0, "{name}");
             for normal in normals {
@@ -112,35 +125,35 @@ fn closed_rooms_are_closed() {
 #[test]
 fn the_closed_dark_room_sees_nothing_of_the_lit_one() {
     let scene = scene("two-rooms-closed").unwrap();
-    let triangles = world_triangles(&scene);
+    let things = things(&scene);
     for dir in directions(4000) {
         let origin = DVec3::new(1.0, 1.0, 0.0);
-        let (distance, _) = cast(&triangles, origin, dir).unwrap();
+        let (distance, _) = cast(&things, origin, dir).unwrap();
         assert!((origin + dir * distance).x > 0.0);
     }
 }
 
 #[test]
 fn the_doorway_lets_a_ray_through() {
-    let triangles = world_triangles(&scene("two-rooms").unwrap());
+    let things = things(&scene("two-rooms").unwrap());
     let origin = DVec3::new(1.0, 0.8, 0.5);
-    let (distance, _) = cast(&triangles, origin, DVec3::NEG_X).unwrap();
+    let (distance, _) = cast(&things, origin, DVec3::NEG_X).unwrap();
     assert!((distance - 3.0).abs() < 1e-6, "{distance}");
     let beside = DVec3::new(1.0, 0.8, -0.5);
-    let (distance, _) = cast(&triangles, beside, DVec3::NEG_X).unwrap();
+    let (distance, _) = cast(&things, beside, DVec3::NEG_X).unwrap();
     assert!((distance - 0.9975).abs() < 1e-6, "{distance}");
 }
 
 #[test]
 fn light_enters_the_atrium_through_the_roof_alone() {
     let scene = scene("atrium").unwrap();
-    let triangles = world_triangles(&scene);
+    let things = things(&scene);
     let mut escaped = 0;
     for x in -5..=5 {
         for z in [-3.2, -1.1, 0.1, 1.3, 3.3] {
             let origin = DVec3::new(f64::from(x) + 0.03, 1.2, z);
             for dir in directions(300) {
-                if let Some((_, front)) = cast(&triangles, origin, dir) {
+                if let Some((_, front)) = cast(&things, origin, dir) {
                     assert!(front, "back face from {origin} along {dir}");
                     continue;
                 }
@@ -156,9 +169,9 @@ fn light_enters_the_atrium_through_the_roof_alone() {
 #[test]
 fn the_sun_reaches_floor_and_cloth() {
     let scene = scene("atrium").unwrap();
-    let triangles = world_triangles(&scene);
+    let things = things(&scene);
     let sun = scene.lights[0].direction.as_dvec3();
-    let lit = |point: DVec3| cast(&triangles, point, -sun).is_none();
+    let lit = |point: DVec3| cast(&things, point, -sun).is_none();
     assert!(lit(DVec3::new(1.0, 0.01, 1.0)), "the floor");
     let cloth = (0..40).any(|i| lit(DVec3::new(0.3, 0.9 + 0.04 * f64::from(i), 2.23)));
     assert!(cloth, "a cloth");
@@ -168,9 +181,9 @@ fn the_sun_reaches_floor_and_cloth() {
 fn cameras_stand_free_and_see_the_scene() {
     for &name in names() {
         let scene = scene(name).unwrap();
-        let triangles = world_triangles(&scene);
+        let things = things(&scene);
         for camera in &scene.cameras {
-            let hit = cast(&triangles, camera.position.as_dvec3(), camera.forward.as_dvec3());
+            let hit = cast(&things, camera.position.as_dvec3(), camera.forward.as_dvec3());
             let (distance, front) = hit.unwrap();
             assert!(front && distance > 0.5, "{name}, {}: {distance} m", camera.name);
         }

@@ -13,6 +13,7 @@ mod spectrum;
 
 use std::f64::consts::PI;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 use glam::{DVec3, Vec3};
 
@@ -64,14 +65,27 @@ pub struct Sky {
 /// The weights of linear sRGB in luminance: ITU-R BT.709-6, section 3.2.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
+/// The air of the default settings, through which most skies are seen: it takes as long to make as they do.
+static CLEAR: LazyLock<Atmosphere> = LazyLock::new(|| air(&SkySettings::default()));
+
 /// Makes a sky.
 ///
 /// # Errors
 /// [`SceneError::OutOfRange`] when a setting is out of its range.
 pub fn sky(settings: &SkySettings) -> Result<Sky, SceneError> {
     check(settings)?;
+    let SkySettings { sun_direction, width, .. } = *settings;
+    let is_clear = *settings == SkySettings { sun_direction, width, ..SkySettings::default() };
+    Ok(if is_clear { sky_through(&CLEAR, settings) } else { sky_through(&air(settings), settings) })
+}
+
+fn air(settings: &SkySettings) -> Atmosphere {
+    Atmosphere::new(settings.turbidity.into(), settings.ground_albedo.into())
+}
+
+/// The sky of settings that were checked, through their air.
+fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
     let to_sun = settings.sun_direction.as_dvec3().normalize();
-    let air = Atmosphere::new(settings.turbidity.into(), settings.ground_albedo.into());
     let observer = Observer::new();
     let solar = solar();
     let times_sun = |spectrum: Spectrum| -> DVec3 {
@@ -115,7 +129,7 @@ pub fn sky(settings: &SkySettings) -> Result<Sky, SceneError> {
     let ground = on_ground * (f64::from(settings.ground_albedo) / PI);
     let below = (height.div_ceil(2) * width) as usize;
     map.rgb[below..].fill(ground.as_vec3().to_array());
-    Ok(Sky { map, sun: sun(to_sun, sun_rgb) })
+    Sky { map, sun: sun(to_sun, sun_rgb) }
 }
 
 fn sun(to_sun: DVec3, rgb: DVec3) -> Option<Light> {

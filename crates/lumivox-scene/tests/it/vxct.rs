@@ -1,22 +1,15 @@
 //! The scenes of VXCT's format that come with the program, and what the format needs of scenes: instances
 //! that are hidden or not voxelized, and a box for the voxels.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
 use std::path::{Path, PathBuf};
 
-use common::File;
 use glam::{Mat4, Vec3};
 use lumivox_scene::{
     AnimationChoice, Bounds, Framing, Instance, LoadOptions, Material, Scene, SceneError, builtin,
 };
 use serde_json::json;
+
+use crate::common::File;
 
 fn folder() -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "..", "..", "scenes"].iter().collect()

@@ -1,20 +1,12 @@
 //! The geometry of OBJ files, right and wrong.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
 use std::fmt::Write as _;
 
-use common::{load, world_triangles, write};
 use glam::{Vec2, Vec3};
 use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError, UpAxis};
 use proptest::prelude::*;
+
+use crate::common::{load, load_from_memory, world_triangles, write};
 
 const ROOF: &str = "v -1 0 0\nv 0 0 1\nv 0 2 1\nv 1 0 0\n";
 
@@ -226,7 +218,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
-        let _ = load("house.obj", &bytes);
+        let _ = load_from_memory("house.obj", &bytes);
     }
 
     #[test]

@@ -1,18 +1,10 @@
 //! PLY files, right and wrong.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{load, write};
 use glam::{Vec2, Vec3};
 use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError};
 use proptest::prelude::*;
+
+use crate::common::{load, load_from_memory, write};
 
 /// A square and a triangle that stands on its edge, with all that is read and more.
 const HEADER: &str = "comment made by hand
@@ -286,11 +278,11 @@ proptest! {
 
     #[test]
     fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
-        let _ = load("scan.ply", &bytes);
+        let _ = load_from_memory("scan.ply", &bytes);
         for format in FORMATS {
             let mut head = file(format, HEADER, &[]);
             head.extend(&bytes);
-            let _ = load("scan.ply", &head);
+            let _ = load_from_memory("scan.ply", &head);
         }
     }
 
@@ -301,7 +293,7 @@ proptest! {
             let at = at.index(bytes.len());
             bytes[at] = byte;
             bytes.truncate(bytes.len() - cut);
-            let _ = load("scan.ply", &bytes);
+            let _ = load_from_memory("scan.ply", &bytes);
         }
     }
 }

@@ -1,13 +1,9 @@
 //! Runs the fuzz targets' committed inputs (`fuzz/corpus`), as a fuzzer would: seeds, and what once
 //! made a loader fail. `fuzz/README.md` tells how to fuzz.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
-
-#[path = "../common/mod.rs"]
-mod common;
 mod seeds;
 mod shapes;
-#[path = "../../../../fuzz/targets.rs"]
+#[path = "../../../../../fuzz/targets.rs"]
 mod targets;
 
 use std::path::PathBuf;

@@ -1,14 +1,11 @@
 //! Scenes whose files are not on the disk.
 
-#![allow(clippy::unwrap_used, reason = "in a test a panic is the message")]
-
-mod common;
-
 use std::collections::HashMap;
 
-use common::{File, png};
 use lumivox_scene::{FileSource, LoadOptions, Scene, SceneError, Shading};
 use serde_json::json;
+
+use crate::common::{File, png};
 
 type Files = HashMap<String, Vec<u8>>;
 

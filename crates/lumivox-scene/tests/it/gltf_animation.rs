@@ -1,18 +1,10 @@
 //! Animations: what moves is where the key frames say, at any time and in any order of times.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{File, world_triangles, write};
 use glam::{Mat4, Vec3};
 use lumivox_scene::{AnimationChoice, Scene, SceneError};
 use serde_json::json;
+
+use crate::common::{File, world_triangles, write};
 
 const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
 

@@ -1,20 +1,12 @@
 //! The materials of OBJ files, right and wrong.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{encode, png, write};
 use glam::{Vec2, Vec3, Vec4};
 use lumivox_scene::{
     AlphaMode, LoadOptions, Material, MemoryBudget, MetallicRoughness, Phong, Scene, Shading, Wrap,
 };
 use proptest::prelude::*;
+
+use crate::common::{encode, png, write};
 
 /// A triangle with the material `m` of `house.mtl`, and files beside it.
 fn with(mtl: &str, files: &[(&str, Vec<u8>)]) -> Scene {

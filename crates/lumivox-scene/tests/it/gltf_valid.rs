@@ -1,18 +1,10 @@
 //! Files that follow the format, made in code.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{File, load, shading, textured_cube, world_triangles};
 use glam::{Vec2, Vec3};
 use lumivox_scene::{AlphaMode, Filter, LightKind, Wrap};
 use serde_json::json;
+
+use crate::common::{File, load, shading, textured_cube, world_triangles};
 
 #[test]
 fn a_triangle_gets_all_attributes() {

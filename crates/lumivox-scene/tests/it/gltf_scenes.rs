@@ -1,18 +1,10 @@
 //! Which scene of a file is loaded, and copies of a mesh on one node.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{File, world_triangles, write};
 use glam::Vec3;
 use lumivox_scene::{LoadOptions, Scene, SceneError};
 use serde_json::json;
+
+use crate::common::{File, world_triangles, write};
 
 fn load_scene(file: &File, scene: &str) -> Result<Scene, SceneError> {
     let folder = tempfile::tempdir().unwrap();

@@ -1,18 +1,10 @@
 //! Materials of glTF files and the extensions that say more of them.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{File, png, shading};
 use glam::{Vec3, Vec4};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, Texture};
 use serde_json::{Value, json};
+
+use crate::common::{File, png, shading};
 
 /// A file with one material, and textures of one texel each: these colours.
 fn painted(material: Value, texels: &[[u8; 4]]) -> File {

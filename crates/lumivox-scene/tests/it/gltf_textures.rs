@@ -1,18 +1,10 @@
 //! Textures of glTF files: where images come from, how they lie, what becomes of them.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{File, data_uri, encode, load, png, shading, textured_cube, write};
 use glam::Vec2;
 use lumivox_scene::{Filter, LoadOptions, LoadProgress, MemoryBudget, Scene, SceneError, Wrap};
 use serde_json::{Value, json};
+
+use crate::common::{File, data_uri, encode, load, png, shading, textured_cube, write};
 
 #[test]
 fn images_and_buffers_in_files() {

@@ -1,11 +1,5 @@
 //! What is saved as GLB loads as the same scene, and is a file that follows the specification.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
 mod compare;
 mod conformance;
 mod strategy;

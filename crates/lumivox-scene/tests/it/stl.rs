@@ -1,20 +1,12 @@
 //! STL files, right and wrong.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
 use std::fmt::Write as _;
 
-use common::{load, world_triangles, write};
 use glam::Vec3;
 use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError, UpAxis};
 use proptest::prelude::*;
+
+use crate::common::{load, load_from_memory, world_triangles, write};
 
 type Triangle = [[f32; 3]; 3];
 
@@ -209,10 +201,10 @@ proptest! {
 
     #[test]
     fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
-        let _ = load("part.stl", &bytes);
+        let _ = load_from_memory("part.stl", &bytes);
         let mut head = binary(b"", 2, &[], 0);
         head.extend(&bytes);
-        let _ = load("part.stl", &head);
+        let _ = load_from_memory("part.stl", &head);
     }
 
     #[test]

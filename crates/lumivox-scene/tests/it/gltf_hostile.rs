@@ -1,18 +1,12 @@
 //! Files that are broken or mean harm: always an error that names the file, never a panic.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
+use std::sync::LazyLock;
 
-mod common;
-
-use common::{File, data_uri, fault, load, png, write};
 use lumivox_scene::{Scene, SceneError};
 use proptest::prelude::*;
 use serde_json::json;
+
+use crate::common::{File, data_uri, encode, fault, load, load_from_memory, png, write};
 
 /// The triangle after a change to its JSON.
 fn changed(change: impl FnOnce(&mut serde_json::Value)) -> String {
@@ -124,24 +118,20 @@ fn bytes_that_are_no_scene() {
 
 #[test]
 fn every_truncation_of_a_glb_is_an_error() {
-    let folder = tempfile::tempdir().unwrap();
     let whole = rich().glb();
-    Scene::load(write(folder.path(), "whole.glb", &whole)).unwrap();
+    load("whole.glb", &whole).unwrap();
     for length in 0..whole.len() {
-        let path = write(folder.path(), "cut.glb", &whole[..length]);
-        let error = Scene::load(path).expect_err("a cut file");
+        let error = load_from_memory("cut.glb", &whole[..length]).expect_err("a cut file");
         assert!(matches!(&error, SceneError::Malformed { .. }), "{length}: {error}");
     }
 }
 
 #[test]
 fn every_truncation_of_a_gltf_is_an_error() {
-    let folder = tempfile::tempdir().unwrap();
     let whole = rich().embedded();
-    Scene::load(write(folder.path(), "whole.gltf", &whole)).unwrap();
+    load("whole.gltf", &whole).unwrap();
     for length in 0..whole.len() {
-        let path = write(folder.path(), "cut.gltf", &whole[..length]);
-        Scene::load(path).expect_err("a cut file");
+        load_from_memory("cut.gltf", &whole[..length]).expect_err("a cut file");
     }
 }
 
@@ -321,27 +311,29 @@ fn images_without_sense() {
 
     // Too wide, said by a header whose checksum is right.
     let wide = image::GrayImage::new(16_385, 1);
-    let wide = common::encode(&wide.into(), image::ImageFormat::Png);
+    let wide = encode(&wide.into(), image::ImageFormat::Png);
     file.json["images"] = json!([{ "uri": data_uri("image/png", &wide) }]);
     let error = fault(&file);
     assert!(error.contains("16385 x 1") && error.contains("16384"), "{error}");
 }
 
+/// Made once: a case would take longer to make it than to load it.
+static RICH: LazyLock<Vec<u8>> = LazyLock::new(|| rich().glb());
+
 proptest! {
-    // A case takes about a millisecond, most of it for the file.
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
     fn flipped_bytes_never_panic(
         flips in prop::collection::vec((any::<prop::sample::Index>(), 1_u8..), 1..6)
     ) {
-        let mut bytes = rich().glb();
+        let mut bytes = RICH.clone();
         for (at, mask) in flips {
             let at = at.index(bytes.len());
             bytes[at] ^= mask;
         }
         // Either way is right; only a panic is not.
-        let _ = load("scene.glb", &bytes);
+        let _ = load_from_memory("scene.glb", &bytes);
     }
 
     #[test]
@@ -349,11 +341,11 @@ proptest! {
         changes in prop::collection::vec((any::<prop::sample::Index>(), b'0'..=b'9'), 1..6)
     ) {
         // Digits in the JSON are sizes, offsets and indices: this reaches deeper than noise does.
-        let mut bytes = rich().glb();
+        let mut bytes = RICH.clone();
         let digits: Vec<usize> = (20..bytes.len()).filter(|&i| bytes[i].is_ascii_digit()).collect();
         for (at, digit) in changes {
             bytes[digits[at.index(digits.len())]] = digit;
         }
-        let _ = load("scene.glb", &bytes);
+        let _ = load_from_memory("scene.glb", &bytes);
     }
 }

@@ -1,19 +1,11 @@
 //! Meshes that bones and morph targets deform.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::tube::{CORNERS, HEIGHT_M, RADIUS_M, tube};
-use common::{File, world_triangles, write};
 use glam::{Mat4, Quat, Vec3};
 use lumivox_scene::{AnimationChoice, Scene};
 use serde_json::json;
+
+use crate::common::tube::{CORNERS, HEIGHT_M, RADIUS_M, tube};
+use crate::common::{File, world_triangles, write};
 
 fn close(a: Vec3, b: Vec3) -> bool {
     (a - b).length() < 1e-5

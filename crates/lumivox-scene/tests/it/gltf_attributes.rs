@@ -1,18 +1,10 @@
 //! Vertex data of glTF files: accessors of all kinds, coordinate sets, colours, tangents.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::{File, png, shading, world_triangles};
 use glam::{Vec2, Vec3, Vec4};
 use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError};
 use serde_json::json;
+
+use crate::common::{File, png, shading, textured_cube, world_triangles, write};
 
 #[test]
 fn strips_fans_and_unindexed_lists() {
@@ -224,9 +216,9 @@ fn tangents_follow_the_normal_textures_coordinates() {
 
 #[test]
 fn geometry_beyond_the_budget_is_refused_with_numbers() {
-    let file = common::textured_cube();
+    let file = textured_cube();
     let folder = tempfile::tempdir().unwrap();
-    let path = common::write(folder.path(), "cube.glb", &file.glb());
+    let path = write(folder.path(), "cube.glb", &file.glb());
     let load = |geometry_bytes| {
         let budget = MemoryBudget { geometry_bytes, ..MemoryBudget::default() };
         Scene::load_with(&path, &mut LoadOptions { budget, ..LoadOptions::default() })

@@ -1,20 +1,14 @@
 //! Broken and malicious rigs: an error that names the file and the part, or a warning; never a
 //! panic, and never a scene that is not valid.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
+use std::sync::LazyLock;
 
-mod common;
-
-use common::tube::{Tube, tube};
-use common::{File, fault, load};
 use lumivox_scene::{AnimationChoice, Scene};
 use proptest::prelude::*;
 use serde_json::json;
+
+use crate::common::tube::{Tube, tube};
+use crate::common::{File, fault, load_from_memory};
 
 /// The tube after a change.
 fn changed(change: impl FnOnce(&mut Tube)) -> String {
@@ -329,31 +323,33 @@ fn the_rich_file_is_fine() {
     pose_all(Ok(scene));
 }
 
+/// Made once: a case would take longer to make it than to load it.
+static RICH: LazyLock<Vec<u8>> = LazyLock::new(|| rich().glb());
+
 proptest! {
-    // A case takes about two milliseconds.
     #![proptest_config(ProptestConfig::with_cases(500))]
 
     #[test]
     fn flipped_bytes_never_panic(
         flips in prop::collection::vec((any::<prop::sample::Index>(), 1_u8..), 1..6)
     ) {
-        let mut bytes = rich().glb();
+        let mut bytes = RICH.clone();
         for (at, mask) in flips {
             let at = at.index(bytes.len());
             bytes[at] ^= mask;
         }
-        pose_all(load("scene.glb", &bytes));
+        pose_all(load_from_memory("scene.glb", &bytes));
     }
 
     #[test]
     fn changed_digits_never_panic(
         changes in prop::collection::vec((any::<prop::sample::Index>(), b'0'..=b'9'), 1..6)
     ) {
-        let mut bytes = rich().glb();
+        let mut bytes = RICH.clone();
         let digits: Vec<usize> = (20..bytes.len()).filter(|&i| bytes[i].is_ascii_digit()).collect();
         for (at, digit) in changes {
             bytes[digits[at.index(digits.len())]] = digit;
         }
-        pose_all(load("scene.glb", &bytes));
+        pose_all(load_from_memory("scene.glb", &bytes));
     }
 }

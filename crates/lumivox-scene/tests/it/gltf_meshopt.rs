@@ -1,18 +1,10 @@
 //! Buffer views compressed with meshoptimizer.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::needless_pass_by_value,
-    reason = "in a test a panic is the message, and exact numbers are meant"
-)]
-
-mod common;
-
-use common::File;
 use glam::{Vec2, Vec3};
 use lumivox_scene::Scene;
 use serde_json::{Value, json};
+
+use crate::common::{File, flip_bytes};
 
 /// A square of two triangles, whose vertices and indices lie compressed; the views themselves are
 /// in a buffer that holds nothing.
@@ -243,5 +235,5 @@ fn flipped_bytes_never_panic() {
     file.json["bufferViews"].as_array_mut().unwrap().push(json!({
         "buffer": 0, "byteOffset": 0, "byteLength": file.binary.len(),
     }));
-    common::flip_bytes(&file, 2, 1000);
+    flip_bytes(&file, 2, 1000);
 }

@@ -1,0 +1,29 @@
+//! What the crate does for its users, a topic in each module. One program, since each would link the whole crate.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::needless_pass_by_value,
+    reason = "in a test a panic is the message, and exact numbers are meant"
+)]
+
+mod common;
+mod corpus;
+mod gltf_animation;
+mod gltf_animation_hostile;
+mod gltf_attributes;
+mod gltf_compression;
+mod gltf_deformed;
+mod gltf_hostile;
+mod gltf_materials;
+mod gltf_meshopt;
+mod gltf_scenes;
+mod gltf_textures;
+mod gltf_valid;
+mod in_memory;
+mod mtl;
+mod obj;
+mod ply;
+mod round_trip;
+mod stl;
+mod vxct;
