@@ -241,12 +241,13 @@ fn shadow_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GpuOptions, Renderer};
+    use crate::Renderer;
+    use crate::testing::gpu;
 
     /// The renderer's own account is the truth.
     #[test]
     fn what_was_estimated_is_what_is_allocated() {
-        let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+        let gpu = gpu();
         let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());
         for (name, resolution, bounces, moving, volume, injection) in [
             ("spheres", 64, 8, 0, VolumeKind::Dense, Injection::Direct),

@@ -1,11 +1,12 @@
 //! The GPU: choosing an adapter, and opening a device whose errors are heard.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use lumivox::gpu::Pipelines;
 
 use crate::RenderError;
+use crate::faults::Faults;
 
 /// The APIs that lumivox runs on. OpenGL is left out: it lacks what WebGPU's default limits promise,
 /// and probing for it prints errors on machines without a display.
@@ -37,8 +38,8 @@ pub struct Gpu {
     pub pipelines: Pipelines,
     /// Which adapter it is.
     pub adapter_info: wgpu::AdapterInfo,
-    /// The first error that nobody asked about.
-    fault: Arc<Mutex<Option<String>>>,
+    /// Errors that nobody asked about.
+    faults: Arc<Faults>,
     is_lost: Arc<AtomicBool>,
 }
 
@@ -67,12 +68,12 @@ impl Gpu {
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|error| {
             RenderError::NoDevice { adapter: describe(&adapter_info), reason: error.to_string() }
         })?;
-        let fault = Arc::new(Mutex::new(None));
+        let faults = Arc::default();
         let is_lost = Arc::new(AtomicBool::new(false));
-        hear_errors(&device, &fault, &is_lost);
+        hear_errors(&device, &faults, &is_lost);
         tracing::debug!("rendering on {}", describe(&adapter_info));
         let pipelines = Pipelines::new(&device);
-        Ok(Self { device, queue, pipelines, adapter_info, fault, is_lost })
+        Ok(Self { device, queue, pipelines, adapter_info, faults, is_lost })
     }
 
     /// Whether the adapter is a software driver, running on the CPU.
@@ -89,11 +90,13 @@ impl Gpu {
     /// Reports what failed on the device since the last call, outside of calls that return errors
     /// themselves: a lost device, no memory left, a refused command.
     ///
+    /// Threads that share the device each hear of their own failures, and the next one to ask of those of threads that
+    /// have ended or have never asked. A lost device is reported to all of them, each time.
+    ///
     /// # Errors
     /// [`RenderError::Device`] with the first failure.
     pub fn check(&self, doing: &'static str) -> Result<(), RenderError> {
-        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();
-        fault.map_or(Ok(()), |reason| Err(RenderError::Device { doing, reason }))
+        self.faults.take().map_or(Ok(()), |reason| Err(RenderError::Device { doing, reason }))
     }
 
     /// An instance of the APIs that devices are looked for in, to make surfaces with.
@@ -219,22 +222,14 @@ fn limits(offered: &wgpu::Limits, portable: bool) -> wgpu::Limits {
 
 /// Keeps the first error that reaches no error scope, and the reason of a lost device, instead of
 /// wgpu's panic.
-fn hear_errors(
-    device: &wgpu::Device,
-    fault: &Arc<Mutex<Option<String>>>,
-    is_lost: &Arc<AtomicBool>,
-) {
-    let keep = |fault: &Mutex<Option<String>>, message: String| {
-        tracing::error!("GPU: {message}");
-        fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-    };
-    let slot = fault.clone();
-    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| keep(&slot, error.to_string())));
-    let (slot, is_lost) = (fault.clone(), is_lost.clone());
+fn hear_errors(device: &wgpu::Device, faults: &Arc<Faults>, is_lost: &Arc<AtomicBool>) {
+    let kept = faults.clone();
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| kept.keep(error.to_string())));
+    let (kept, is_lost) = (faults.clone(), is_lost.clone());
     device.set_device_lost_callback(move |reason, message| {
         is_lost.store(true, Ordering::Relaxed);
         if reason != wgpu::DeviceLostReason::Destroyed {
-            keep(&slot, format!("the device was lost ({reason:?}): {message}"));
+            kept.lose(format!("the device was lost ({reason:?}): {message}"));
         }
     });
 }
@@ -242,6 +237,7 @@ fn hear_errors(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::own_gpu;
 
     #[test]
     fn an_unknown_adapter_is_an_error_that_lists_the_known_ones() {
@@ -263,7 +259,7 @@ mod tests {
 
     #[test]
     fn a_refused_command_becomes_an_error() {
-        let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");
+        let gpu = own_gpu();
         assert!(gpu.check("testing").is_ok());
         let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("impossible"),

@@ -270,16 +270,24 @@ fn the_path_tracers_structs_lie_in_memory_alike() {
     );
 }
 
+/// How many entry points a module's own source declares.
+fn declared_entry_points(source: &str) -> usize {
+    let stages = ["@compute", "@vertex", "@fragment"];
+    stages.iter().map(|stage| source.matches(stage).count()).sum()
+}
+
 #[test]
 fn every_shader_is_valid() {
     for library in libraries() {
         let mut entry_points = 0;
-        for path in library.paths().filter(|path| path.starts_with("render::")) {
-            let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
-            entry_points += module.entry_points.len();
+        for (path, source) in crate::shaders::own_modules() {
+            let path = format!("render::{path}");
+            let (module, _) = library.reflect(&path).unwrap_or_else(|error| panic!("{error}"));
+            // What linking drops, nothing validates.
+            let declared = declared_entry_points(source);
+            assert_eq!(module.entry_points.len(), declared, "entry points of {path}");
+            entry_points += declared;
         }
-        // Fifteen compute kernels; three vertex and two fragment shaders for shadows; two and four for
-        // the G-buffer; two and two for lines.
-        assert_eq!(entry_points, 30);
+        assert!(entry_points > 0, "the library has no entry points");
     }
 }

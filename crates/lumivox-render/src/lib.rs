@@ -30,6 +30,7 @@ mod develop;
 pub mod direct;
 mod error;
 mod estimate;
+mod faults;
 pub mod gbuffer_pass;
 mod gpu;
 mod image;
@@ -54,8 +55,13 @@ mod voxel_sets;
 pub mod voxel_view;
 mod vxct;
 
+// What tests inside share with those from outside names the crate as these do.
+#[cfg(test)]
+extern crate self as lumivox_render;
 #[cfg(test)]
 mod layouts;
+#[cfg(test)]
+mod testing;
 
 pub use error::RenderError;
 pub use estimate::MemoryEstimate;

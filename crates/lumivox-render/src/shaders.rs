@@ -5,7 +5,7 @@ use lumivox::gpu::ShaderLibrary;
 use crate::settings::{ToneMap, View};
 use crate::{overlay, reference, voxel_view, vxct};
 
-/// Every module by its path below `render`.
+/// Those that belong to no folder with a list of its own.
 const MODULES: &[(&str, &str)] = &[
     ("accumulate", include_str!("accumulate.wgsl")),
     ("composite", include_str!("composite.wgsl")),
@@ -32,6 +32,11 @@ const MODULES: &[(&str, &str)] = &[
     ("tone_map", include_str!("tone_map.wgsl")),
 ];
 
+/// Every module of this crate by its path below `render`.
+pub(crate) fn own_modules() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
+    MODULES.iter().chain(voxel_view::MODULES).chain(overlay::MODULES).chain(vxct::MODULES)
+}
+
 /// A library's modules and this crate's beside them, as `package::render::...`.
 ///
 /// `base` is the library of the volume in use (`Gi::shaders`): the direct light may march it for
@@ -39,9 +44,7 @@ const MODULES: &[(&str, &str)] = &[
 #[must_use]
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
-    let own =
-        MODULES.iter().chain(voxel_view::MODULES).chain(overlay::MODULES).chain(vxct::MODULES);
-    for (path, source) in own {
+    for (path, source) in own_modules() {
         library.add(&format!("render::{path}"), *source);
     }
     for view in View::ALL {

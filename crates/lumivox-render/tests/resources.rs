@@ -2,6 +2,8 @@
 //!
 //! Alone in a program of its own: the count is of the whole process.
 
+#[allow(dead_code, unused_imports)] // The tests of `it` use the rest.
+#[path = "it/common/mod.rs"]
 mod common;
 
 use std::ops::ControlFlow;

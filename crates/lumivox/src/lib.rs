@@ -28,6 +28,10 @@ mod volume;
 mod voxelize;
 pub mod voxels;
 
+// What tests inside share with those from outside names the crate as these do.
+#[cfg(test)]
+extern crate self as lumivox;
+
 pub use error::GiError;
 pub use geometry::{
     Draw, Geometry, GeometryBatch, SurfaceMaterial, SurfaceTexture, VertexAttributes,

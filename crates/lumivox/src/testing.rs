@@ -1,6 +1,6 @@
 //! What the tests inside the crate share: a device, simple geometry, textures read back.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 
 use bytemuck::Pod;

@@ -89,6 +89,12 @@ impl ShaderLibrary {
         self.content.modules.keys().map(|path| path.trim_start_matches("package::"))
     }
 
+    /// The source of the module `path`, as it was added.
+    #[cfg(test)]
+    pub(crate) fn source(&self, path: &str) -> &str {
+        &self.content.modules[&format!("package::{path}")]
+    }
+
     /// Plain WGSL of the module `path` with everything that it imports; unused declarations are dropped.
     ///
     /// # Errors

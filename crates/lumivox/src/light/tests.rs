@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
-use crate::gpu::{Recorder, Timing};
+use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
 use crate::voxels::FaceRecord;
 use crate::{Geometry, Gi, GiConfig, Grid, Light, LightSource, Preset, Shadow, TraceSettings};
@@ -28,7 +28,7 @@ impl Lit {
 }
 
 struct Bench {
-    device: wgpu::Device,
+    device: Pipelines,
     queue: wgpu::Queue,
     gi: Gi,
 }
@@ -38,7 +38,8 @@ impl Bench {
         let (device, queue) = device();
         let grid = Grid::fit(bounds.0, bounds.1, resolution, offset).expect("the grid fits");
         let config = GiConfig::new(grid);
-        let mut gi = Gi::new(&device, &queue, config).expect("the device is large enough");
+        let mut gi =
+            Gi::with_pipelines(&device, &queue, config).expect("the device is large enough");
         let geometry: Geometry = scene.build(&device);
         pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
         Self { device, queue, gi }

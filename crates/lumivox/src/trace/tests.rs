@@ -3,7 +3,7 @@
 use glam::{UVec3, Vec3, Vec4};
 
 use crate::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer, upload,
+    BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing, storage_buffer, upload,
 };
 use crate::testing::{busy_room, device, read};
 use crate::volume::{Level, read_levels};
@@ -242,7 +242,7 @@ fn assert_marches_like_its_twin(settings: &TraceSettings) {
     let (device, queue) = device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
     let config = GiConfig::new(grid);
-    let mut gi = Gi::new(&device, &queue, config).expect("a device");
+    let mut gi = Gi::with_pipelines(&device, &queue, config).expect("a device");
     let geometry = busy_room().build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);
@@ -307,12 +307,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 #[test]
 fn cells_cover_the_hemisphere_by_cosine() {
     let (device, queue) = device();
-    let pipelines = Pipelines::new(&device);
     let mut shaders = crate::shaders::library();
     shaders.add("test::cells", CELLS_WGSL);
-    let layout = LayoutBuilder::compute().storage_mut().uniform().build(&pipelines, "test cells");
-    let kernel =
-        Kernel::new(&pipelines, &shaders, "test::cells", "main", &[&layout]).expect("links");
+    let layout = LayoutBuilder::compute().storage_mut().uniform().build(&device, "test cells");
+    let kernel = Kernel::new(&device, &shaders, "test::cells", "main", &[&layout]).expect("links");
     let normal = Vec3::new(0.3, -0.8, -0.5).normalize();
     for cell_count in [6_u32, 9, 12] {
         let count = 4096 * cell_count;

@@ -14,24 +14,16 @@ mod same;
 mod sampling;
 mod techniques;
 mod transparency;
-#[path = "../../../tests/common/zoo.rs"]
-mod zoo;
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox_scene::{
     Camera, Filter, Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Texture,
     TextureRef, Wrap,
 };
-use zoo::quad;
 
 use super::{Features, PathTracer, ReferenceLayers, ReferenceSettings};
-use crate::{Gpu, GpuOptions};
-
-/// A device with WebGPU's default limits.
-fn gpu() -> Gpu {
-    let options = GpuOptions { portable: true, ..GpuOptions::default() };
-    pollster::block_on(Gpu::new(&options)).expect("a GPU adapter")
-}
+use crate::testing::zoo::quad;
+use crate::testing::{gpu, zoo};
 
 fn builtin(name: &str) -> Scene {
     lumivox_scene::builtin::scene(name).expect("a built-in scene")

@@ -7,7 +7,7 @@ use glam::{DVec3, Mat3, Vec3};
 use super::cube::{Cube, Image, direction, reduced, solid_angle_sr};
 use super::peaks::split;
 use super::{EnvironmentLight, EnvironmentMap, Panorama};
-use crate::gpu::{Recorder, Timing};
+use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{SceneBuilder, device, lambert, read};
 use crate::voxels::FaceRecord;
 use crate::{Gi, GiConfig, Grid, Preset, TraceSettings};
@@ -234,7 +234,7 @@ fn peaks_depend_on_nothing_else() {
 
 /// A tile with a normal, on its own, whose faces are lit by a map: their mean radiance times pi.
 struct Tile {
-    device: wgpu::Device,
+    device: Pipelines,
     queue: wgpu::Queue,
     gi: Gi,
 }
@@ -248,7 +248,8 @@ impl Tile {
         let reach = 0.5 * (u.abs() + v.abs()) + 0.05;
         let grid = Grid::fit(-reach, reach, 64, Vec3::ZERO).expect("the grid fits");
         let config = GiConfig::new(grid);
-        let mut gi = Gi::new(&device, &queue, config).expect("the device is large enough");
+        let mut gi =
+            Gi::with_pipelines(&device, &queue, config).expect("the device is large enough");
         let geometry = scene.build(&device);
         pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
         Self { device, queue, gi }
@@ -308,19 +309,23 @@ fn cones_sum_up_to_the_irradiance() {
     ];
     let presets = [Preset::Fast, Preset::Balanced, Preset::High];
     let normals = [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::NEG_Z, Vec3::new(0.48, 0.6, 0.64)];
+    let (device, queue) = device();
+    let maps = maps.map(|(name, image, tolerance)| {
+        let map = EnvironmentMap::new(&device, &queue, image.panorama()).expect("a map");
+        assert_eq!(map.peaks().len(), usize::from(name == "sun"), "{name}");
+        (name, image, map, tolerance)
+    });
     let rotation_rad = 0.7;
     for normal in normals {
         let mut tile = Tile::new(normal);
-        for (name, image, tolerance) in &maps {
-            let panorama = image.panorama();
-            let map = EnvironmentMap::new(&tile.device, &tile.queue, panorama).expect("a map");
-            assert_eq!(map.peaks().len(), usize::from(*name == "sun"), "{name}");
+        for (name, image, map, tolerance) in &maps {
             // The map turns one way, so the normal turns the other way in it.
-            let expected = irradiance(panorama, Mat3::from_rotation_y(-rotation_rad) * normal);
+            let turned = Mat3::from_rotation_y(-rotation_rad) * normal;
+            let expected = irradiance(image.panorama(), turned);
             for (preset, diffuse_cones) in presets.iter().flat_map(|p| [6, 9, 12].map(|n| (*p, n)))
             {
                 let settings = TraceSettings { diffuse_cones, ..TraceSettings::preset(preset) };
-                let found = tile.irradiance(&map, rotation_rad, &settings);
+                let found = tile.irradiance(map, rotation_rad, &settings);
                 let what = format!("{name}, {normal}, {preset:?}, {diffuse_cones} cones");
                 close(found, expected, *tolerance, &what);
             }

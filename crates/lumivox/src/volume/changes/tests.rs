@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 
-use crate::gpu::{Recorder, Timing};
+use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
 use crate::volume::{read_levels, read_nodes};
 use crate::{
@@ -33,7 +33,7 @@ fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
 }
 
 struct Stage {
-    device: wgpu::Device,
+    device: Pipelines,
     queue: wgpu::Queue,
     config: GiConfig,
     geometry: Geometry,
@@ -50,7 +50,7 @@ impl Stage {
     }
 
     fn gi(&self) -> Gi {
-        Gi::new(&self.device, &self.queue, self.config).expect("a device")
+        Gi::with_pipelines(&self.device, &self.queue, self.config).expect("a device")
     }
 
     fn voxelize(&self, gi: &mut Gi, place: Mat4) {

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3};
 use half::f16;
 
 use super::Directionality;
-use crate::gpu::{Recorder, Timing};
+use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{busy_room, device, read, read_level};
 use crate::volume::Volume;
 use crate::voxels::{FaceRecord, NodeRecord};
@@ -28,12 +28,13 @@ impl Level {
     }
 }
 
-fn lit_room(resolution: u32, directionality: Directionality) -> (wgpu::Device, wgpu::Queue, Gi) {
+fn lit_room(resolution: u32, directionality: Directionality) -> (Pipelines, wgpu::Queue, Gi) {
     let (device, queue) = device();
     let grid =
         Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), resolution, Vec3::ZERO).expect("fits");
-    let mut gi = Gi::new(&device, &queue, GiConfig { directionality, ..GiConfig::new(grid) })
-        .expect("a device");
+    let mut gi =
+        Gi::with_pipelines(&device, &queue, GiConfig { directionality, ..GiConfig::new(grid) })
+            .expect("a device");
     let geometry = busy_room().build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);

@@ -9,7 +9,7 @@ pub(crate) use read::read_nodes;
 use glam::{Mat4, Vec3};
 
 use super::OctreeOptions;
-use crate::gpu::{Recorder, Timing};
+use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert};
 use crate::{Directionality, Geometry, Gi, GiConfig, GiError, Grid, TraceSettings, VolumeKind};
 
@@ -29,16 +29,16 @@ fn turned_room(device: &wgpu::Device) -> Geometry {
 }
 
 fn voxelize(
-    (device, queue): &(wgpu::Device, wgpu::Queue),
+    (device, queue): &(Pipelines, wgpu::Queue),
     config: GiConfig,
     geometry: &Geometry,
 ) -> Result<Gi, GiError> {
-    let mut gi = Gi::new(device, queue, config)?;
+    let mut gi = Gi::with_pipelines(device, queue, config)?;
     pollster::block_on(gi.voxelize(geometry, Timing::Off))?;
     Ok(gi)
 }
 
-fn light((device, queue): &(wgpu::Device, wgpu::Queue), gi: &mut Gi, bounces: u32) {
+fn light((device, queue): &(Pipelines, wgpu::Queue), gi: &mut Gi, bounces: u32) {
     let lights = gi.bind_lights(&[], Vec3::splat(0.2), None);
     let mut recorder = Recorder::new(device, queue);
     gi.light(&mut recorder, &lights, bounces, &TraceSettings::default()).expect("valid settings");

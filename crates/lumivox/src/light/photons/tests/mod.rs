@@ -62,7 +62,7 @@ fn lit_by_maps(
     let (device, queue) = device();
     let grid = Grid::fit(bounds.0, bounds.1, RESOLUTION, offset).expect("the grid fits");
     let config = GiConfig { injection: how, ..GiConfig::new(grid) };
-    let mut gi = Gi::new(&device, &queue, config).expect("the device is large enough");
+    let mut gi = Gi::with_pipelines(&device, &queue, config).expect("the device is large enough");
     let geometry: Geometry = scene.build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let mut recorder = Recorder::new(&device, &queue);
@@ -299,7 +299,8 @@ fn lights_without_a_map_are_evaluated_directly() {
     let radiance = |injection| {
         let grid = Grid::fit(ROOM_BOUNDS.0, ROOM_BOUNDS.1, RESOLUTION, Vec3::ZERO).expect("fits");
         let config = GiConfig { injection, ..GiConfig::new(grid) };
-        let mut gi = Gi::new(&device, &queue, config).expect("the device is large enough");
+        let mut gi =
+            Gi::with_pipelines(&device, &queue, config).expect("the device is large enough");
         let geometry = room(true).build(&device);
         pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
         let source = lamp(Vec3::new(0.45, 0.55, 0.4));

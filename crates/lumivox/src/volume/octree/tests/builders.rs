@@ -12,7 +12,7 @@ use crate::voxels::NodeRecord;
 
 /// The nodes that the definition asks for (`tree.wgsl`): those with an occupied cell among their 27, and the way to
 /// them from the root.
-fn expected_nodes((device, queue): &(wgpu::Device, wgpu::Queue), gi: &Gi) -> BTreeSet<NodeAt> {
+fn expected_nodes((device, queue): &(Pipelines, wgpu::Queue), gi: &Gi) -> BTreeSet<NodeAt> {
     let voxels = gi.voxels().expect("there are voxels");
     let grid = gi.grid();
     let count = voxels.level_starts[grid.levels as usize] as usize;
@@ -45,7 +45,7 @@ fn expected_nodes((device, queue): &(wgpu::Device, wgpu::Queue), gi: &Gi) -> BTr
 }
 
 fn nodes_of(
-    gpu: &(wgpu::Device, wgpu::Queue),
+    gpu: &(Pipelines, wgpu::Queue),
     grid: Grid,
     geometry: &Geometry,
     builder: OctreeBuilder,
@@ -59,7 +59,7 @@ fn nodes_of(
 }
 
 /// Both builders make the nodes of the definition, with the same masks and, bit for bit, the same bricks.
-fn assert_built_alike(gpu: &(wgpu::Device, wgpu::Queue), grid: Grid, geometry: &Geometry) {
+fn assert_built_alike(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geometry) {
     let (ranked, by_ranks) = nodes_of(gpu, grid, geometry, OctreeBuilder::Ranks);
     let expected = expected_nodes(gpu, &ranked);
     assert_eq!(by_ranks.keys().copied().collect::<BTreeSet<_>>(), expected, "by ranks");

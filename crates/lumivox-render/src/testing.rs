@@ -1,0 +1,8 @@
+//! What the tests inside the crate share with those from outside: the device, and a scene.
+
+#[path = "../tests/it/common/device.rs"]
+mod device;
+#[path = "../tests/it/common/zoo.rs"]
+pub(crate) mod zoo;
+
+pub(crate) use device::{gpu, own_gpu};

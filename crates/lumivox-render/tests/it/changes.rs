@@ -1,0 +1,239 @@
+//! Changes to a renderer at work: what it shows afterwards is what a new one would show, to the bit.
+
+#![allow(clippy::float_cmp)] // Equal to the bit is the claim.
+
+use glam::{Mat4, UVec2, Vec3};
+use lumivox::{Directionality, Injection, OctreeOptions, Preset, TraceSettings, VolumeKind};
+use lumivox_render::{
+    Exposure, Look, RenderSettings, Renderer, ShadowMethod, ToneMap, View, VxctSettings,
+};
+use lumivox_scene::{LightKind, Scene, Shading};
+
+use crate::common::{builtin, gpu, picture, renderer};
+
+fn settings() -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(40, 24),
+        resolution: 32,
+        frames: 2,
+        bounces: 2,
+        shadow_resolution: 128,
+        ..RenderSettings::default()
+    }
+}
+
+fn set(renderer: &mut Renderer, settings: &RenderSettings) {
+    pollster::block_on(renderer.set_settings(settings.clone(), &mut |_| {})).expect("in range");
+}
+
+#[test]
+fn settings_may_change_in_any_order() {
+    let gpu = gpu();
+    let mut scene = builtin("cornell");
+    // Its shadows by cones need the voxels' opacities before there is any light.
+    scene.lights.push(lumivox_scene::Light {
+        kind: LightKind::Directional { illuminance_lux: 100.0, angular_radius_rad: 0.1 },
+        direction: Vec3::new(-0.3, -1.0, -0.6).normalize(),
+        ..lumivox_scene::Light::default()
+    });
+    let mut changing = renderer(&gpu, &scene, settings());
+    let mut before = picture(&mut changing);
+    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let changes: [fn(&mut RenderSettings, VolumeKind); 15] = [
+        |s, _| s.resolution = 48,
+        |s, _| s.size = UVec2::new(33, 21),
+        |s, octree| s.volume = octree,
+        |s, _| s.directionality = Directionality::Isotropic,
+        |s, _| s.injection = Injection::Photons,
+        |s, _| s.trace = TraceSettings::preset(Preset::Fast),
+        |s, _| s.bounces = 1,
+        |s, _| s.shadows = ShadowMethod::Cone,
+        |s, _| s.look = Look::Vxct(VxctSettings::for_resolution(s.resolution)),
+        |s, _| s.look = Look::Physical,
+        |s, _| s.view = View::Nodes,
+        |s, _| (s.view, s.voxel_level) = (View::Lit, 1),
+        |s, _| s.grid_offset = Vec3::splat(0.5),
+        |s, _| *s = RenderSettings { frames: 3, ..settings() },
+        |s, _| s.bounces = 0,
+    ];
+    let mut asked = settings();
+    for (step, change) in changes.into_iter().enumerate() {
+        change(&mut asked, octree);
+        set(&mut changing, &asked);
+        assert_eq!(*changing.settings(), asked);
+        let seen = picture(&mut changing);
+        let mut fresh = renderer(&gpu, &scene, asked.clone());
+        assert!(seen == picture(&mut fresh), "step {step}: something of before is left");
+        assert_eq!(changing.memory(), fresh.memory(), "step {step}");
+        assert!(seen != before, "step {step} changed nothing");
+        before = seen;
+    }
+}
+
+/// What frames do not depend on keeps them; what they do depend on starts the mean anew.
+#[test]
+fn the_mean_starts_anew_only_where_the_picture_changes() {
+    let gpu = gpu();
+    let mut renderer = renderer(&gpu, &builtin("cornell"), settings());
+    let auto = picture(&mut renderer);
+    let shown =
+        RenderSettings { exposure: Exposure::Stops(-6.0), tone_map: ToneMap::Aces, ..settings() };
+    set(&mut renderer, &shown);
+    assert_eq!(renderer.frame_count(), 2);
+    let darker = picture(&mut renderer);
+    assert_eq!(darker.hdr, auto.hdr);
+    assert_ne!(darker.ldr, auto.ldr);
+    set(&mut renderer, &RenderSettings { bounces: 3, ..shown });
+    assert_eq!(renderer.frame_count(), 0);
+}
+
+#[test]
+fn what_is_refused_changes_nothing() {
+    let gpu = gpu();
+    let mut renderer = renderer(&gpu, &builtin("cornell"), settings());
+    let before = picture(&mut renderer);
+    let refused = [
+        RenderSettings { bounces: 99, ..settings() },
+        RenderSettings { resolution: 33, ..settings() },
+        RenderSettings { voxel_level: 9, ..settings() },
+        RenderSettings { view: View::Bricks, ..settings() },
+        RenderSettings { volume_memory: Some(1), ..settings() },
+    ];
+    for settings_refused in refused {
+        let refused =
+            pollster::block_on(renderer.set_settings(settings_refused.clone(), &mut |_| {}));
+        refused.expect_err("refused");
+        assert_eq!(*renderer.settings(), settings());
+        assert!(picture(&mut renderer) == before);
+    }
+    renderer.set_camera(renderer.camera().clone());
+    assert!(picture(&mut renderer) == before, "it still renders the same");
+}
+
+/// Cornell in other light: a lamp of another colour and place, and one more.
+fn other_light(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.lights.truncate(1);
+    scene.environment.radiance = Vec3::new(0.5, 1.0, 3.0);
+    let mut lamp = lumivox_scene::Light {
+        kind: LightKind::Point { intensity_cd: 30.0, range_m: None },
+        color: Vec3::new(1.0, 0.5, 0.25),
+        position: Vec3::new(0.1, 0.3, 0.2),
+        ..lumivox_scene::Light::default()
+    };
+    scene.lights.push(lamp.clone());
+    lamp.position.x = -0.3;
+    scene.lights.push(lamp);
+    scene
+}
+
+#[test]
+fn lights_and_materials_may_change() {
+    let gpu = gpu();
+    let rest = builtin("cornell");
+    let lit = other_light(&rest);
+    let mut painted = rest.clone();
+    for (number, material) in painted.materials.iter_mut().enumerate() {
+        if let Shading::MetallicRoughness(shading) = &mut material.shading {
+            shading.base_color.x = 0.2 * number as f32;
+            shading.roughness = 0.4;
+            shading.specular = 1.0;
+        }
+    }
+    painted.materials[0].double_sided ^= true;
+    let mut bright = rest.clone();
+    for material in &mut bright.materials {
+        // Another unit of radiance.
+        material.emissive *= 1e4;
+    }
+    for light in &mut bright.lights {
+        light.color *= 1e4;
+    }
+    let mut changing = renderer(&gpu, &rest, settings());
+    let first = picture(&mut changing);
+    for (scene, is_light) in [(&lit, true), (&rest, true), (&painted, false), (&bright, false)] {
+        if is_light {
+            pollster::block_on(changing.set_lights(scene, &mut |_| {})).expect("lights");
+        } else {
+            pollster::block_on(changing.set_materials(scene, &mut |_| {})).expect("materials");
+        }
+        let seen = picture(&mut changing);
+        assert!(seen == picture(&mut renderer(&gpu, scene, settings())), "something is left");
+        assert_eq!(seen == first, *scene == rest);
+    }
+}
+
+/// Objects may move ahead of their voxels, which follow when asked to.
+#[test]
+fn voxels_may_stay_behind() {
+    let gpu = gpu();
+    let rest = builtin("cornell");
+    let mut moved = rest.clone();
+    let last = moved.instances.len() - 1;
+    let aside = Mat4::from_translation(Vec3::new(-0.1, 0.0, 0.05));
+    moved.instances[last].world_from_local = aside * moved.instances[last].world_from_local;
+    let see = |view| RenderSettings { view, ..settings() };
+
+    let mut ahead = renderer(&gpu, &rest, see(View::Voxels));
+    let old_voxels = picture(&mut ahead);
+    pollster::block_on(ahead.place(&moved)).expect("the same scene");
+    assert!(picture(&mut ahead) == old_voxels, "the voxels stay");
+    set(&mut ahead, &see(View::Direct));
+    let direct = picture(&mut ahead);
+    assert!(direct == picture(&mut renderer(&gpu, &moved, see(View::Direct))), "surfaces move");
+
+    assert!(ahead.has_stale_voxels());
+    pollster::block_on(ahead.revoxelize(&mut |_| {})).expect("voxels");
+    assert!(!ahead.has_stale_voxels());
+    assert_eq!(ahead.frame_count(), 0, "what has changed is seen");
+    set(&mut ahead, &see(View::Voxels));
+    assert!(picture(&mut ahead) == picture(&mut renderer(&gpu, &moved, see(View::Voxels))));
+    pollster::block_on(ahead.revoxelize(&mut |_| {})).expect("voxels");
+    assert_eq!(ahead.frame_count(), 2, "what stays keeps its frames");
+}
+
+/// Without bounces nothing is traced: what cones left of another view must not show.
+#[test]
+fn what_was_traced_for_another_view_does_not_show() {
+    let gpu = gpu();
+    let scene = builtin("cornell");
+    let see = |view| RenderSettings { view, bounces: 0, ..settings() };
+    let mut seen = renderer(&gpu, &scene, see(View::Occlusion));
+    picture(&mut seen);
+    seen.set_view(View::Final, 0).expect("a view");
+    assert!(picture(&mut seen) == picture(&mut renderer(&gpu, &scene, see(View::Final))));
+}
+
+/// A scene with a grid of its own may be empty, or stand outside of it.
+#[test]
+fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
+    let gpu = gpu();
+    let mut scene = builtin("cornell");
+    scene.grid_bounds = Some(scene.bounds());
+    let inside = picture(&mut renderer(&gpu, &scene, settings()));
+    let far = Mat4::from_translation(Vec3::Z * 50.0);
+    for instance in &mut scene.instances {
+        instance.world_from_local = far * instance.world_from_local;
+    }
+    let mut camera = scene.cameras[0].clone();
+    camera.position.z += 50.0;
+    let octree = VolumeKind::Octree(OctreeOptions::default());
+    for volume in [VolumeKind::Dense, octree] {
+        let settings = RenderSettings { volume, ..settings() };
+        let mut outside = renderer(&gpu, &scene, settings.clone());
+        assert_eq!(outside.voxel_stats().voxels, 0);
+        outside.set_camera(camera.clone());
+        let seen = picture(&mut outside);
+        assert!(seen.hdr.iter().any(|pixel| pixel[3] > 0.0), "surfaces are drawn");
+        assert_ne!(seen, inside, "without indirect light");
+        let mut empty = scene.clone();
+        empty.instances.clear();
+        let nothing = picture(&mut renderer(&gpu, &empty, settings));
+        assert!(nothing.hdr.iter().all(|pixel| pixel[3] == 0.0));
+    }
+    scene.grid_bounds = None;
+    scene.instances.clear();
+    let ignore = &mut |_| {};
+    let refused = Renderer::new(&gpu, &scene, None, settings(), ignore);
+    assert!(pollster::block_on(refused).is_err(), "nothing says where the grid is");
+}

@@ -1,0 +1,20 @@
+//! The renderer from outside, in one program: the shaders that its tests share are linked and compiled once.
+
+mod changes;
+mod common;
+mod determinism;
+mod environment;
+mod furnace;
+mod moving;
+mod octree;
+mod overlay;
+mod photons;
+mod pipelines;
+mod render;
+mod scale;
+mod shown;
+mod snapshots;
+mod surfaces;
+mod truth;
+mod two_rooms;
+mod vxct;

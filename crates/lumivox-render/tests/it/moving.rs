@@ -1,0 +1,126 @@
+//! A scene that moves between pictures: what a renderer keeps must not show.
+
+#![allow(clippy::float_cmp)] // Equal to the bit is the claim.
+
+use glam::{Mat4, UVec2, Vec3};
+use lumivox_render::{RenderError, RenderSettings};
+use lumivox_scene::{Camera, Scene};
+
+use crate::common::{builtin, gpu, picture, renderer};
+
+fn settings(scenes: &[&Scene]) -> RenderSettings {
+    let bounds = scenes.iter().map(|scene| scene.bounds()).reduce(lumivox_scene::Bounds::union);
+    RenderSettings {
+        size: UVec2::new(48, 27),
+        resolution: 32,
+        frames: 2,
+        shadow_resolution: 128,
+        grid_bounds: bounds,
+        ..RenderSettings::default()
+    }
+}
+
+/// Cornell, and the same with its last instance moved, a mesh bent, and the lamp elsewhere.
+fn poses() -> (Scene, Scene) {
+    let rest = builtin("cornell");
+    let mut moved = rest.clone();
+    let last = moved.instances.len() - 1;
+    let up = Mat4::from_translation(Vec3::new(0.1, 0.2, -0.1));
+    moved.instances[last].world_from_local = up * moved.instances[last].world_from_local;
+    let mesh = moved.instances[last].mesh;
+    for position in &mut moved.meshes[mesh].positions {
+        position.y *= 0.75;
+    }
+    for light in &mut moved.lights {
+        light.position.x += 0.2;
+    }
+    (rest, moved)
+}
+
+/// The renderer that goes from pose to pose gives what a fresh one gives for each, to the bit: nothing of an
+/// earlier pose is left in voxels, light, shadows or the mean.
+#[test]
+fn a_pose_does_not_depend_on_the_one_before() {
+    let gpu = gpu();
+    let (rest, moved) = poses();
+    let settings = settings(&[&rest, &moved]);
+    let mut travelling = renderer(&gpu, &rest, settings.clone());
+    let first = picture(&mut travelling);
+    for (pose, is_first) in [(&moved, false), (&rest, true)] {
+        pollster::block_on(travelling.set_scene(pose, &mut |_| {})).expect("the same scene");
+        let seen = picture(&mut travelling);
+        let mut fresh = renderer(&gpu, pose, settings.clone());
+        assert!(seen == picture(&mut fresh), "something of the earlier pose is left");
+        assert_eq!(travelling.voxel_stats().voxels, fresh.voxel_stats().voxels);
+        assert_eq!(travelling.memory(), fresh.memory());
+        assert_eq!(seen == first, is_first, "the pose shows");
+    }
+}
+
+/// What is marked as static is not voxelized again while it is what it was; the pictures are a fresh renderer's.
+#[test]
+fn what_is_static_is_kept_from_pose_to_pose() {
+    let gpu = gpu();
+    let (mut rest, mut moved) = poses();
+    for scene in [&mut rest, &mut moved] {
+        if let Some(last) = scene.instances.last_mut() {
+            last.is_static = false;
+        }
+    }
+    let mut hidden = rest.clone();
+    hidden.instances.pop();
+    let mut shifted = moved.clone();
+    shifted.instances[0].world_from_local =
+        Mat4::from_translation(Vec3::X * 0.1) * rest.instances[0].world_from_local;
+    // With and without bounces in the voxels: all is stored, or what has changed.
+    for bounces in [1, 3] {
+        let settings = RenderSettings { bounces, ..settings(&[&rest, &moved]) };
+        let mut travelling = renderer(&gpu, &rest, settings.clone());
+        let poses =
+            [(&moved, true), (&rest, true), (&hidden, true), (&moved, true), (&shifted, false)];
+        for (step, (pose, is_kept)) in poses.into_iter().enumerate() {
+            pollster::block_on(travelling.set_scene(pose, &mut |_| {})).expect("the same scene");
+            assert_eq!(travelling.voxel_stats().static_reused, is_kept, "step {step}");
+            let seen = picture(&mut travelling);
+            let mut fresh = renderer(&gpu, pose, settings.clone());
+            assert!(!fresh.voxel_stats().static_reused);
+            assert!(seen == picture(&mut fresh), "step {step}, {bounces} bounces: it differs");
+        }
+    }
+}
+
+#[test]
+fn a_camera_that_moves_and_returns_finds_the_same_picture() {
+    let (rest, _) = poses();
+    let mut renderer = renderer(&gpu(), &rest, settings(&[&rest]));
+    let camera = renderer.camera().clone();
+    let first = picture(&mut renderer);
+    let position = camera.position + Vec3::new(0.3, 0.1, 0.0);
+    renderer.set_camera(Camera { position, ..camera.clone() });
+    assert!(picture(&mut renderer) != first);
+    renderer.set_camera(camera);
+    assert!(picture(&mut renderer) == first);
+}
+
+#[test]
+fn the_grid_is_that_of_the_bounds_given() {
+    let (rest, moved) = poses();
+    let mut settings = settings(&[&rest]);
+    let bounds = rest.bounds();
+    settings.grid_bounds = Some(lumivox_scene::Bounds { min: bounds.min, max: bounds.max * 3.0 });
+    let mut renderer = renderer(&gpu(), &rest, settings);
+    let grid = *renderer.gi().grid();
+    assert!(grid.voxel_size_m > bounds.size().max_element() / 16.0);
+    pollster::block_on(renderer.set_scene(&moved, &mut |_| {})).expect("the same scene");
+    assert_eq!(*renderer.gi().grid(), grid);
+}
+
+#[test]
+fn another_scene_is_refused() {
+    let (rest, _) = poses();
+    let mut renderer = renderer(&gpu(), &rest, settings(&[&rest]));
+    let error = pollster::block_on(renderer.set_scene(&builtin("spheres"), &mut |_| {}));
+    let error = error.expect_err("other materials");
+    assert!(matches!(error, RenderError::Setting { .. }), "{error}");
+    assert!(error.to_string().contains("materials"), "{error}");
+}

@@ -1,0 +1,140 @@
+//! The octree shows what the dense volume shows: the same voxels, the same light, look-ups that differ in their last
+//! bits alone.
+
+use glam::UVec2;
+use lumivox::{Directionality, Duplication, Mipmapping, OctreeBuilder, OctreeOptions, VolumeKind};
+use lumivox_render::{Gpu, Picture, RenderError, RenderSettings, Renderer, ShadowMethod, View};
+
+use crate::common::{builtin, gpu, picture, renderer};
+
+/// The most that the mean of a picture may differ, as a share of it (measured: up to 0.0016). Values are rounded to
+/// half floats level by level, by the texture unit in one and by `pack2x16float` in the other; and right at the grid's
+/// border the octree's masks are those of a cell farther in.
+const MAX_BIAS: f64 = 0.003;
+/// The most that its pixels may differ, as the root of their mean square over the mean, after two noisy frames
+/// (measured: up to 0.011): a ray that meets a wall's edge in one volume and, by a rounding, not in the other.
+const MAX_RMS: f64 = 0.02;
+
+fn settings(volume: VolumeKind) -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(80, 60),
+        resolution: 64,
+        frames: 2,
+        bounces: 3,
+        shadow_resolution: 512,
+        volume,
+        ..RenderSettings::default()
+    }
+}
+
+fn octree() -> VolumeKind {
+    VolumeKind::Octree(OctreeOptions::default())
+}
+
+fn rendered(gpu: &Gpu, scene: &str, settings: RenderSettings) -> Picture {
+    picture(&mut renderer(gpu, &builtin(scene), settings))
+}
+
+/// Bias and root mean square of the difference, over the mean of light; visibility, of which closed rooms have next to
+/// none, is a share as it is.
+fn difference(view: View, a: &Picture, b: &Picture) -> (f64, f64) {
+    let luminance = |pixel: &[f32; 4]| f64::from(pixel[0] + pixel[1] + pixel[2]) / 3.0;
+    let count = a.hdr.len() as f64;
+    let mean = a.hdr.iter().map(luminance).sum::<f64>() / count;
+    let mean = if view == View::Occlusion { 1.0 } else { mean };
+    let differences = || a.hdr.iter().zip(&b.hdr).map(|(a, b)| luminance(b) - luminance(a));
+    let bias = differences().sum::<f64>() / count / mean;
+    let rms = (differences().map(|d| d * d).sum::<f64>() / count).sqrt() / mean;
+    (bias, rms)
+}
+
+#[test]
+fn irradiance_agrees_with_the_dense_volume() {
+    let gpu = gpu();
+    for scene in ["cornell", "cornell-rotated", "atrium", "spheres"] {
+        for view in [View::Diffuse, View::Occlusion] {
+            let of = |volume| rendered(&gpu, scene, RenderSettings { view, ..settings(volume) });
+            let (bias, rms) = difference(view, &of(VolumeKind::Dense), &of(octree()));
+            let what = view.name();
+            assert!(bias.abs() < MAX_BIAS, "{scene}, {what}: the mean differs by {bias:.5}");
+            assert!(rms < MAX_RMS, "{scene}, {what}: pixels differ by {rms:.5}");
+        }
+    }
+}
+
+#[test]
+fn isotropic_voxels_and_cone_shadows_agree_too() {
+    let gpu = gpu();
+    let of = |volume| {
+        let settings = RenderSettings {
+            directionality: Directionality::Isotropic,
+            shadows: ShadowMethod::Cone,
+            ..settings(volume)
+        };
+        rendered(&gpu, "cornell", settings)
+    };
+    let (bias, rms) = difference(View::Final, &of(VolumeKind::Dense), &of(octree()));
+    assert!(bias.abs() < MAX_BIAS, "the mean differs by {bias:.5}");
+    assert!(rms < MAX_RMS, "pixels differ by {rms:.5}");
+}
+
+#[test]
+fn every_octree_gives_the_same_bits_in_every_run() {
+    let gpu = gpu();
+    let usual = OctreeOptions::default();
+    let bits = |options| {
+        let picture = rendered(&gpu, "cornell", settings(VolumeKind::Octree(options)));
+        picture.hdr.into_iter().map(|pixel| pixel.map(f32::to_bits)).collect::<Vec<_>>()
+    };
+    let first = bits(usual);
+    assert!(first == bits(usual), "two runs differ");
+    for options in [
+        OctreeOptions { builder: OctreeBuilder::Locks, ..usual },
+        OctreeOptions { duplication: Duplication::Pointers, ..usual },
+        OctreeOptions { duplication: Duplication::Search, ..usual },
+        OctreeOptions { mipmapping: Mipmapping::Every, ..usual },
+    ] {
+        assert!(first == bits(options), "{options:?} differs");
+    }
+}
+
+#[test]
+fn nodes_and_bricks_are_seen_in_an_octree_alone() {
+    let gpu = gpu();
+    let scene = builtin("cornell");
+    for view in [View::Nodes, View::Bricks] {
+        let dense = RenderSettings { view, ..settings(VolumeKind::Dense) };
+        let error = pollster::block_on(Renderer::new(&gpu, &scene, None, dense, &mut |_| {}))
+            .expect_err("a dense volume has none");
+        assert!(matches!(error, RenderError::Setting { name: "view", .. }), "{error}");
+        assert!(error.to_string().contains("--volume octree"), "{error}");
+        let sparse = RenderSettings { view, ..settings(octree()) };
+        let shown = rendered(&gpu, "cornell", sparse);
+        // Orange, more red than blue by far: what is there for the neighbours' sake.
+        let is_orange = |p: &&[f32; 4]| p[0] > 5.0 * p[2] && p[1] > 2.0 * p[2] && p[0] < 4.0 * p[1];
+        let orange = shown.hdr.iter().filter(is_orange).count();
+        assert!(orange > 50, "{}: {orange} orange pixels", view.name());
+        assert!(orange < shown.hdr.len() / 2, "{}: {orange} orange pixels", view.name());
+    }
+}
+
+#[test]
+fn lit_voxels_are_those_that_the_lamp_reaches() {
+    let gpu = gpu();
+    let settings = RenderSettings { view: View::Lit, ..settings(octree()) };
+    let mut renderer = renderer(&gpu, &builtin("cornell"), settings);
+    let shares = |picture: &Picture| {
+        let yellow = picture.hdr.iter().filter(|p| p[0] > 3.0 * p[2] && p[3] > 0.0).count();
+        let grey = picture.hdr.iter().filter(|p| p[0] <= p[2] && p[3] > 0.0).count();
+        let count = picture.hdr.len() as f64;
+        (yellow as f64 / count, grey as f64 / count)
+    };
+    let (lit, unlit) = shares(&picture(&mut renderer));
+    // Most of the box is lit; the blocks' shadows and the sides that face away are not.
+    assert!((0.5..0.9).contains(&lit) && (0.05..0.4).contains(&unlit), "{lit:.3}, {unlit:.3}");
+    // Bounces reach what the lamp does not; looking at it again takes them away.
+    renderer.set_view(View::Voxels, 0).expect("a view");
+    picture(&mut renderer);
+    renderer.set_view(View::Lit, 0).expect("a view");
+    assert_eq!(shares(&picture(&mut renderer)), (lit, unlit));
+}

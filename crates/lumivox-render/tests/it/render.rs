@@ -1,0 +1,251 @@
+//! Whole renderings on a GPU (a software driver does; no adapter is a failure), against closed forms and
+//! plain CPU formulas.
+
+#![allow(clippy::float_cmp)] // Zeros and ones that must be exact.
+
+use std::f32::consts::PI;
+
+use glam::{Mat4, UVec2, Vec2, Vec3};
+use lumivox::{OctreeOptions, VolumeKind};
+use lumivox_render::{
+    Exposure, Picture, RenderError, RenderSettings, Renderer, ShadowMethod, ToneMap, View,
+};
+use lumivox_scene::{
+    AlphaMode, Camera, Filter, Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Shading,
+    Texture, TextureRef, Wrap,
+};
+
+use crate::common::gpu;
+
+const SIZE: UVec2 = UVec2::new(64, 36);
+
+fn small() -> RenderSettings {
+    RenderSettings {
+        size: SIZE,
+        resolution: 32,
+        bounces: 0,
+        frames: 1,
+        exposure: Exposure::Stops(0.0),
+        ..RenderSettings::default()
+    }
+}
+
+fn render(scene: &Scene, settings: RenderSettings) -> Result<Picture, RenderError> {
+    pollster::block_on(async {
+        let mut renderer = Renderer::new(&gpu(), scene, None, settings, &mut |_| {}).await?;
+        renderer.render(&mut |_| {}).await
+    })
+}
+
+fn center(picture: &Picture) -> [f32; 4] {
+    at(picture, picture.size / 2)
+}
+
+fn at(picture: &Picture, pixel: UVec2) -> [f32; 4] {
+    picture.hdr[(pixel.y * picture.size.x + pixel.x) as usize]
+}
+
+/// A square of 2 x 2 m that faces up, at a height.
+fn square(height_m: f32) -> Mesh {
+    let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+    Mesh {
+        name: "square".to_owned(),
+        positions: corners.map(|(x, z)| Vec3::new(x, height_m, z)).to_vec(),
+        normals: vec![Vec3::Y; 4],
+        uvs: corners.map(|(x, z)| 0.5 + 0.5 * Vec2::new(x, z)).to_vec(),
+        tangents: vec![Vec3::X.extend(1.0); 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Mesh::default()
+    }
+}
+
+/// A white floor under a sun that stands 60 degrees from the zenith, seen from above.
+fn floor_in_the_sun() -> Scene {
+    let mut scene = Scene { name: "floor".to_owned(), ..Scene::default() };
+    scene.meshes.push(square(0.0));
+    scene.materials.push(Material::diffuse("white", Vec3::ONE));
+    scene.instances.push(Instance {
+        name: "floor".to_owned(),
+        mesh: 0,
+        material: 0,
+        world_from_local: Mat4::IDENTITY,
+        ..Instance::default()
+    });
+    scene.lights.push(Light {
+        kind: LightKind::Directional { illuminance_lux: 50_000.0, angular_radius_rad: 0.0 },
+        direction: Vec3::new(-(3.0_f32.sqrt()), -1.0, 0.0).normalize(),
+        ..Light::default()
+    });
+    scene.cameras.push(Camera::look_at(Vec3::new(0.0, 3.0, 0.0), Vec3::ZERO, 0.9));
+    scene
+}
+
+/// Adds a roof at 1 m whose texture is opaque at x < 0 and, by its alpha, not there at x > 0.
+fn with_half_a_roof(mut scene: Scene) -> Scene {
+    scene.textures.push(Texture {
+        name: "half".to_owned(),
+        width: 2,
+        height: 1,
+        rgba8: vec![255, 255, 255, 255, 255, 255, 255, 0],
+        sampler: Sampler {
+            wrap_u: Wrap::ClampToEdge,
+            wrap_v: Wrap::ClampToEdge,
+            magnify: Filter::Nearest,
+            minify: Filter::Nearest,
+        },
+    });
+    let mut material = Material::diffuse("half", Vec3::ONE);
+    material.alpha = AlphaMode::Mask { cutoff: 0.5 };
+    material.double_sided = true;
+    if let Shading::MetallicRoughness(shading) = &mut material.shading {
+        shading.base_color_texture = Some(TextureRef::new(0));
+    }
+    scene.meshes.push(square(1.0));
+    scene.materials.push(material);
+    scene.instances.push(Instance {
+        name: "roof".to_owned(),
+        mesh: 1,
+        material: 1,
+        world_from_local: Mat4::IDENTITY,
+        ..Instance::default()
+    });
+    // From the zenith the roof's shadow lies right below it.
+    scene.lights[0].direction = Vec3::NEG_Y;
+    scene
+}
+
+#[test]
+fn a_lambert_floor_reflects_albedo_over_pi_of_the_illuminance() {
+    for shadows in [ShadowMethod::Map, ShadowMethod::Cone] {
+        let settings = RenderSettings { view: View::Direct, shadows, ..small() };
+        let picture = render(&floor_in_the_sun(), settings).expect("a picture");
+        let [r, _, _, surface] = center(&picture);
+        let expected = 50_000.0 * 0.5 / PI;
+        assert_eq!(surface, 1.0);
+        // Half floats round by 0.05 % each: the normal's components, and the result.
+        assert!((r / expected - 1.0).abs() < 2e-3, "{shadows:?}: {r}, not {expected}");
+    }
+}
+
+#[test]
+fn data_views_hold_the_quantities() {
+    let scene = floor_in_the_sun();
+    let shown = |view| render(&scene, RenderSettings { view, ..small() }).expect("a picture");
+    let normal = shown(View::Normal);
+    let [x, y, z, _] = center(&normal);
+    // The normals' half floats have 11 bits.
+    assert!(Vec3::new(x, y - 1.0, z).length() < 2e-3, "{x} {y} {z}");
+    let [r, g, b, _] = normal.ldr[(SIZE.y / 2 * SIZE.x + SIZE.x / 2) as usize];
+    assert!(r.abs_diff(128) <= 1 && g >= 254 && b.abs_diff(128) <= 1, "{r} {g} {b}");
+    // The pixel's middle lies half a pixel off the axis, which makes a hundredth of a per cent.
+    let [depth_m, ..] = center(&shown(View::Depth));
+    assert!((depth_m - 3.0).abs() < 1e-3, "{depth_m}");
+    let [albedo, ..] = center(&shown(View::Albedo));
+    assert!((albedo - 1.0).abs() < 1e-3, "{albedo}");
+    let [visibility, ..] = center(&shown(View::Shadow));
+    assert_eq!(visibility, 1.0);
+    // The floor ends within the picture.
+    assert_eq!(at(&shown(View::Depth), UVec2::ZERO), [0.0; 4]);
+}
+
+#[test]
+fn alpha_masks_cut_holes_into_pictures_and_shadows() {
+    let scene = with_half_a_roof(floor_in_the_sun());
+    let shown = |view| render(&scene, RenderSettings { view, ..small() }).expect("a picture");
+    let (left, right) = (UVec2::new(28, 18), UVec2::new(36, 18));
+    let depth = shown(View::Depth);
+    // At x < 0 the roof is seen, 2 m away; at x > 0 the floor behind it.
+    let (near, far) = (at(&depth, left)[0], at(&depth, right)[0]);
+    let (near, far) = if near < far { (near, far) } else { (far, near) };
+    assert!((near - 2.0).abs() < 0.1 && (far - 3.0).abs() < 0.1, "{near} {far}");
+
+    // From below the roof, its shadow is on one half of the floor.
+    let mut below = scene.clone();
+    below.cameras = vec![Camera::look_at(Vec3::new(0.0, 0.9, 0.8), Vec3::ZERO, 0.9)];
+    let settings = RenderSettings { view: View::Shadow, ..small() };
+    let shadow = render(&below, settings).expect("a picture");
+    let (left, right) = (at(&shadow, UVec2::new(16, 18))[0], at(&shadow, UVec2::new(48, 18))[0]);
+    assert_eq!((left, right), (0.0, 1.0));
+}
+
+#[test]
+fn the_screen_shows_what_the_formulas_say() {
+    let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
+    for curve in ToneMap::ALL {
+        let stops = -1.5_f32;
+        let settings = RenderSettings {
+            view: View::Direct,
+            exposure: Exposure::Stops(stops),
+            tone_map: curve,
+            frames: 2,
+            ..small()
+        };
+        let picture = render(&scene, settings).expect("a picture");
+        for (hdr, ldr) in picture.hdr.iter().zip(&picture.ldr) {
+            let exposed = Vec3::new(hdr[0], hdr[1], hdr[2]) * stops.exp2();
+            let code = curve.encode(exposed) * 255.0;
+            let shown = Vec3::new(ldr[0].into(), ldr[1].into(), ldr[2].into());
+            // Rounding to 8 bits, and pow() of the driver.
+            let error = (shown - code).abs().max_element();
+            assert!(error < 0.6, "{curve:?}: {hdr:?} became {shown}, not {code}");
+            assert_eq!(ldr[3], 255);
+        }
+    }
+}
+
+#[test]
+fn frames_are_averaged() {
+    let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
+    let mean_of = |frames| {
+        let settings = RenderSettings { view: View::Depth, frames, ..small() };
+        render(&scene, settings).expect("a picture")
+    };
+    // Edges become smooth: the share of a surface in a pixel is then neither 0 nor 1.
+    let is_partial = |pixel: &&[f32; 4]| pixel[3] > 0.0 && pixel[3] < 1.0;
+    assert_eq!(mean_of(1).hdr.iter().filter(is_partial).count(), 0);
+    assert!(mean_of(8).hdr.iter().filter(is_partial).count() > 10);
+}
+
+#[test]
+fn what_does_not_fit_is_a_typed_error() {
+    let scene = floor_in_the_sun();
+    let huge = RenderSettings { size: UVec2::splat(100_000), ..small() };
+    let error = render(&scene, huge).expect_err("too large");
+    assert!(
+        matches!(error, RenderError::Limit { limit: "max_texture_dimension_2d", .. }),
+        "{error}"
+    );
+    let level = RenderSettings { view: View::Voxels, voxel_level: 9, ..small() };
+    let error = render(&scene, level).expect_err("no such level");
+    assert!(matches!(error, RenderError::Setting { name: "voxel level", .. }), "{error}");
+}
+
+#[test]
+fn progress_and_views_can_be_followed() {
+    let scene = floor_in_the_sun();
+    let mut seen = Vec::new();
+    pollster::block_on(async {
+        // An octree has all views.
+        let volume = VolumeKind::Octree(OctreeOptions::default());
+        let settings = RenderSettings { frames: 2, bounces: 1, volume, ..small() };
+        let mut progress = |p: lumivox_render::Progress| seen.push((p.stage, p.done));
+        let mut renderer = Renderer::new(&gpu(), &scene, None, settings, &mut progress).await?;
+        for view in View::ALL {
+            renderer.set_view(view, 0)?;
+            assert_eq!(renderer.frame_count(), 0);
+            let picture = renderer.render(&mut progress).await?;
+            assert_eq!(renderer.frame_count(), 2);
+            assert!(picture.hdr.iter().flatten().all(|value| value.is_finite()), "{view:?}");
+        }
+        assert!(renderer.memory().iter().any(|used| used.name == "picture" && used.bytes > 0));
+        Ok::<(), RenderError>(())
+    })
+    .expect("all views");
+    // As many as there are pipelines to make, counted up.
+    let compiled: Vec<_> = seen.extract_if(.., |step| step.0 == "compile").collect();
+    assert!(compiled.len() > 20, "{compiled:?}");
+    assert!((0..).zip(&compiled).all(|(done, step)| *step == ("compile", done)), "{compiled:?}");
+    assert_eq!(seen[0], ("upload", 0));
+    assert_eq!(seen[5], ("light", 1));
+    assert_eq!(seen[6..9], [("render", 0), ("render", 1), ("render", 2)]);
+}

@@ -1,0 +1,55 @@
+//! A scene in millimetres and one in kilometres give the picture of the one in metres: light that is given as
+//! radiance or illuminance does not know how long a metre is.
+
+use glam::{Mat4, UVec2, Vec3};
+use lumivox_render::{Gpu, Picture, RenderSettings};
+use lumivox_scene::{Camera, Scene};
+
+use crate::common::{builtin, gpu, picture, renderer};
+
+/// The atrium, which has a sun, a sky and textures, so many times as large.
+fn atrium(scale: f32) -> Scene {
+    let mut scene = builtin("atrium");
+    for instance in &mut scene.instances {
+        instance.world_from_local =
+            Mat4::from_scale(Vec3::splat(scale)) * instance.world_from_local;
+    }
+    for camera in &mut scene.cameras {
+        let (position, near_m) = (camera.position * scale, camera.near_m * scale);
+        *camera = Camera { position, near_m, ..camera.clone() };
+    }
+    scene.validate().expect("a valid scene");
+    scene
+}
+
+fn render(gpu: &Gpu, scene: &Scene) -> Picture {
+    let size = UVec2::new(64, 36);
+    let settings = RenderSettings { size, resolution: 32, frames: 4, ..RenderSettings::default() };
+    picture(&mut renderer(gpu, scene, settings))
+}
+
+#[test]
+fn millimetres_and_kilometres_look_like_metres() {
+    let gpu = gpu();
+    let metres = render(&gpu, &atrium(1.0));
+    // Powers of two round nothing, so walls that lie on the voxels' borders stay there; by a factor of 1000 some
+    // fall to the other side, which changes the mean as a shift of the grid does (by 1.5 % at 32 voxels).
+    for scale in [1.0 / 1024.0, 1024.0] {
+        let other = render(&gpu, &atrium(scale));
+        let mean = |picture: &Picture| -> f64 {
+            picture.hdr.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>()
+                / picture.hdr.len() as f64
+        };
+        let bias = mean(&other) / mean(&metres) - 1.0;
+        assert!(bias.abs() < 0.001, "at {scale}: {:.3} % off", 100.0 * bias);
+        // Near planes and shadow maps follow the size with a rounding of their own: hardly a pixel of the
+        // screen may differ by more than a just visible step.
+        let differing = other
+            .ldr
+            .iter()
+            .zip(&metres.ldr)
+            .filter(|(a, b)| a.iter().zip(b.iter()).any(|(a, b)| a.abs_diff(*b) > 8));
+        let share = differing.count() as f64 / metres.ldr.len() as f64;
+        assert!(share < 0.002, "at {scale}: {:.2} % of the pixels differ", 100.0 * share);
+    }
+}

@@ -1,0 +1,125 @@
+//! Instances that are hidden or not voxelized, and the box that a scene asks its voxels to fill.
+
+use std::ops::ControlFlow;
+
+use glam::{UVec2, Vec3};
+use lumivox_render::reference::{PathTracer, ReferenceSettings};
+use lumivox_render::{MemoryEstimate, RenderError, RenderSettings, Renderer, View};
+use lumivox_scene::{Bounds, Scene};
+
+use crate::common::{builtin, gpu, picture, renderer};
+
+fn settings() -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(48, 27),
+        resolution: 32,
+        frames: 2,
+        shadow_resolution: 128,
+        ..RenderSettings::default()
+    }
+}
+
+/// The Cornell box, with one of its instances marked, and without it. Both fill the same box.
+fn marked(mark: impl Fn(&mut lumivox_scene::Instance)) -> (Scene, Scene, Scene) {
+    let mut all = builtin("cornell");
+    all.grid_bounds = Some(all.bounds());
+    let (mut marked, mut without) = (all.clone(), all.clone());
+    let block = all.instances.iter().position(|instance| instance.name == "tall block");
+    let block = block.expect("it has a tall block");
+    mark(&mut marked.instances[block]);
+    without.instances.remove(block);
+    (all, marked, without)
+}
+
+#[test]
+fn what_is_hidden_leaves_no_trace_in_the_picture() {
+    let gpu = gpu();
+    let (all, hidden, without) = marked(|instance| instance.is_hidden = true);
+    let full = picture(&mut renderer(&gpu, &all, settings()));
+    let mut toggled = renderer(&gpu, &hidden, settings());
+    let mut bare = renderer(&gpu, &without, settings());
+    let expected = picture(&mut bare);
+    assert!(picture(&mut toggled) == expected, "it is not drawn, lit or in the voxels");
+    assert!(full != expected, "the instance can be seen");
+    assert_eq!(toggled.voxel_stats().voxels, bare.voxel_stats().voxels);
+    // Shown again and hidden again in the same renderer.
+    for (scene, seen) in [(&all, &full), (&hidden, &expected)] {
+        pollster::block_on(toggled.set_scene(scene, &mut |_| {})).expect("the same scene");
+        assert!(picture(&mut toggled) == *seen);
+    }
+}
+
+#[test]
+fn rays_of_the_reference_pass_what_is_hidden() {
+    let gpu = gpu();
+    let (all, hidden, without) = marked(|instance| instance.is_hidden = true);
+    let settings = ReferenceSettings { size: UVec2::new(24, 14), ..ReferenceSettings::default() };
+    let trace = |scene: &Scene| {
+        pollster::block_on(async {
+            let mut reference = PathTracer::new(&gpu, scene, None, settings.clone()).await?;
+            reference.render_batch(&mut |_| ControlFlow::Continue(())).await?;
+            Ok::<_, RenderError>(reference.layers())
+        })
+        .expect("a reference")
+    };
+    let (full, seen, expected) = (trace(&all), trace(&hidden), trace(&without));
+    assert!(seen.radiance == expected.radiance);
+    assert!(full.radiance != expected.radiance);
+}
+
+#[test]
+fn what_is_not_voxelized_is_drawn_all_the_same() {
+    let gpu = gpu();
+    let (all, unvoxelized, without) = marked(|instance| instance.is_voxelized = false);
+    for view in [View::Albedo, View::Direct] {
+        let settings = RenderSettings { view, ..settings() };
+        let [full, seen] =
+            [&all, &unvoxelized].map(|scene| picture(&mut renderer(&gpu, scene, settings.clone())));
+        assert!(full == seen, "{view:?} shows it, with its shadow");
+    }
+    let voxels = |scene: &Scene| renderer(&gpu, scene, settings()).voxel_stats().voxels;
+    assert_eq!(voxels(&unvoxelized), voxels(&without));
+    assert!(voxels(&all) > voxels(&without));
+    // Its light is that of the others.
+    let settings = RenderSettings { view: View::Voxels, ..settings() };
+    let [seen, expected] =
+        [&unvoxelized, &without].map(|scene| picture(&mut renderer(&gpu, scene, settings.clone())));
+    let closer = |(a, b): (&[f32; 4], &[f32; 4])| (a[3] - b[3]).abs() < 1e-6;
+    assert!(seen.hdr.iter().zip(&expected.hdr).all(closer));
+}
+
+#[test]
+fn estimates_count_what_is_there() {
+    let (all, hidden, without) = marked(|instance| instance.is_hidden = true);
+    let (_, unvoxelized, _) = marked(|instance| instance.is_voxelized = false);
+    let estimate = |scene: &Scene| MemoryEstimate::new(scene, &settings()).expect("an estimate");
+    let bytes = |scene: &Scene, name: &str| {
+        let parts = estimate(scene).parts;
+        parts.iter().find(|part| part.name.starts_with(name)).expect("such a part").bytes
+    };
+    assert_eq!(estimate(&hidden).voxels, estimate(&without).voxels);
+    assert_eq!(estimate(&unvoxelized).voxels, estimate(&without).voxels);
+    assert!(estimate(&all).voxels > estimate(&without).voxels);
+    assert_eq!(bytes(&hidden, "instances"), bytes(&without, "instances"));
+    assert_eq!(bytes(&unvoxelized, "instances"), bytes(&all, "instances"));
+}
+
+#[test]
+fn the_grid_fills_the_box_of_the_scene_unless_the_settings_say_otherwise() {
+    let gpu = gpu();
+    let mut scene = builtin("cornell");
+    let own = scene.bounds();
+    let wide = Bounds { min: own.min - Vec3::splat(0.5), max: own.max + Vec3::splat(0.5) };
+    let grid = |scene: &Scene, settings: RenderSettings| {
+        let renderer: Renderer = renderer(&gpu, scene, settings);
+        *renderer.gi().grid()
+    };
+    let plain = grid(&scene, settings());
+    scene.grid_bounds = Some(wide);
+    let wider = grid(&scene, settings());
+    let expected = lumivox::Grid::fit(wide.min, wide.max, 32, Vec3::ZERO).expect("a grid");
+    assert_eq!(wider, expected);
+    let forced = RenderSettings { grid_bounds: Some(own), ..settings() };
+    assert_eq!(grid(&scene, forced), plain);
+    assert!(wider.voxel_size_m > plain.voxel_size_m);
+}

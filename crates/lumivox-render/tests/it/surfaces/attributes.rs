@@ -1,0 +1,129 @@
+//! Coordinates, transforms and colours of vertices in pictures and shadows.
+
+use glam::{Affine2, UVec2, Vec2, Vec3, Vec4};
+use lumivox_render::{RenderSettings, View};
+use lumivox_scene::{
+    AlphaMode, Clearcoat, Light, LightKind, Material, MetallicRoughness, Scene, TextureRef,
+};
+
+use crate::surfaces::stage::*;
+
+/// The albedo of the picture's quarters: upper left, upper right, lower left, lower right.
+fn quarters(scene: &Scene, view: View) -> [Vec3; 4] {
+    let picture = render(scene, RenderSettings { frames: 1, ..settings(view) });
+    [(2, 2), (20, 2), (2, 20), (20, 20)]
+        .map(|(x, y)| mean_of(&picture, UVec2::new(x, y), UVec2::new(x + 10, y + 10)))
+}
+
+/// Exactly what the camera sees of the plane z = 0: texture coordinates from 0 to 1 over the picture.
+fn screen() -> lumivox_scene::Mesh {
+    let half = 4.0 * 0.15_f32.tan();
+    quad(Vec3::ZERO, Vec3::X * half, Vec3::Y * half)
+}
+
+const COLORS: [[u8; 4]; 4] =
+    [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 255]];
+const RED: Vec3 = Vec3::X;
+const GREEN: Vec3 = Vec3::Y;
+const BLUE: Vec3 = Vec3::Z;
+const WHITE: Vec3 = Vec3::ONE;
+
+fn textured(reference: TextureRef) -> Scene {
+    let mut scene = scene();
+    scene.textures.push(texture(2, 2, |x, y| COLORS[(2 * y + x) as usize]));
+    let material = with(Material::diffuse("screen", Vec3::ONE), |shading| {
+        shading.base_color_texture = Some(reference);
+    });
+    add(&mut scene, screen(), material);
+    scene
+}
+
+fn assert_quarters(what: &str, actual: [Vec3; 4], expected: [Vec3; 4]) {
+    for (actual, expected) in actual.into_iter().zip(expected) {
+        assert_near(what, actual, expected, 0.005);
+    }
+}
+
+#[test]
+fn textures_are_read_through_their_transform_and_set() {
+    let plain = textured(TextureRef::new(0));
+    assert_quarters("plain", quarters(&plain, View::Albedo), [RED, GREEN, BLUE, WHITE]);
+    // A quarter turn: (u, v) becomes (v, 1 - u); then half the picture along u.
+    let transform = Affine2::from_cols(Vec2::new(0.0, -1.0), Vec2::X, Vec2::Y);
+    let turned = textured(TextureRef { transform, ..TextureRef::new(0) });
+    assert_quarters("turned", quarters(&turned, View::Albedo), [BLUE, RED, WHITE, GREEN]);
+    let transform = Affine2::from_scale_angle_translation(Vec2::new(0.5, 1.0), 0.0, Vec2::X * 0.5);
+    let halved = textured(TextureRef { transform, ..TextureRef::new(0) });
+    assert_quarters("halved", quarters(&halved, View::Albedo), [GREEN, GREEN, WHITE, WHITE]);
+    // The second set is mirrored; without one, the first stands in.
+    let second = TextureRef { uv_set: 1, ..TextureRef::new(0) };
+    let mut mirrored = textured(second);
+    assert_quarters("one set", quarters(&mirrored, View::Albedo), [RED, GREEN, BLUE, WHITE]);
+    let mesh = &mut mirrored.meshes[0];
+    mesh.uvs1 = mesh.uvs.iter().map(|uv| Vec2::new(1.0 - uv.x, uv.y)).collect();
+    assert_quarters("two sets", quarters(&mirrored, View::Albedo), [GREEN, RED, WHITE, BLUE]);
+    // And under layers.
+    mirrored.materials[0].clearcoat = Clearcoat { strength: 1.0, ..Clearcoat::default() };
+    assert_quarters("varnished", quarters(&mirrored, View::Albedo), [GREEN, RED, WHITE, BLUE]);
+}
+
+#[test]
+fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
+    let mut scene = textured(TextureRef::new(0));
+    // The picture's corners in the order of the mesh: lower left, lower right, upper right, upper left.
+    let tint = Vec4::new(0.5, 0.25, 1.0, 1.0);
+    scene.meshes[0].colors = vec![tint; 4];
+    let tint = tint.truncate();
+    let expected = [RED, GREEN, BLUE, WHITE].map(|color| color * tint);
+    assert_quarters("tinted", quarters(&scene, View::Albedo), expected);
+    scene.materials[0].emissive = Vec3::ONE;
+    assert_quarters("emission", quarters(&scene, View::Direct), [WHITE; 4]);
+    // Between vertices they vary evenly: the middles of the quarters lie at a quarter and three quarters.
+    let mut ramp = textured(TextureRef::new(0));
+    ramp.textures[0] = texture(1, 1, |_, _| [255; 4]);
+    ramp.meshes[0].colors = [0.0, 1.0, 1.0, 0.0].map(|x| Vec3::splat(x).extend(1.0)).to_vec();
+    let expected = [7.0, 25.0, 7.0, 25.0].map(|pixel| Vec3::splat(pixel / 32.0));
+    assert_quarters("ramp", quarters(&ramp, View::Albedo), expected);
+}
+
+/// A masked texture is cut where its own coordinates say, in the picture and in the shadow.
+#[test]
+fn masks_are_cut_at_their_own_coordinates() {
+    let mut scene = scene();
+    scene.textures.push(texture(2, 1, |x, _| [255, 255, 255, if x == 0 { 255 } else { 0 }]));
+    let reference = TextureRef { uv_set: 1, ..TextureRef::new(0) };
+    let shading = MetallicRoughness { base_color_texture: Some(reference), ..Default::default() };
+    let mask = Material {
+        alpha: AlphaMode::Mask { cutoff: 0.5 },
+        ..metallic_roughness(MetallicRoughness { specular: 0.0, ..shading })
+    };
+    let mut mesh = screen();
+    mesh.uvs1 = mesh.uvs.iter().map(|uv| Vec2::new(0.0, uv.x)).collect();
+    // Along the first set the mask is whole; along the second, turned by the transform, it ends in the middle.
+    mesh.uvs = vec![Vec2::splat(0.25); 4];
+    add(&mut scene, mesh, mask);
+    let transform = Affine2::from_cols(Vec2::Y, Vec2::X, Vec2::ZERO);
+    scene.materials[0] = with(scene.materials[0].clone(), |shading| {
+        shading.base_color_texture = Some(TextureRef { transform, ..reference });
+    });
+    add(
+        &mut scene,
+        quad(Vec3::NEG_Z, Vec3::X * 2.0, Vec3::Y * 2.0),
+        Material::diffuse("wall", Vec3::ZERO),
+    );
+    let shown = quarters(&scene, View::Albedo);
+    assert_quarters("mask", shown, [WHITE, Vec3::ZERO, WHITE, Vec3::ZERO]);
+    // From the side, the shadow of the left half lies on the right half of the wall, and only what the mask
+    // leaves free is lit.
+    scene.lights.push(Light {
+        kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
+        direction: Vec3::new(0.7, 0.0, -1.0).normalize(),
+        ..Light::default()
+    });
+    let [_, right, ..] = quarters(&scene, View::Shadow);
+    assert_near("shadow of the left half", right, Vec3::ZERO, 0.1);
+    scene.meshes[0].uvs1 =
+        scene.meshes[0].uvs1.iter().map(|uv| Vec2::new(0.0, uv.y + 0.5)).collect();
+    let [_, right, ..] = quarters(&scene, View::Albedo);
+    assert_near("the other half", right, WHITE, 0.005);
+}

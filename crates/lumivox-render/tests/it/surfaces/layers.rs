@@ -1,0 +1,169 @@
+//! Varnish, velvet, coloured gloss, and what takes no light.
+
+use std::f32::consts::PI;
+
+use glam::{Vec3, Vec4};
+use lumivox_render::{RenderSettings, View};
+use lumivox_scene::{
+    Camera, Clearcoat, Light, LightKind, Material, MetallicRoughness, Scene, Shading, Sheen,
+    TextureRef, Unlit,
+};
+
+use crate::surfaces::stage::*;
+
+const ANGLES: [f32; 3] = [0.0, 0.7, 1.2];
+
+/// A large plane seen under an angle against its normal.
+fn seen_under(angle: f32, material: Material) -> Scene {
+    let mut scene = scene();
+    add(&mut scene, quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::NEG_Z * 4.0), material);
+    let away = Vec3::new(angle.sin(), angle.cos(), 0.0);
+    scene.cameras = vec![Camera::look_at(away * 1.5, Vec3::ZERO, 0.1)];
+    scene
+}
+
+fn under_the_sky(angle: f32, material: Material) -> Vec3 {
+    let mut scene = seen_under(angle, material);
+    scene.environment.radiance = Vec3::ONE;
+    mean(&render(&scene, RenderSettings { bounces: 1, frames: 32, ..settings(View::Final) }))
+}
+
+fn fresnel(f0: f32, angle: f32) -> f32 {
+    f0 + (1.0 - f0) * (1.0 - angle.cos()).powi(5)
+}
+
+fn coat(strength: f32, roughness: f32) -> Clearcoat {
+    Clearcoat { strength, roughness, texture: None }
+}
+
+/// White paint under varnish in a sky of one: what the coat takes from below it reflects itself. On black paint it
+/// is seen alone; on a mirror both lobes are drawn in turns.
+#[test]
+fn varnish_adds_what_it_takes() {
+    for angle in ANGLES {
+        let reflected = fresnel(0.04, angle);
+        let varnished = |albedo: f32, strength: f32| {
+            let paint = Material::diffuse("paint", Vec3::splat(albedo));
+            under_the_sky(angle, Material { clearcoat: coat(strength, 0.1), ..paint })
+        };
+        assert_near("white", varnished(1.0, 1.0), Vec3::ONE, 0.02);
+        // 8 bits of a strength, and the lobe's width at a grazing angle.
+        assert_near("black", varnished(0.0, 1.0), Vec3::splat(reflected), 0.02);
+        assert_near("half", varnished(0.0, 0.5), Vec3::splat(0.5 * reflected), 0.01);
+        let mirror = metallic_roughness(MetallicRoughness {
+            metallic: 1.0,
+            roughness: 0.1,
+            base_color: Vec4::new(1.0, 0.5, 0.2, 1.0),
+            ..MetallicRoughness::default()
+        });
+        let gold = Vec3::new(1.0, 0.5, 0.2).map(|f0| fresnel(f0, angle));
+        let expected = reflected + (1.0 - reflected) * gold;
+        let both = under_the_sky(angle, Material { clearcoat: coat(1.0, 0.25), ..mirror });
+        // A rough coat at a grazing angle loses what would be reflected into the surface.
+        assert_near("gold", both, expected, 0.02 + 0.1 * reflected);
+    }
+}
+
+/// Under a lamp the coat is a second lobe: the formulas once more, on the CPU.
+#[test]
+fn varnish_has_a_highlight_of_its_own() {
+    let roughness = 0.5_f32;
+    let paint = Material::diffuse("paint", Vec3::splat(0.6));
+    for (angle, to_light) in [(0.0, 0.3_f32), (0.8, 0.8)] {
+        let material = Material { clearcoat: coat(0.8, roughness), ..paint.clone() };
+        let mut scene = seen_under(angle, material);
+        let light = Vec3::new(-to_light.sin(), to_light.cos(), 0.0);
+        scene.lights.push(Light {
+            kind: LightKind::Directional { illuminance_lux: 100.0, angular_radius_rad: 0.0 },
+            direction: -light,
+            ..Light::default()
+        });
+        let picture = render(&scene, RenderSettings { frames: 1, ..settings(View::Direct) });
+        let at = 16 * 32 + 16;
+
+        let view = Vec3::new(angle.sin(), angle.cos(), 0.0);
+        let half = (view + light).normalize();
+        let alpha2 = roughness.powi(4);
+        let d = half.y * half.y * (alpha2 - 1.0) + 1.0;
+        let distribution = alpha2 / (PI * d * d);
+        let lambda = |cosine: f32| (cosine * cosine * (1.0 - alpha2) + alpha2).sqrt();
+        let visibility = 0.5 / (light.y * lambda(view.y) + view.y * lambda(light.y));
+        let cos_half = half.dot(view).acos();
+        let lobe = 0.8 * fresnel(0.04, cos_half) * distribution * visibility;
+        let below = 1.0 - 0.8 * fresnel(0.04, angle);
+        let expected = 100.0 * light.y * (below * 0.6 / PI + lobe);
+        let [r, ..] = picture.hdr[at];
+        println!("{angle}: {r}, of {expected}");
+        // Half floats, normals of 11 bits, 8 bits of strength, and a pixel off the middle.
+        assert!((r / expected - 1.0).abs() < 0.02, "{angle}: {r}, not {expected}");
+    }
+}
+
+#[test]
+fn velvet_is_brightest_at_grazing_angles_and_takes_what_it_adds() {
+    let velvet = |albedo: f32, color: Vec3| {
+        let sheen = Sheen { color, roughness: 0.4, texture: None };
+        Material { sheen, ..Material::diffuse("velvet", Vec3::splat(albedo)) }
+    };
+    let mut last = 0.0;
+    for angle in ANGLES {
+        assert_near("white", under_the_sky(angle, velvet(1.0, Vec3::ONE)), Vec3::ONE, 0.01);
+        let alone = under_the_sky(angle, velvet(0.0, Vec3::new(1.0, 0.5, 0.0)));
+        println!("{angle}: {alone}");
+        assert!((alone.y - 0.5 * alone.x).abs() < 0.01 && alone.z < 0.002, "{alone}");
+        assert!(alone.x > last + 0.01, "velvet sends {} at {angle}, {last} before", alone.x);
+        last = alone.x;
+    }
+}
+
+#[test]
+fn gloss_takes_the_colour_of_its_texture() {
+    let mut scene = seen_under(0.0, Material::default());
+    scene.environment.radiance = Vec3::ONE;
+    // sRGB codes of 1, 0.2140 and 0; a factor of 0.8.
+    scene.textures.push(texture(1, 1, |_, _| [255, 128, 0, 204]));
+    scene.materials[0] = metallic_roughness(MetallicRoughness {
+        base_color: Vec4::W,
+        roughness: 0.1,
+        ior: 0.0,
+        specular_color: Vec3::new(0.5, 1.0, 1.0),
+        specular_texture: Some(TextureRef::new(0)),
+        ..MetallicRoughness::default()
+    });
+    let settings = RenderSettings { bounces: 1, frames: 16, ..settings(View::Final) };
+    let expected = 0.8 * Vec3::new(0.5, 0.2159, 0.0);
+    assert_near("gloss", mean(&render(&scene, settings)), expected, 0.01);
+}
+
+#[test]
+fn what_takes_no_light_shows_its_colour_beside_a_white_wall() {
+    let color = Vec3::new(0.5, 0.25, 1.0);
+    let unlit = Shading::Unlit(Unlit { color: color.extend(1.0), color_texture: None });
+    let mut scene = seen_under(0.0, Material { shading: unlit, ..Material::default() });
+    scene.lights.push(Light {
+        kind: LightKind::Directional { illuminance_lux: 100.0, angular_radius_rad: 0.0 },
+        direction: Vec3::new(0.5, -0.6, 0.0).normalize(),
+        ..Light::default()
+    });
+    let shown = mean(&render(&scene, RenderSettings { bounces: 2, ..settings(View::Final) }));
+    assert_near("unlit", shown, color * (100.0 / PI), 0.01 * 100.0 / PI);
+    // It lights nothing itself, and reflects as its colour: the wall beside it takes no light but what the
+    // floor sends on from the sun.
+    let wall = quad(Vec3::new(-1.0, 1.0, 0.0), -Vec3::Z * 2.0, Vec3::Y);
+    add(&mut scene, wall, Material::diffuse("wall", Vec3::ONE));
+    scene.cameras = vec![Camera::look_at(Vec3::new(1.0, 0.5, 0.0), Vec3::new(-1.0, 0.5, 0.0), 0.2)];
+    let lit = |scene: &Scene| {
+        let settings = RenderSettings { bounces: 2, resolution: 64, ..settings(View::Diffuse) };
+        mean(&render(scene, settings))
+    };
+    let beside = lit(&scene);
+    scene.materials[0] = Material::diffuse("matte", color);
+    let expected = lit(&scene);
+    assert!(expected.min_element() > 0.5, "{expected}");
+    assert_near("beside", beside, expected, 1e-4 * expected.max_element());
+    scene.materials[0] = Material { shading: unlit, ..Material::default() };
+    scene.lights.clear();
+    scene.environment.radiance = Vec3::ZERO;
+    scene.materials[1].emissive = Vec3::splat(1e-9);
+    assert_near("without light", lit(&scene), Vec3::ZERO, 1e-6);
+}

@@ -1,0 +1,9 @@
+//! Materials in pictures, shadows and voxels, against closed forms: layers, transparency, attributes of
+//! vertices, sides.
+
+mod attributes;
+mod layers;
+mod sides;
+mod stage;
+mod transparency;
+mod zoo;

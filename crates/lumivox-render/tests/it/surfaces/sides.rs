@@ -1,0 +1,95 @@
+//! Light from behind: what a wall of one side or of two blocks, and what is seen of it.
+
+use glam::Vec3;
+use lumivox_render::{RenderSettings, ShadowMethod, View};
+use lumivox_scene::{Camera, Light, LightKind, Material, Scene};
+
+use crate::surfaces::stage::*;
+
+/// In the middle of a voxel: where a wall of two sides stands at a voxel's edge, cones that start on it see its other
+/// side (6 % of its light).
+const WALL_X: f32 = 0.03;
+
+/// A white wall that faces +x, on a white floor, with a lamp at one side; the camera looks down at the
+/// floor on the side of +x or -x.
+fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
+    let mut scene = scene();
+    let white = Material::diffuse("white", Vec3::splat(0.8));
+    add(&mut scene, quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), white.clone());
+    let wall = quad(Vec3::new(WALL_X, 1.0, 0.0), Vec3::NEG_Z * 2.0, Vec3::Y);
+    add(&mut scene, wall, Material { double_sided, ..white });
+    scene.lights.push(Light {
+        kind: LightKind::Point { intensity_cd: 10.0, range_m: None },
+        position: Vec3::new(lamp_x, 0.7, 0.0),
+        ..Light::default()
+    });
+    let target = Vec3::new(seen_x, 0.0, 0.0);
+    scene.cameras = vec![Camera::look_at(target + Vec3::new(0.5 * seen_x, 1.0, 0.0), target, 0.3)];
+    scene
+}
+
+/// Both sides of every wall cast shadows into maps; cones meet the side that a voxel has. So a lamp behind a wall
+/// does not shine through it to those that it faces.
+#[test]
+fn a_lamp_behind_a_wall_does_not_shine_through() {
+    for double_sided in [false, true] {
+        for shadows in [ShadowMethod::Map, ShadowMethod::Cone] {
+            let lit = |lamp_x, seen_x| {
+                let scene = wall(double_sided, lamp_x, seen_x);
+                let settings = RenderSettings { shadows, resolution: 64, ..settings(View::Direct) };
+                mean(&render(&scene, settings)).x
+            };
+            // The wall faces what is seen, and the lamp is behind it.
+            let behind = lit(-0.7, 0.7);
+            let beside = lit(0.7, 0.7);
+            assert!(beside > 1.0, "the lamp lights its own side: {beside}");
+            assert!(behind < 0.01 * beside, "{shadows:?}, {double_sided}: {behind} of {beside}");
+            // The wall faces the lamp, and what is seen is behind it. Cones pass the back of a single side.
+            if shadows == ShadowMethod::Map || double_sided {
+                let behind = lit(0.7, -0.7);
+                assert!(
+                    behind < 0.01 * beside,
+                    "{shadows:?}, {double_sided}: {behind} of {beside}"
+                );
+            }
+        }
+    }
+}
+
+/// What the wall itself sends on: light on the side that the lamp is on, none from the other.
+#[test]
+fn a_wall_lit_from_behind_stays_dark_in_front() {
+    for double_sided in [false, true] {
+        let indirect = |lamp_x, seen_x| {
+            let scene = wall(double_sided, lamp_x, seen_x);
+            let settings = RenderSettings { bounces: 2, resolution: 64, ..settings(View::Diffuse) };
+            mean(&render(&scene, settings)).x
+        };
+        let (lit, dark) = (indirect(0.7, 0.7), indirect(-0.7, 0.7));
+        println!("double-sided {double_sided}: {lit} from the lit side, {dark} from behind");
+        assert!(lit > 0.1 && dark < 0.03 * lit, "{double_sided}: {dark} of {lit}");
+    }
+}
+
+#[test]
+fn both_sides_are_seen_in_the_light_that_falls_on_them() {
+    let seen = |double_sided, lamp_x, from_x: f32| {
+        let mut scene = wall(double_sided, lamp_x, 1.0);
+        scene.meshes.remove(0);
+        scene.instances.remove(0);
+        scene.instances[0].mesh = 0;
+        let eye = Vec3::new(from_x, 1.0, 0.3);
+        scene.cameras = vec![Camera::look_at(eye, Vec3::Y, 0.3)];
+        let picture = render(&scene, RenderSettings { frames: 1, ..settings(View::Direct) });
+        (mean(&picture).x, picture.hdr.iter().all(|pixel| pixel[3] > 0.0))
+    };
+    for (double_sided, from_x, is_there) in
+        [(false, 2.0_f32, true), (false, -2.0, false), (true, 2.0, true), (true, -2.0, true)]
+    {
+        let (lit, filled) = seen(double_sided, 0.7 * from_x.signum(), from_x);
+        let (from_behind, _) = seen(double_sided, -0.7 * from_x.signum(), from_x);
+        assert_eq!(filled, is_there, "double-sided {double_sided}, seen from {from_x}");
+        assert!(from_behind <= 0.0, "lit from behind: {from_behind}");
+        assert!((lit > 1.0) == is_there, "double-sided {double_sided}, from {from_x}: {lit}");
+    }
+}

@@ -1,0 +1,260 @@
+//! What is behind shows through, in the picture and in shadows, in proportion.
+
+use glam::{UVec2, Vec3, Vec4};
+use lumivox_render::{RenderSettings, ShadowMethod, View};
+use lumivox_scene::{
+    AlphaMode, Camera, Light, LightKind, Material, MetallicRoughness, Scene, TextureRef,
+    Transmission,
+};
+
+use crate::surfaces::stage::*;
+
+/// A pane that glows, and is there by a share.
+fn blended(radiance: Vec3, alpha: f32) -> Material {
+    let glowing = Material { alpha: AlphaMode::Blend, ..glowing(radiance) };
+    with(glowing, |shading| shading.base_color.w = alpha)
+}
+
+/// Thin clear glass.
+fn glass(color: Vec3, factor: f32) -> Material {
+    let shading = MetallicRoughness {
+        base_color: color.extend(1.0),
+        roughness: 0.0,
+        ..MetallicRoughness::default()
+    };
+    Material { transmission: Transmission { factor, texture: None }, ..metallic_roughness(shading) }
+}
+
+#[test]
+fn panes_blend_whatever_their_order() {
+    // Red before green before blue, added from front to back and from back to front.
+    for order in [[2.0, 1.0, 0.0], [0.0, 1.0, 2.0], [1.0, 2.0, 0.0]] {
+        let mut scene = scene();
+        for z in order {
+            let material = match z as u32 {
+                2 => blended(Vec3::X, 0.3),
+                1 => blended(Vec3::Y, 0.5),
+                _ => glowing(Vec3::Z),
+            };
+            add(&mut scene, pane(z), material);
+        }
+        let expected = Vec3::new(0.3, 0.7 * 0.5, 0.7 * 0.5);
+        let one = render(&scene, RenderSettings { frames: 1, ..settings(View::Direct) });
+        assert_near("one frame", mean(&one), expected, 0.05);
+        let many = render(&scene, settings(View::Direct));
+        assert_near("16 frames", mean(&many), expected, 0.02);
+        // The error of one frame's pixels is that of coins, 0.47 here; of 16 frames less than a quarter, since
+        // they are spread evenly.
+        let (noise_of_one, noise) = (rms(&one, expected), rms(&many, expected));
+        println!("noise: {noise_of_one} in one frame, {noise} in 16");
+        assert!(noise < 0.25 * noise_of_one, "16 frames leave {noise} of {noise_of_one}");
+    }
+}
+
+#[test]
+fn panes_of_one_mesh_are_drawn_independently() {
+    let mut scene = scene();
+    add(&mut scene, joined(pane(1.0), pane(0.9)), blended(Vec3::X, 0.5));
+    add(&mut scene, pane(0.0), glowing(Vec3::Z));
+    let many = render(&scene, RenderSettings { frames: 64, ..settings(View::Direct) });
+    assert_near("two panes of one half", mean(&many), Vec3::new(0.75, 0.0, 0.25), 0.02);
+    // Both sides of a closed shape, too.
+    let mut scene = self::scene();
+    let sides = joined(pane(1.0), quad(Vec3::Z * 0.9, -Vec3::X, Vec3::Y));
+    let material = Material { double_sided: true, ..blended(Vec3::X, 0.5) };
+    add(&mut scene, sides, material);
+    add(&mut scene, pane(0.0), glowing(Vec3::Z));
+    let many = render(&scene, RenderSettings { frames: 64, ..settings(View::Direct) });
+    assert_near("two sides of one half", mean(&many), Vec3::new(0.75, 0.0, 0.25), 0.02);
+}
+
+#[test]
+fn textures_and_vertices_say_how_much_is_there() {
+    let mut scene = scene();
+    scene.textures.push(texture(2, 1, |x, _| [255, 255, 255, if x == 0 { 51 } else { 204 }]));
+    let material = with(blended(Vec3::X, 1.0), |shading| {
+        shading.base_color_texture = Some(TextureRef::new(0));
+    });
+    let mut mesh = pane(1.0);
+    mesh.colors = vec![Vec4::new(1.0, 1.0, 1.0, 0.5); 4];
+    add(&mut scene, mesh, material);
+    add(&mut scene, pane(0.0), glowing(Vec3::Z));
+    let picture = render(&scene, settings(View::Direct));
+    let left = mean_of(&picture, UVec2::ZERO, UVec2::new(15, 32));
+    let right = mean_of(&picture, UVec2::new(17, 0), UVec2::new(32, 32));
+    assert_near("a fifth of a half", left, Vec3::new(0.1, 0.0, 0.9), 0.02);
+    assert_near("four fifths of a half", right, Vec3::new(0.4, 0.0, 0.6), 0.02);
+}
+
+#[test]
+fn glass_shows_what_is_behind_in_its_own_colour() {
+    let color = Vec3::new(0.9, 0.3, 0.0);
+    let mut scene = scene();
+    add(&mut scene, pane(1.0), glass(color, 0.8));
+    add(&mut scene, pane(0.0), glowing(Vec3::ONE));
+    let picture = render(&scene, settings(View::Direct));
+    assert_near("one pane", mean(&picture), 0.96 * 0.8 * color, 0.01);
+    add(&mut scene, pane(1.1), glass(Vec3::new(0.5, 1.0, 1.0), 1.0));
+    let picture = render(&scene, RenderSettings { frames: 64, ..settings(View::Direct) });
+    let expected = 0.96 * 0.96 * 0.8 * color * Vec3::new(0.5, 1.0, 1.0);
+    assert_near("two panes", mean(&picture), expected, 0.015);
+    // Metal lets nothing through.
+    let mut scene = self::scene();
+    add(&mut scene, pane(1.0), with(glass(color, 1.0), |shading| shading.metallic = 1.0));
+    add(&mut scene, pane(0.0), glowing(Vec3::ONE));
+    assert_near("metal", mean(&render(&scene, settings(View::Direct))), Vec3::ZERO, 0.0);
+}
+
+/// Under a sky of one all around, clear glass cannot be seen: what it reflects and what it lets through add up to
+/// one. Before a black wall it shows the reflection alone.
+#[test]
+fn glass_reflects_what_does_not_pass() {
+    for angle in [0.0_f32, 1.1] {
+        let mut scene = scene();
+        scene.environment.radiance = Vec3::ONE;
+        let (sine, cosine) = angle.sin_cos();
+        let tilted = quad(Vec3::Z, Vec3::new(cosine, 0.0, -sine) * 3.0, Vec3::Y);
+        add(&mut scene, tilted, glass(Vec3::ONE, 1.0));
+        let lit = RenderSettings { bounces: 1, ..settings(View::Final) };
+        let clear = mean(&render(&scene, lit.clone()));
+        assert_near("clear glass under a sky", clear, Vec3::ONE, 0.02);
+        // Half of it diffuse, and tinted, over black: Schlick's term, and half of the rest.
+        scene.materials[0] = glass(Vec3::new(0.5, 1.0, 0.2), 0.5);
+        add(&mut scene, quad(-Vec3::Z, Vec3::X * 1.2, Vec3::Y * 1.2), glowing(Vec3::ZERO));
+        let fresnel = 0.04 + 0.96 * (1.0 - cosine).powi(5);
+        let expected = fresnel + (1.0 - fresnel) * 0.5 * Vec3::new(0.5, 1.0, 0.2);
+        let milky = mean(&render(&scene, RenderSettings { frames: 64, ..lit }));
+        assert_near("milky glass over black", milky, expected, 0.03);
+    }
+}
+
+/// A floor under the sun, seen past a roof of some material that shadows all of what is seen.
+fn under_a_roof(roof: Material) -> Scene {
+    let mut scene = scene();
+    let white = Material::diffuse("floor", Vec3::ONE);
+    add(&mut scene, quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), white);
+    // Of two sides: cones pass the back of a single one.
+    let roof = Material { double_sided: true, ..roof };
+    add(&mut scene, quad(Vec3::Y * 1.5, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), roof);
+    scene.cameras = vec![Camera::look_at(Vec3::new(0.0, 0.9, 0.4), Vec3::ZERO, 0.4)];
+    scene.lights.push(Light {
+        kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
+        direction: Vec3::new(0.2, -1.0, 0.15).normalize(),
+        ..Light::default()
+    });
+    scene
+}
+
+#[test]
+fn shadows_are_as_deep_as_what_casts_them_is_solid() {
+    let black = Vec3::ZERO;
+    let mut leaf = Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..glowing(black) };
+    leaf = with(leaf, |shading| shading.base_color_texture = Some(TextureRef::new(0)));
+    // Luminance of the glass: 0.5.
+    let roofs = [
+        ("a blend of a fifth", blended(black, 0.2), 0.8),
+        ("a blend of a half", blended(black, 0.5), 0.5),
+        ("a blend of three quarters", blended(black, 0.75), 0.25),
+        ("grey glass", glass(Vec3::splat(0.5), 0.8), 1.0 - 0.96 * 0.4),
+        ("a leaf", leaf, 0.5),
+        ("a whole roof", Material::diffuse("roof", black), 0.0),
+    ];
+    for (what, roof, passing) in roofs {
+        let passing = if what == "grey glass" { 1.0 - passing } else { passing };
+        let mut scene = under_a_roof(roof);
+        // Fields of some 20 texels of the shadow map: holes, and no mips.
+        let mut checker = texture(2, 2, |x, y| [0, 0, 0, if x == y { 255 } else { 0 }]);
+        checker.sampler.minify = lumivox_scene::Filter::Nearest;
+        scene.textures.push(checker);
+        for uv in &mut scene.meshes[1].uvs {
+            *uv *= 20.0;
+        }
+        for shadows in [ShadowMethod::Map, ShadowMethod::Cone] {
+            let settings = RenderSettings { shadows, frames: 4, ..settings(View::Shadow) };
+            let picture = render(&scene, settings);
+            let what = format!("{what}, {shadows:?}");
+            // Through voxels the glass reflects as under a sky, 9 % instead of 4.
+            let tolerance = if shadows == ShadowMethod::Cone { 0.03 } else { 0.015 };
+            assert_near(&what, mean(&picture), Vec3::splat(passing), tolerance);
+            // The pattern of the map's texels is filtered away, the leaf's own holes are not.
+            let noise = rms(&picture, mean(&picture));
+            println!("noise {noise}");
+            assert!(
+                what.contains("leaf") || noise < 0.12,
+                "{what}: the shadow has a noise of {noise}"
+            );
+        }
+    }
+    // Two roofs of a half leave a quarter.
+    let mut scene = under_a_roof(blended(black, 0.5));
+    let second = quad(Vec3::Y * 1.4, Vec3::X * 2.0, Vec3::NEG_Z * 2.0);
+    let first = scene.meshes.pop().expect("the roof");
+    scene.meshes.push(joined(first, second));
+    let picture = render(&scene, RenderSettings { frames: 4, ..settings(View::Shadow) });
+    assert_near("two roofs", mean(&picture), Vec3::splat(0.25), 0.03);
+}
+
+/// Leaves of a quarter, a half and three quarters between the sky and a floor between black walls: as much of the
+/// sky's light arrives, gathered by cones through voxels of two sizes.
+#[test]
+fn leaves_let_the_skys_light_through_in_proportion() {
+    let irradiance = |quarters: Option<u32>, resolution: u32| {
+        let mut scene = scene();
+        scene.environment.radiance = Vec3::ONE;
+        let black = Material { double_sided: true, ..Material::diffuse("wall", Vec3::ZERO) };
+        add(
+            &mut scene,
+            quad(Vec3::ZERO, Vec3::X, Vec3::NEG_Z),
+            Material::diffuse("floor", Vec3::ONE),
+        );
+        for (center, u) in
+            [(Vec3::X, Vec3::Z), (-Vec3::X, Vec3::Z), (Vec3::Z, Vec3::X), (-Vec3::Z, Vec3::X)]
+        {
+            add(&mut scene, quad(center + Vec3::Y * 0.5, u, Vec3::Y * 0.5), black.clone());
+        }
+        // Four by four texels repeat 16 times along an edge of 32 or 64 voxels: as large as half a voxel or a
+        // whole one.
+        scene.textures.push(texture(2, 2, |x, y| {
+            let is_there = quarters
+                .is_some_and(|quarters| [[0, 2], [3, 1]][y as usize][x as usize] < quarters);
+            [0, 0, 0, if is_there { 255 } else { 0 }]
+        }));
+        if quarters.is_some() {
+            let mut leaves = quad(Vec3::Y * 0.7, Vec3::X, Vec3::NEG_Z);
+            for uv in &mut leaves.uvs {
+                *uv *= 32.0;
+            }
+            let mut leaf = Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..black };
+            leaf = with(leaf, |shading| shading.base_color_texture = Some(TextureRef::new(0)));
+            add(&mut scene, leaves, leaf);
+        }
+        scene.cameras = vec![Camera::look_at(Vec3::new(0.0, 0.6, 0.0), Vec3::ZERO, 0.8)];
+        mean(&render(&scene, RenderSettings { bounces: 1, resolution, ..settings(View::Diffuse) }))
+            .x
+    };
+    for resolution in [32, 64] {
+        let open = irradiance(None, resolution);
+        for quarters in 1..=3 {
+            let expected = 1.0 - quarters as f32 / 4.0;
+            let share = irradiance(Some(quarters), resolution) / open;
+            println!("{resolution} voxels: {share:.4} of {expected}");
+            assert!(
+                (share - expected).abs() < 0.03,
+                "{resolution} voxels: {share}, not {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_same_frames_make_the_same_picture() {
+    let mut scene = scene();
+    add(&mut scene, pane(1.0), blended(Vec3::X, 0.4));
+    add(&mut scene, pane(0.5), glass(Vec3::new(0.2, 0.9, 0.5), 0.7));
+    add(&mut scene, pane(0.0), glowing(Vec3::Z));
+    let bits = || {
+        let picture = render(&scene, RenderSettings { frames: 3, ..settings(View::Direct) });
+        picture.hdr.iter().map(|pixel| pixel.map(f32::to_bits)).collect::<Vec<_>>()
+    };
+    assert!(bits() == bits(), "two runs differ");
+}

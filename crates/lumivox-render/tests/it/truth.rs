@@ -1,0 +1,91 @@
+//! The renderer against the path tracer, small and fast: a guard for what docs/quality.md publishes.
+//!
+//! 48 x 36 pixels, 64 voxels, the default preset, 16 frames; 128 samples a pixel for the reference, whose mean is then
+//! certain to 0.5 % in the noisiest scene. Half the published resolution and few frames cost some accuracy, so the
+//! bounds are those of this setting: what was measured on llvmpipe, rounded away from zero, and a margin of one point
+//! for other drivers. They reach from there to one point beyond zero, so that a change which comes nearer to the truth
+//! passes, and one that is farther from it by two points fails, whatever snapshots say.
+
+use std::ops::ControlFlow;
+
+use glam::UVec2;
+use lumivox_render::RenderSettings;
+use lumivox_render::compare::{LayerFigures, render_layers};
+use lumivox_render::reference::{PathTracer, ReferenceLayers, ReferenceSettings};
+
+use crate::common::{builtin, gpu};
+
+const SIZE: UVec2 = UVec2::new(48, 36);
+
+fn truth(name: &str) -> ReferenceLayers {
+    let settings = ReferenceSettings { size: SIZE, samples: 128, ..ReferenceSettings::default() };
+    let (gpu, scene) = (gpu(), builtin(name));
+    let tracer = PathTracer::new(&gpu, &scene, None, settings);
+    let mut tracer = pollster::block_on(tracer).expect("a path tracer");
+    pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("traced");
+    tracer.layers()
+}
+
+fn figures(name: &str, truth: &ReferenceLayers) -> LayerFigures {
+    let settings =
+        RenderSettings { size: SIZE, resolution: 64, frames: 16, ..RenderSettings::default() };
+    let (gpu, scene) = (gpu(), builtin(name));
+    let camera = &scene.cameras[0];
+    let ours = pollster::block_on(render_layers(&gpu, &scene, camera, &settings, &mut |_| {}));
+    let ours = ours.expect("rendered");
+    LayerFigures::new(truth, &ours).expect("comparable")
+}
+
+/// Asserts biases within ranges, in per cent, and a bound for the RMSE of one bounce.
+fn assert_true(
+    name: &str,
+    figures: &LayerFigures,
+    [one, full]: [std::ops::RangeInclusive<f64>; 2],
+    rmse: f64,
+) {
+    let one_bounce = figures.one_bounce.expect("light");
+    let all_bounces = figures.full.expect("light");
+    let text = format!("{name}: {one_bounce:.2?} {all_bounces:.2?}");
+    println!("{text}");
+    assert!(one.contains(&one_bounce.bias_percent), "one bounce: {text}");
+    assert!(full.contains(&all_bounces.bias_percent), "all bounces: {text}");
+    assert!(one_bounce.rmse_percent <= rmse, "RMSE: {text}");
+}
+
+#[test]
+#[ignore = "slow: traces paths"]
+fn the_cornell_box_is_as_bright_as_it_is() {
+    let truth = truth("cornell");
+    assert_true("cornell", &figures("cornell", &truth), [-0.5..=2.5, -1.5..=1.5], 12.0);
+    // The same picture, turned against the grid.
+    let turned = figures("cornell-rotated", &truth);
+    assert_true("cornell-rotated", &turned, [-3.0..=1.0, -4.5..=1.0], 11.0);
+}
+
+#[test]
+#[ignore = "slow: traces paths"]
+fn a_furnace_is_as_bright_as_it_is() {
+    let truth = truth("furnace");
+    assert_true("furnace", &figures("furnace", &truth), [-2.5..=1.0, -4.0..=1.0], 3.0);
+}
+
+#[test]
+#[ignore = "slow: traces paths"]
+fn a_panel_lights_its_floor() {
+    let truth = truth("panel");
+    assert_true("panel", &figures("panel", &truth), [-2.0..=0.5, -2.0..=0.5], 13.0);
+}
+
+#[test]
+#[ignore = "slow: traces paths"]
+fn a_doorway_lets_in_what_it_lets_in() {
+    let truth = truth("two-rooms");
+    assert_true("two-rooms", &figures("two-rooms", &truth), [-1.0..=7.5, -1.0..=4.5], 20.0);
+}
+
+#[test]
+#[ignore = "slow: traces paths"]
+fn sun_and_sky_reach_the_atrium() {
+    let truth = truth("atrium");
+    assert_true("atrium", &figures("atrium", &truth), [-1.0..=1.5, -1.0..=3.5], 23.0);
+}

@@ -1,0 +1,99 @@
+//! Two rooms with a wall of 5 mm between them, thinner than a voxel, and a lamp in one. What is bright in
+//! the other came through the doorway, or leaked.
+
+use glam::{UVec2, Vec3};
+use lumivox_render::{Picture, RenderSettings, Renderer, View};
+use lumivox_scene::Scene;
+
+use crate::common::{builtin, camera, gpu, mean_luminance, picture, renderer};
+
+/// Where the wall falls between the voxels decides how much leaks, at coarse levels most of all.
+const GRID_OFFSETS: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.5, 0.25, 0.75), Vec3::new(0.25, 0.6, 0.1)];
+
+struct Rooms {
+    scene: Scene,
+    renderer: Renderer,
+}
+
+impl Rooms {
+    fn new(name: &str, grid_offset: Vec3, bounces: u32) -> Self {
+        let scene = builtin(name);
+        let settings = RenderSettings {
+            size: UVec2::new(64, 36),
+            resolution: 128,
+            grid_offset,
+            bounces,
+            frames: 4,
+            ..RenderSettings::default()
+        };
+        let renderer = renderer(&gpu(), &scene, settings);
+        Self { scene, renderer }
+    }
+
+    fn show(&mut self, room: &str, view: View) -> Picture {
+        self.renderer.set_camera(camera(&self.scene, room));
+        self.renderer.set_view(view, 0).expect("level 0 exists");
+        picture(&mut self.renderer)
+    }
+
+    /// The share of a room's pixels that the lamp itself lights.
+    fn share_in_the_lamps_light(&mut self, room: &str) -> f64 {
+        let direct = self.show(room, View::Direct).hdr;
+        let lit = direct.iter().filter(|[r, g, b, _]| r.max(*g).max(*b) > 0.0).count();
+        lit as f64 / direct.len() as f64
+    }
+
+    /// Mean irradiance by indirect light in the dark room, as a share of that in the lit one. The cameras
+    /// mirror each other, so they see the same surfaces but for the end walls' colours.
+    fn indirect_share(&mut self) -> f64 {
+        let mut mean = |room| mean_luminance(&self.show(room, View::Diffuse));
+        mean("dark room") / mean("lit room")
+    }
+}
+
+#[test]
+#[ignore = "slow: 128 voxels"]
+fn a_wall_thinner_than_a_voxel_keeps_the_dark_room_dark() {
+    // llvmpipe, at the three offsets: 0.4, 0.7 and 0.4 % by the gather at the pixels alone, 0.8, 1.4 and 0.9 %
+    // when three gathers in the voxels carry that on. The second offset puts both sides of the wall into the
+    // middle of one voxel. The bounds leave a quarter.
+    for (bounces, most) in [(1, 0.01), (4, 0.018)] {
+        for offset in GRID_OFFSETS {
+            let leak = Rooms::new("two-rooms-closed", offset, bounces).indirect_share();
+            println!("closed, {bounces} gathers, offset {offset}: {:.2} %", 100.0 * leak);
+            assert!(leak < most, "{bounces} gathers, offset {offset}: the dark room has {leak}");
+        }
+    }
+}
+
+/// Shadow maps know nothing of voxels: not one pixel behind the wall sees the lamp.
+#[test]
+#[ignore = "slow: 128 voxels"]
+fn the_lamp_does_not_shine_through_the_wall() {
+    for offset in GRID_OFFSETS {
+        let mut rooms = Rooms::new("two-rooms-closed", offset, 0);
+        let (dark, lit) = (
+            rooms.share_in_the_lamps_light("dark room"),
+            rooms.share_in_the_lamps_light("lit room"),
+        );
+        assert!(dark <= 0.0, "{dark} of the dark room is in the lamp's light, offset {offset}");
+        assert!(lit > 0.9, "only {lit} of the lit room is in the lamp's light, offset {offset}");
+    }
+}
+
+#[test]
+#[ignore = "slow: 128 voxels"]
+fn the_doorway_lets_light_into_the_dark_room() {
+    let mut rooms = Rooms::new("two-rooms", Vec3::ZERO, 4);
+    let direct = rooms.share_in_the_lamps_light("dark room");
+    let indirect = rooms.indirect_share();
+    println!("doorway: {:.1} % direct, {:.1} % indirect", 100.0 * direct, 100.0 * indirect);
+    // Pixels that show the lit room through the doorway, and those of the dark room that the lamp reaches.
+    assert!(
+        (0.3..0.6).contains(&direct),
+        "{direct} of the dark room's picture is in the lamp's light"
+    );
+    // llvmpipe: 21.8 %, of which the closed wall leaks 1. Below 15, a third of the difference would be missing;
+    // the dark room cannot outshine the lit one.
+    assert!((0.15..0.5).contains(&indirect), "the dark room has {indirect} of the lit one's light");
+}

@@ -1,0 +1,13 @@
+//! The voxelizer against a brute force in f64, and its promises: nothing lost, nothing counted twice, the
+//! same bits whatever the order.
+
+mod materials;
+mod overlap;
+mod parts;
+mod promises;
+mod raster;
+mod read;
+mod scenes;
+mod speed;
+mod sums;
+mod twin;

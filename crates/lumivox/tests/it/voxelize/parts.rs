@@ -1,0 +1,212 @@
+//! Static and dynamic parts: what is kept and what is walked again give the bits of a whole voxelization.
+
+use glam::{Mat4, Vec3, Vec4};
+use lumivox::{Draw, Geometry, Grid, KeptStatic, SurfaceMaterial, VoxelizeMethod};
+
+use crate::voxelize::read::{Lab, ReadList};
+use crate::voxelize::scenes::{Mesh, Random, cornell_box};
+
+/// Two spheres, a soup of small triangles and a large plate that move in the Cornell box; half of the materials
+/// have two sides, one has holes, one emits.
+fn stage(lab: &Lab) -> Geometry {
+    let mut random = Random(5);
+    let soup: Vec<[Vec3; 3]> = (0..400)
+        .map(|_| {
+            let centre = random.vector(-0.3, 0.3);
+            [(); 3].map(|()| centre + random.vector(-0.03, 0.03))
+        })
+        .collect();
+    let mut plate = Mesh::default();
+    plate.quad(
+        [(-0.4, -0.4), (0.4, -0.4), (0.4, 0.4), (-0.4, 0.4)].map(|(x, y)| Vec3::new(x, y, 0.0)),
+    );
+    let meshes = [
+        cornell_box(),
+        Mesh::sphere(Vec3::ZERO, 0.2, 12),
+        Mesh::from_triangles(&soup),
+        plate,
+        Mesh::sphere(Vec3::ZERO, 0.1, 8),
+    ];
+    let batches = meshes.iter().zip(0..).map(|(mesh, material)| {
+        let mut batch = mesh.batch(&lab.device, material);
+        batch.draws[0].is_static = material == 0;
+        batch
+    });
+    let material = |r: f32, emission: f32, alpha: f32, double_sided: bool| SurfaceMaterial {
+        reflectance: Vec4::new(r, 0.5, 1.0 - r, alpha),
+        emission: Vec3::splat(emission),
+        alpha_is_coverage: alpha < 1.0,
+        double_sided,
+        ..SurfaceMaterial::default()
+    };
+    Geometry {
+        batches: batches.collect(),
+        materials: vec![
+            material(0.9, 0.0, 1.0, false),
+            material(0.2, 3.0, 1.0, false),
+            material(0.4, 0.0, 1.0, true),
+            material(0.6, 0.0, 0.4, true),
+            material(0.8, 0.5, 1.0, false),
+        ],
+    }
+}
+
+fn set(geometry: &mut Geometry, mesh: usize, transform: Mat4) {
+    geometry.batches[mesh].draws[0].world_from_local = transform;
+}
+
+fn at(x: f32, y: f32, z: f32) -> Mat4 {
+    Mat4::from_translation(Vec3::new(x, y, z))
+}
+
+fn room() -> Grid {
+    Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 32, Vec3::ZERO).expect("it fits")
+}
+
+/// The bits of both, and all that is counted.
+fn assert_same(kept: &ReadList, whole: &ReadList, what: &str) {
+    assert_eq!(kept.level_starts, whole.level_starts, "{what}");
+    for (name, (a, b)) in ["occupancy", "ranks", "nodes", "first faces", "faces"]
+        .iter()
+        .zip(kept.bits().iter().zip(whole.bits()))
+    {
+        assert!(*a == b, "{what}: the {name} are not those of a whole voxelization");
+    }
+    let counts = |list: &ReadList| {
+        let s = &list.stats;
+        (s.triangles, s.skipped, s.outside, s.work_items, s.fragments, s.voxels, s.faces)
+    };
+    assert_eq!(counts(kept), counts(whole), "{what}");
+}
+
+#[test]
+fn moves_give_the_bits_of_a_whole_voxelization() {
+    let lab = Lab::new();
+    let (grid, mut geometry) = (room(), stage(&lab));
+    let turned = Mat4::from_rotation_x(0.7);
+    // In the air; in walls and floor, so that voxels and lobes are shared with them; half outside; wholly outside.
+    let moves = [
+        ("in the air", [at(0.5, 1.5, 1.0), at(1.4, 1.5, 0.7), at(1.0, 1.7, 1.0) * turned]),
+        ("in walls", [at(0.0, 1.5, 1.0), at(1.4, 0.0, 0.7), at(1.0, 1.0, 0.01)]),
+        ("in blocks", [at(0.5, 1.2, 0.8), at(1.3, 0.6, 1.4), at(1.0, 0.6, 1.0) * turned]),
+        ("half outside", [at(2.1, 1.5, 1.0), at(-0.1, 0.2, 0.7), at(1.0, 2.0, 2.0) * turned]),
+        ("outside", [at(9.0, 1.5, 1.0), at(1.4, -8.0, 0.7), at(1.0, 1.0, 7.0)]),
+        ("in the air", [at(0.5, 1.5, 1.0), at(1.4, 1.5, 0.7), at(1.0, 1.7, 1.0) * turned]),
+    ];
+    set(&mut geometry, 4, at(30.0, 0.0, 0.0));
+    let mut kept = KeptStatic::default();
+    let mut first = None;
+    for (step, (name, transforms)) in moves.into_iter().enumerate() {
+        for (mesh, transform) in (1..).zip(transforms) {
+            set(&mut geometry, mesh, transform);
+        }
+        let partly = lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+        let whole = lab.voxelize(&grid, &geometry);
+        assert_same(&partly, &whole, name);
+        assert_eq!(partly.stats.static_reused, step > 0, "{name}");
+        let room = u64::from(geometry.batches[0].draws[0].index_count / 3);
+        let walked = partly.stats.triangles - if step > 0 { room } else { 0 };
+        assert_eq!(partly.stats.walked, walked, "{name}");
+        assert!(!whole.stats.static_reused);
+        assert!(kept.bytes() > 0);
+        let again = first.get_or_insert_with(|| lab.voxelize(&grid, &geometry));
+        assert_eq!(again.bits() == partly.bits(), name == "in the air", "{name}: a move shows");
+    }
+}
+
+#[test]
+fn draws_come_and_go() {
+    let lab = Lab::new();
+    let (grid, mut geometry) = (room(), stage(&lab));
+    for mesh in 1..5 {
+        set(&mut geometry, mesh, at(0.4 * mesh as f32, 1.0, 1.1));
+    }
+    let draws: Vec<Vec<Draw>> = geometry.batches.iter().map(|b| b.draws.clone()).collect();
+    let mut kept = KeptStatic::default();
+    // Which meshes are drawn; all, fewer, none but the room, again; then no room; then nothing kept fits.
+    let cases: [(&[usize], bool); 7] = [
+        (&[0, 1, 2, 3, 4], false),
+        (&[0, 3], true),
+        (&[0], true),
+        (&[0, 1, 4], true),
+        (&[1, 4], false),
+        (&[0, 1, 4], false),
+        (&[0, 1], true),
+    ];
+    for (shown, is_reused) in cases {
+        for (mesh, batch) in geometry.batches.iter_mut().enumerate() {
+            batch.draws = if shown.contains(&mesh) { draws[mesh].clone() } else { Vec::new() };
+        }
+        let partly = lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+        assert_same(&partly, &lab.voxelize(&grid, &geometry), &format!("{shown:?}"));
+        assert_eq!(partly.stats.static_reused, is_reused, "{shown:?}");
+    }
+}
+
+/// What is done to a geometry, and its name.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
+
+/// A change of what is static is found, whoever forgot to say so.
+#[test]
+fn a_change_of_static_draws_is_noticed() {
+    let lab = Lab::new();
+    let (grid, geometry) = (room(), stage(&lab));
+    let changes: [Change<'_>; 6] = [
+        ("moved", &|g| g.batches[0].draws[0].world_from_local = at(0.1, 0.0, 0.0)),
+        ("painted", &|g| g.materials[0].reflectance.x = 0.1),
+        ("two-sided", &|g| g.materials[0].double_sided = true),
+        ("fewer triangles", &|g| g.batches[0].draws[0].index_count -= 3),
+        ("more is static", &|g| g.batches[2].draws[0].is_static = true),
+        ("other buffers", &|g| g.batches[0].positions = stage(&lab).batches[0].positions.clone()),
+    ];
+    for (name, change) in changes {
+        let mut kept = KeptStatic::default();
+        lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+        let mut changed = geometry.clone();
+        change(&mut changed);
+        let partly = lab.voxelize_dynamic(&grid, &changed, &mut kept);
+        assert!(!partly.stats.static_reused, "{name} was not noticed");
+        assert_same(&partly, &lab.voxelize(&grid, &changed), name);
+    }
+    let mut kept = KeptStatic::default();
+    lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+    let shifted = Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 32, Vec3::splat(0.5)).expect("it fits");
+    let partly = lab.voxelize_dynamic(&shifted, &geometry, &mut kept);
+    assert_same(&partly, &lab.voxelize(&shifted, &geometry), "another grid");
+    let mut kept = KeptStatic::default();
+    lab.voxelize_dynamic(&grid, &geometry, &mut kept);
+    let other = lab.switched_to(VoxelizeMethod::DominantAxis);
+    let partly = other.voxelize_dynamic(&grid, &geometry, &mut kept);
+    assert_same(&partly, &other.voxelize(&grid, &geometry), "another method");
+}
+
+/// Two parts hold what one part would: the same voxels, and faces that differ by rounding alone.
+#[test]
+fn two_parts_are_one_surface() {
+    let lab = Lab::new();
+    let (grid, mut geometry) = (room(), stage(&lab));
+    for (mesh, place) in (1..).zip([at(0.0, 1.5, 1.0), at(1.4, 0.0, 0.7), at(1.0, 1.0, 0.01)]) {
+        set(&mut geometry, mesh, place);
+    }
+    let two = lab.voxelize(&grid, &geometry);
+    for batch in &mut geometry.batches {
+        batch.draws[0].is_static = true;
+    }
+    let one = lab.voxelize(&grid, &geometry);
+    assert!(two.occupancy == one.occupancy, "the voxels differ");
+    assert_eq!(two.stats.fragments, one.stats.fragments);
+    assert_eq!(two.faces.len(), one.faces.len());
+    for (a, b) in two.faces.iter().zip(&one.faces) {
+        assert_eq!((a.voxel, a.lobe), (b.voxel, b.lobe));
+        let close = |a: [f32; 3], b: [f32; 3], tolerance: f32| {
+            let apart = (Vec3::from(a) - Vec3::from(b)).abs().max_element();
+            assert!(apart <= tolerance, "{a:?} and {b:?}, but for {tolerance}");
+        };
+        close(a.vector_area, b.vector_area, 1e-5);
+        // What little there is in a face is rounded like the rest of the voxel.
+        let relative = 1e-4 + 1e-6 / crate::voxelize::read::along(a).max(1e-7);
+        close(a.reflectance, b.reflectance, relative);
+        close(a.emission, b.emission, 3.0 * relative);
+        close(a.position_in_world, b.position_in_world, relative * grid.voxel_size_m);
+    }
+}

@@ -1,0 +1,221 @@
+//! A voxel list read back, and what every list must be.
+
+use std::collections::BTreeSet;
+
+use bytemuck::Pod;
+use glam::{UVec3, Vec3};
+use lumivox::gpu::{Pipelines, Timing, read_buffer};
+use lumivox::voxels::{FaceRecord, NodeRecord};
+use lumivox::{Geometry, Grid, KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
+
+/// All of a list.
+#[derive(Debug)]
+pub struct ReadList {
+    pub grid: Grid,
+    pub level_starts: Vec<u32>,
+    pub occupancy: Vec<u32>,
+    pub ranks: Vec<u32>,
+    pub nodes: Vec<NodeRecord>,
+    pub first_faces: Vec<u32>,
+    pub faces: Vec<FaceRecord>,
+    pub stats: VoxelizeStats,
+}
+
+/// A device with the kernels.
+pub struct Lab {
+    pub device: Pipelines,
+    pub queue: wgpu::Queue,
+    pub voxelizer: Voxelizer,
+}
+
+impl Lab {
+    pub fn new() -> Self {
+        Self::with_method(VoxelizeMethod::Exact)
+    }
+
+    pub fn with_method(method: VoxelizeMethod) -> Self {
+        let (device, queue) = crate::common::device();
+        Self::on_device(device, queue, method)
+    }
+
+    fn on_device(device: Pipelines, queue: wgpu::Queue, method: VoxelizeMethod) -> Self {
+        let library = lumivox::shaders::library();
+        let voxelizer = Voxelizer::with_method(&device, &library, method).expect("kernels");
+        Self { device, queue, voxelizer }
+    }
+
+    /// Another method on the same device.
+    pub fn switched_to(&self, method: VoxelizeMethod) -> Self {
+        Self::on_device(self.device.clone(), self.queue.clone(), method)
+    }
+
+    /// Voxelizes, reads everything back and checks what holds for every list.
+    pub fn voxelize(&self, grid: &Grid, geometry: &Geometry) -> ReadList {
+        self.voxelize_dynamic(grid, geometry, &mut KeptStatic::default())
+    }
+
+    /// The same, with what is kept of static draws.
+    pub fn voxelize_dynamic(
+        &self,
+        grid: &Grid,
+        geometry: &Geometry,
+        kept: &mut KeptStatic,
+    ) -> ReadList {
+        let (list, stats, _) = pollster::block_on(self.voxelizer.voxelize_dynamic(
+            &self.device,
+            &self.queue,
+            grid,
+            geometry,
+            Timing::Off,
+            kept,
+        ))
+        .expect("the geometry is voxelized");
+        let nodes = list.level_starts[grid.levels as usize];
+        let read = ReadList {
+            grid: *grid,
+            occupancy: self.read(&list.occupancy, list.occupancy.size() / 4),
+            ranks: self.read(&list.ranks, list.ranks.size() / 4),
+            nodes: self.read(&list.nodes, u64::from(nodes)),
+            first_faces: self.read(&list.first_faces, u64::from(list.voxel_count()) + 1),
+            faces: self.read(&list.faces, u64::from(list.face_count)),
+            level_starts: list.level_starts,
+            stats,
+        };
+        read.check();
+        read
+    }
+
+    fn read<T: Pod>(&self, buffer: &wgpu::Buffer, count: u64) -> Vec<T> {
+        let bytes = count * size_of::<T>() as u64;
+        if bytes == 0 {
+            return Vec::new();
+        }
+        pollster::block_on(read_buffer(&self.device, &self.queue, buffer, 0..bytes))
+            .expect("the buffer is read")
+    }
+}
+
+fn gather_bits(code: u32) -> u32 {
+    (0..10).map(|i| ((code >> (3 * i)) & 1) << i).sum()
+}
+
+pub fn morton_decode(code: u32) -> UVec3 {
+    UVec3::new(gather_bits(code), gather_bits(code >> 1), gather_bits(code >> 2))
+}
+
+impl ReadList {
+    pub fn voxel(&self, index: u32) -> [u32; 3] {
+        morton_decode(self.nodes[index as usize].morton).to_array()
+    }
+
+    /// The occupied voxels.
+    pub fn voxels(&self) -> BTreeSet<[u32; 3]> {
+        (0..self.level_starts[1]).map(|index| self.voxel(index)).collect()
+    }
+
+    /// The sum of the faces' vector areas, not limited ones only.
+    pub fn total_area(&self) -> glam::DVec3 {
+        self.faces.iter().map(|face| Vec3::from(face.vector_area).as_dvec3()).sum()
+    }
+
+    /// The sum of the areas along the lobes.
+    pub fn total_along(&self) -> f64 {
+        self.faces.iter().map(|face| f64::from(along(face))).sum()
+    }
+
+    /// Bits of everything, to compare two runs.
+    pub fn bits(&self) -> [&[u32]; 5] {
+        [
+            &self.occupancy,
+            &self.ranks,
+            bytemuck::cast_slice(&self.nodes),
+            &self.first_faces,
+            bytemuck::cast_slice(&self.faces),
+        ]
+    }
+
+    /// The pyramid is the OR of children, ranks are bit counts, nodes stand in Morton order, inner lobes are
+    /// those of the children, faces belong to their voxels.
+    fn check(&self) {
+        let levels = self.grid.levels;
+        let mut words = Vec::new();
+        let mut first = 0;
+        for level in 0..levels {
+            let count = ((self.grid.morton_edge(level) as usize).pow(3) / 32).max(1);
+            words.push(first..first + count);
+            first += count;
+        }
+        let bit = |level: u32, code: usize| {
+            (self.occupancy[words[level as usize].start + code / 32] >> (code % 32)) & 1
+        };
+        for level in 1..levels {
+            for code in 0..(self.grid.morton_edge(level) as usize).pow(3) {
+                let any = (0..8).fold(0, |any, child| any | bit(level - 1, code * 8 + child));
+                assert_eq!(bit(level, code), any, "cell {code} of level {level}");
+            }
+        }
+        let mut rank = 0;
+        for (word, bits) in self.occupancy[..first].iter().enumerate() {
+            assert_eq!(self.ranks[word], rank, "rank of word {word}");
+            rank += bits.count_ones();
+        }
+        assert_eq!(self.level_starts[levels as usize], rank);
+        assert_eq!(self.nodes.len() as u32, rank);
+        for level in 0..levels {
+            let range = &words[level as usize];
+            assert_eq!(self.level_starts[level as usize], self.ranks[range.start]);
+            let set = range.clone().flat_map(|word| {
+                let bits = self.occupancy[word];
+                let base = (word - range.start) as u32 * 32;
+                (0..32).filter(move |i| (bits >> i) & 1 == 1).map(move |i| base + i)
+            });
+            let starts = self.level_starts[level as usize]..self.level_starts[level as usize + 1];
+            let nodes = &self.nodes[starts.start as usize..starts.end as usize];
+            assert!(set.eq(nodes.iter().map(|node| node.morton)), "nodes of level {level}");
+        }
+        self.check_lobes();
+    }
+
+    fn check_lobes(&self) {
+        for level in 1..self.grid.levels as usize {
+            let children = self.level_starts[level - 1]..self.level_starts[level];
+            let mut lobes = std::collections::HashMap::new();
+            for child in &self.nodes[children.start as usize..children.end as usize] {
+                *lobes.entry(child.morton / 8).or_insert(0) |= child.lobes;
+            }
+            let own = self.level_starts[level]..self.level_starts[level + 1];
+            for node in &self.nodes[own.start as usize..own.end as usize] {
+                assert_eq!(node.lobes, lobes[&node.morton], "lobes of a node of level {level}");
+            }
+        }
+        let mut face = 0;
+        for voxel in 0..self.level_starts[1] {
+            assert_eq!(self.first_faces[voxel as usize], face);
+            let node = self.nodes[voxel as usize];
+            let mut tilted = 0;
+            for lobe in (0..6).filter(|lobe| (node.lobes >> lobe) & 1 == 1) {
+                let record = &self.faces[face as usize];
+                assert_eq!((record.voxel, record.lobe), (voxel, lobe), "face {face}");
+                let axis = lobe as usize / 2;
+                let is_tilted = (0..3).any(|i| {
+                    i != axis && (record.vector_area[i].abs() * 127.0 + 0.5).floor() > 0.0
+                });
+                tilted |= u32::from(is_tilted) << lobe;
+                assert!((0.0..=1.0 + 1e-6).contains(&along(record)), "{record:?}");
+                assert!(record.reflectance.iter().all(|r| (0.0..=0.99).contains(r)), "{record:?}");
+                face += 1;
+            }
+            assert_eq!(node.lobes >> 8, tilted, "tilted lobes of voxel {voxel}");
+        }
+        assert_eq!(self.first_faces[self.level_starts[1] as usize], face);
+        assert_eq!(self.faces.len() as u32, face);
+        assert_eq!(self.stats.faces, face);
+        assert_eq!(self.stats.voxels, self.level_starts[1]);
+    }
+}
+
+/// The component of a face's area along its lobe.
+pub fn along(face: &FaceRecord) -> f32 {
+    let sign = if face.lobe.is_multiple_of(2) { 1.0 } else { -1.0 };
+    sign * face.vector_area[face.lobe as usize / 2]
+}
