@@ -11,6 +11,7 @@ use lumivox_render::compare::CompareError;
 use lumivox_scene::SceneError;
 
 use crate::args::Refused;
+use crate::host::Host;
 
 /// What the exit code says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,9 +177,17 @@ fn of_gi_error(error: &GiError) -> Exit {
 }
 
 /// Prints what is wrong with the command line, or the help that was asked for.
-pub fn with_clap(error: &clap::Error) -> Exit {
+pub fn with_clap(error: &clap::Error, host: &Host) -> Exit {
     // Help into a closed pipe is no mistake worth a word.
-    let _ = error.print();
+    let _ = match (host.is_embedded(), error.use_stderr()) {
+        // With the colours that a terminal has.
+        (false, _) => error.print().map_err(Into::into),
+        (true, true) => {
+            host.complain(&error.render().to_string());
+            Ok(())
+        }
+        (true, false) => host.print(&error.render().to_string()),
+    };
     let refused = std::error::Error::source(error).and_then(|e| e.downcast_ref::<Refused>());
     match (error.use_stderr(), refused) {
         (false, _) => Exit::Ok,
@@ -188,7 +197,7 @@ pub fn with_clap(error: &clap::Error) -> Exit {
 }
 
 /// Prints an error: what happened, then its causes, a line each.
-pub fn with_error(error: &anyhow::Error) -> Exit {
+pub fn with_error(error: &anyhow::Error, host: &Host) -> Exit {
     let mut text = String::new();
     let mut said = String::new();
     for cause in error.chain() {
@@ -201,7 +210,7 @@ pub fn with_error(error: &anyhow::Error) -> Exit {
         }
         said = line;
     }
-    let _ = std::io::stderr().write_all(text.as_bytes());
+    host.complain(&text);
     of_error(error)
 }
 

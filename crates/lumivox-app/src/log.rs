@@ -3,16 +3,21 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use indicatif::MultiProgress;
+use tracing::subscriber::DefaultGuard;
 use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::fmt::format::Writer;
 use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
 use tracing_subscriber::registry::LookupSpan;
+use tracing_subscriber::util::SubscriberInitExt as _;
 
-/// Starts the log. The environment variable `RUST_LOG` overrules `verbosity`. `tells_warnings` says
-/// that the command's output has the scene's warnings itself.
-pub fn start(verbosity: u8, tells_warnings: bool, bars: &MultiProgress) {
+use crate::host::Host;
+
+/// Starts the log: of the process, or of this thread until the guard is dropped. The process's
+/// environment variable `RUST_LOG` overrules `verbosity`. `tells_warnings` says that the command's
+/// output has the scene's warnings itself.
+#[must_use]
+pub fn start(verbosity: u8, tells_warnings: bool, host: &Host) -> Option<DefaultGuard> {
     // wgpu's crates tell of drivers' quirks that the user can do nothing about. Of errors on the GPU
     // the command's own error tells the first; what follows from it is for -v.
     let default = match verbosity {
@@ -22,21 +27,26 @@ pub fn start(verbosity: u8, tells_warnings: bool, bars: &MultiProgress) {
         2 => "debug,wgpu_core=info,wgpu_hal=info,naga=info",
         _ => "trace",
     };
-    let asked = std::env::var(EnvFilter::DEFAULT_ENV).ok().filter(|text| !text.is_empty());
+    let asked = if host.is_embedded() { None } else { std::env::var(EnvFilter::DEFAULT_ENV).ok() };
+    let asked = asked.filter(|text| !text.is_empty());
     let filter = asked.map_or_else(|| Ok(EnvFilter::new(default)), EnvFilter::try_new);
     let filter = filter.unwrap_or_else(|error| {
-        let _ = writeln!(io::stderr(), "warning: RUST_LOG cannot be understood: {error}");
+        host.complain(&format!("warning: RUST_LOG cannot be understood: {error}\n"));
         EnvFilter::new(default)
     });
-    let bars = bars.clone();
-    let started = tracing_subscriber::fmt()
+    let writer = host.clone();
+    let log = tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(move || BesideBars(bars.clone()))
+        .with_writer(move || BesideBars(writer.clone()))
         .event_format(OneLine)
-        .try_init();
-    if let Err(error) = started {
-        let _ = writeln!(io::stderr(), "warning: there is no log: {error}");
+        .finish();
+    if host.is_embedded() {
+        return Some(log.set_default());
     }
+    if let Err(error) = log.try_init() {
+        host.complain(&format!("warning: there is no log: {error}\n"));
+    }
+    None
 }
 
 /// `warning: message`; from debug on with the module that speaks.
@@ -66,15 +76,15 @@ where
 }
 
 /// Writes to stderr with the bars out of the way.
-struct BesideBars(MultiProgress);
+struct BesideBars(Host);
 
 impl Write for BesideBars {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.suspend(|| io::stderr().write_all(bytes))?;
+        self.0.bars().suspend(|| self.0.complain(&String::from_utf8_lossy(bytes)));
         Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        io::stderr().flush()
+        Ok(())
     }
 }

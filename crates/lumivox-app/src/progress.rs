@@ -3,12 +3,13 @@
 //! The work itself blocks for long, in drivers and loaders. So a thread of its own keeps what is
 //! shown up to date, and the work only tells it how far it is.
 
-use std::io::{IsTerminal as _, Write as _};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::host::Host;
 
 /// Work shorter than this shows nothing.
 const SHOW_AFTER: Duration = Duration::from_secs(1);
@@ -48,7 +49,7 @@ struct State {
 
 impl Progress {
     /// Starts with a stage of one step.
-    pub fn start(bars: &MultiProgress, stage: &'static str) -> Self {
+    pub fn start(host: &Host, stage: &'static str) -> Self {
         let state = State {
             stage,
             done: 0.0,
@@ -58,9 +59,9 @@ impl Progress {
             is_over: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
-        let (seen, bars) = (shared.clone(), bars.clone());
+        let (seen, host) = (shared.clone(), host.clone());
         // Without a thread (the system may refuse one) the work goes on, unseen.
-        let thread = std::thread::Builder::new().spawn(move || show(&seen, &bars)).ok();
+        let thread = std::thread::Builder::new().spawn(move || show(&seen, &host)).ok();
         Self { shared, thread }
     }
 
@@ -154,9 +155,9 @@ pub fn words(stage: &'static str) -> &'static str {
 }
 
 /// The thread: waits, looks, shows.
-fn show(shared: &Shared, bars: &MultiProgress) {
+fn show(shared: &Shared, host: &Host) {
     let start = Instant::now();
-    let has_terminal = std::io::stderr().is_terminal() && !bars.is_hidden();
+    let has_terminal = host.has_terminal_for_errors() && !host.bars().is_hidden();
     let mut bar: Option<ProgressBar> = None;
     let mut last_line = start;
     let mut guard = shared.lock();
@@ -169,12 +170,12 @@ fn show(shared: &Shared, bars: &MultiProgress) {
         let state = guard.clone();
         drop(guard);
         if has_terminal {
-            let bar = bar.get_or_insert_with(|| bars.add(new_bar()));
+            let bar = bar.get_or_insert_with(|| host.bars().add(new_bar()));
             bar.set_message(state.words_with_bar());
             bar.tick();
         } else if last_line.elapsed() >= LINE_EVERY {
             last_line = Instant::now();
-            let _ = writeln!(std::io::stderr(), "{}", state.words());
+            host.complain(&format!("{}\n", state.words()));
         }
         guard = shared.lock();
     }
@@ -288,7 +289,7 @@ mod tests {
     #[test]
     fn it_ends_at_once() {
         let start = Instant::now();
-        let progress = Progress::start(&MultiProgress::new(), "testing");
+        let progress = Progress::start(&Host::of_process(), "testing");
         progress.set("testing", 1, 2);
         drop(progress);
         assert!(start.elapsed() < SHOW_AFTER);

@@ -1,36 +1,10 @@
 //! What commands say: tables for people, structures for JSON.
 
-use std::io::{self, Write as _};
-
 use lumivox::Grid;
 use lumivox::gpu::StageTime;
 use lumivox_render::{MemoryUse, describe};
 use lumivox_scene::Scene;
 use serde::Serialize;
-
-use crate::exit::Failure;
-
-/// Writes a command's whole output to stdout.
-///
-/// # Errors
-/// A [`Failure`] of output; a reader that has gone away early is none.
-pub fn print(text: &str) -> anyhow::Result<()> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::output(format!("cannot write to stdout: {error}")).into())
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Writes a report to stdout as one JSON object.
-///
-/// # Errors
-/// As [`print`].
-pub fn print_json(report: &impl Serialize) -> anyhow::Result<()> {
-    print(&format!("{}\n", serde_json::to_string_pretty(report)?))
-}
 
 /// Rows of cells that stand below each other. The first column is left-aligned, the others right or
 /// left.

@@ -1,23 +1,23 @@
 //! `lumivox convert`: a scene as one GLB file.
 
-use indicatif::MultiProgress;
 use serde::Serialize;
 
 use crate::args::output;
 use crate::cli::ConvertArgs;
 use crate::exit::Failure;
+use crate::host::Host;
 use crate::motion::choose;
 use crate::progress::Progress;
-use crate::report::{SceneCounts, bytes, counted, print, print_json};
+use crate::report::{SceneCounts, bytes, counted};
 
 /// Reads, poses if asked to, writes.
 ///
 /// # Errors
 /// When the scene cannot be read or posed, or the file cannot be written; the message says what.
-pub fn run(args: &ConvertArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &ConvertArgs, host: &Host) -> anyhow::Result<()> {
     output::check_kind(&args.output, "glb", "scenes are written as GLB")?;
     args.scene.scene.check()?;
-    let progress = Progress::start(bars, "loading");
+    let progress = Progress::start(host, "loading");
     let mut scene = args.scene.load(&progress)?;
     if args.time.is_some() || args.animation.is_some() {
         let Some(animation) = choose(args.animation.as_ref(), &scene)? else {
@@ -37,10 +37,10 @@ pub fn run(args: &ConvertArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let file = args.output.display().to_string();
     let report = Report { file, bytes: written, scene: SceneCounts::new(&scene) };
     if args.json {
-        return print_json(&report);
+        return host.print_json(&report);
     }
     let scene = &report.scene;
-    print(&format!(
+    host.print(&format!(
         "{}: {}, {}, {}, {}\n",
         report.file,
         counted(scene.triangles, "triangle", "triangles"),

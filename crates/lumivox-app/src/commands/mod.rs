@@ -11,21 +11,10 @@ pub mod run;
 pub mod scenes;
 pub mod settings;
 mod staged;
+#[cfg(feature = "window")]
+pub mod view;
+#[cfg(not(feature = "window"))]
+#[path = "no_view.rs"]
 pub mod view;
 pub mod volumes;
 pub mod voxels;
-
-use lumivox_render::{Gpu, GpuOptions, RenderError};
-
-use crate::cli::GpuArgs;
-
-/// Opens the GPU that the command line asks for.
-///
-/// # Errors
-/// As [`Gpu::new`].
-fn open_gpu(args: &GpuArgs) -> Result<Gpu, RenderError> {
-    let options = GpuOptions { adapter: args.adapter.clone(), portable: args.portable };
-    let gpu = pollster::block_on(Gpu::new(&options))?;
-    tracing::info!("running on {}", lumivox_render::describe(&gpu.adapter_info));
-    Ok(gpu)
-}

@@ -2,11 +2,9 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::MultiProgress;
 use lumivox_render::reference::{
     PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
 };
@@ -14,13 +12,14 @@ use lumivox_render::{Exposure, Gpu, ImageFormat, Picture, ToneMap};
 use lumivox_scene::write_atomically;
 use serde::Serialize;
 
+use super::light;
 use super::staged::stage;
-use super::{light, open_gpu};
 use crate::args::output;
 use crate::cli::ReferenceArgs;
 use crate::exit::Failure;
+use crate::host::Host;
 use crate::progress::Progress;
-use crate::report::{AdapterReport, SceneCounts, print, print_json};
+use crate::report::{AdapterReport, SceneCounts};
 
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -29,7 +28,7 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 ///
 /// # Errors
 /// When anything that the arguments ask for cannot be done; the message says what.
-pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     output::check(&args.output)?;
     if let Some(file) = &args.checkpoint {
         output::check_folder(file, &output::folder_of(file))?;
@@ -37,8 +36,8 @@ pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     args.scene.scene.check()?;
     light::check(&args.sources)?;
     let start = Instant::now();
-    let progress = Progress::start(bars, "loading");
-    let gpu = open_gpu(&args.gpu)?;
+    let progress = Progress::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
     let (scene, camera) = stage(
         &args.scene.scene,
         &args.scene.load,
@@ -64,7 +63,7 @@ pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
         resume(&mut tracer, file)?;
     }
     let resumed = tracer.samples();
-    let is_stopped = stop_on_interrupt()?;
+    let is_stopped = host.stop_on_interrupt()?;
     tracing::info!("tracing; Ctrl-C writes what is there");
     trace(&mut tracer, args, &progress, &is_stopped)?;
 
@@ -85,7 +84,7 @@ pub fn run(args: &ReferenceArgs, bars: &MultiProgress) -> anyhow::Result<()> {
         seconds,
         adapter: AdapterReport::new(&gpu.adapter_info),
     };
-    if args.json { print_json(&report) } else { print(&report.text()) }
+    if args.json { host.print_json(&report) } else { host.print(&report.text()) }
 }
 
 /// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint.
@@ -142,19 +141,6 @@ fn resume(tracer: &mut PathTracer, file: &Path) -> anyhow::Result<()> {
     resumed.map_err(|error| Failure::input(format!("{}: {error}", file.display())))?;
     tracing::info!("going on after {} samples", tracer.samples());
     Ok(())
-}
-
-/// Makes the first Ctrl-C a wish to stop, and the second the end.
-fn stop_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
-    let is_stopped = Arc::new(AtomicBool::new(false));
-    let seen = is_stopped.clone();
-    ctrlc::set_handler(move || {
-        if seen.swap(true, Ordering::Relaxed) {
-            // The code that shells expect of a program that was interrupted.
-            std::process::exit(130);
-        }
-    })?;
-    Ok(is_stopped)
 }
 
 /// Writes a reference: all layers as OpenEXR, or the picture as PNG.

@@ -1,22 +1,20 @@
 //! `lumivox run`: commands from a file, from stdin, from the command line, or from a prompt.
 
-use std::io::{IsTerminal as _, Read as _, Write as _};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use indicatif::MultiProgress;
 use lumivox_explorer::Explorer;
 use lumivox_render::Progress as Step;
 
-use super::{open_gpu, settings};
+use super::settings;
 use crate::cli::RunArgs;
-use crate::console::{Console, Effect, Queue, help, page, program, script, terminal};
+use crate::console::prompt::Prompt;
+use crate::console::{Console, Effect, Queue, help, own_command, page, program, script};
 use crate::exit::{self, Failure, Located};
+use crate::host::Host;
 use crate::opening::Opening;
 use crate::progress::{Progress, words};
-use crate::report::print;
-use crate::window::own_command;
 
 /// What a frame that a script waits for stands for, s.
 const FRAME_S: f32 = 1.0 / 30.0;
@@ -25,8 +23,8 @@ const FRAME_S: f32 = 1.0 / 30.0;
 ///
 /// # Errors
 /// The first error of a command, or a summary of all where it goes on after them.
-pub fn run(args: &RunArgs, bars: &MultiProgress) -> anyhow::Result<()> {
-    let is_terminal = std::io::stdin().is_terminal();
+pub fn run(args: &RunArgs, host: &Host) -> anyhow::Result<()> {
+    let is_terminal = host.has_terminal_for_input();
     let is_stdin = args.script.as_deref() == Some(Path::new("-"));
     let is_prompt = args.script.is_none() && args.commands.is_empty() && is_terminal;
     let mut queue = Queue::default();
@@ -38,9 +36,9 @@ pub fn run(args: &RunArgs, bars: &MultiProgress) -> anyhow::Result<()> {
         }
     } else if !is_prompt {
         // A pipe is read to its end first: what is wrong in a line is known before anything runs.
-        queue.extend(script(&read_stdin()?, "stdin")?);
+        queue.extend(script(&read_stdin(host)?, "stdin")?);
     }
-    let mut runner = Runner::new(args, bars)?;
+    let mut runner = Runner::new(args, host)?;
     if let Some(opening) = Opening::of_args(&args.explore) {
         runner.open(opening)?;
     }
@@ -51,17 +49,16 @@ pub fn run(args: &RunArgs, bars: &MultiProgress) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// When stdout cannot be written.
-pub fn list(is_markdown: bool) -> anyhow::Result<()> {
+pub fn list(is_markdown: bool, host: &Host) -> anyhow::Result<()> {
     if is_markdown {
-        return print(&page::markdown());
+        return host.print(&page::markdown());
     }
-    print(&format!("{}\n", help::list(None)))
+    host.print(&format!("{}\n", help::list(None)))
 }
 
-fn read_stdin() -> Result<String, Failure> {
-    let mut bytes = Vec::new();
-    let read = std::io::stdin().lock().read_to_end(&mut bytes);
-    read.map_err(|error| Failure::input(format!("stdin cannot be read: {error}")))?;
+fn read_stdin(host: &Host) -> Result<String, Failure> {
+    let bytes = host.read_input();
+    let bytes = bytes.map_err(|error| Failure::input(format!("stdin cannot be read: {error}")))?;
     String::from_utf8(bytes).map_err(|_| Failure::input("stdin is no text in UTF-8; give commands"))
 }
 
@@ -80,18 +77,18 @@ fn tell(shown: &Shown, step: Step) {
 /// A console without a window.
 struct Runner {
     console: Console,
-    bars: MultiProgress,
+    host: Host,
     progress: Arc<Shown>,
     is_over: bool,
 }
 
 impl Runner {
-    fn new(args: &RunArgs, bars: &MultiProgress) -> anyhow::Result<Self> {
+    fn new(args: &RunArgs, host: &Host) -> anyhow::Result<Self> {
         let explore = &args.explore;
         let settings =
             settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
         settings.trace.validate()?;
-        let gpu = open_gpu(&explore.gpu)?;
+        let gpu = host.open_gpu(&explore.gpu)?;
         let explorer = Explorer::new(gpu, settings.clone(), explore.cones.preset());
         let mut console = Console::new(explorer)
             .with_defaults(explore.load.clone(), explore.light.sources.clone());
@@ -102,7 +99,7 @@ impl Runner {
             tell(&shown, step);
             ControlFlow::Continue(())
         }));
-        Ok(Self { console, bars: bars.clone(), progress, is_over: false })
+        Ok(Self { console, host: host.clone(), progress, is_over: false })
     }
 
     /// Runs all lines, and those that they bring.
@@ -121,7 +118,7 @@ impl Runner {
                 return Err(error.into());
             }
             failed += 1;
-            let code = exit::with_error(&error.into());
+            let code = exit::with_error(&error.into(), &self.host);
             first.get_or_insert(code);
         }
         let Some(code) = first else { return Ok(()) };
@@ -140,11 +137,11 @@ impl Runner {
             tracing::warn!("`{name}` is a command of the window; it is passed over");
             return Ok(());
         }
-        self.show(Some(Progress::start(&self.bars, "working")));
+        self.show(Some(Progress::start(&self.host, "working")));
         let reply = self.console.run(line);
         let done = reply.and_then(|reply| {
             if !reply.text.is_empty() {
-                self.bars.suspend(|| print(&format!("{}\n", reply.text)))?;
+                self.host.print(&format!("{}\n", reply.text))?;
             }
             match reply.effect {
                 Effect::Nothing => Ok(()),
@@ -175,7 +172,7 @@ impl Runner {
     }
 
     fn open(&mut self, opening: Opening) -> anyhow::Result<()> {
-        let progress = Progress::start(&self.bars, "loading");
+        let progress = Progress::start(&self.host, "loading");
         let ready = opening.load(&progress)?;
         drop(progress);
         self.console.open(ready);
@@ -194,7 +191,7 @@ impl Runner {
 
     /// Asks for lines until the end.
     fn prompt(&mut self) -> anyhow::Result<()> {
-        let mut terminal = terminal::Prompt::new()?;
+        let mut terminal = Prompt::new(&self.host)?;
         while !self.is_over {
             terminal.set_names(self.console.names());
             let Some(line) = terminal.read()? else { break };
@@ -202,14 +199,13 @@ impl Runner {
             queue.add(line, "");
             while let Some(line) = queue.next() {
                 if let Err(error) = self.line(&line.text, &mut queue) {
-                    exit::with_error(&Located::new(line.place, error).into());
+                    exit::with_error(&Located::new(line.place, error).into(), &self.host);
                     queue.abandon();
                 }
                 if self.is_over {
                     break;
                 }
             }
-            let _ = std::io::stdout().flush();
         }
         Ok(())
     }

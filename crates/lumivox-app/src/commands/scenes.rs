@@ -2,14 +2,14 @@
 
 use lumivox_scene::builtin;
 
-use crate::report::print;
+use crate::host::Host;
 
 /// Lists them, a line each.
 ///
 /// # Errors
 /// When stdout cannot be written.
-pub fn run() -> anyhow::Result<()> {
-    print(&text())
+pub fn run(host: &Host) -> anyhow::Result<()> {
+    host.print(&text())
 }
 
 fn text() -> String {

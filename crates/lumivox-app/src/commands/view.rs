@@ -1,27 +1,27 @@
 //! `lumivox view`: the window.
 
-use indicatif::MultiProgress;
 use lumivox_explorer::Explorer;
 
-use super::{open_gpu, settings};
+use super::settings;
 use crate::cli::WindowArgs;
 use crate::console::Console;
+use crate::host::Host;
 use crate::opening::Opening;
-use crate::window::{self, Config, Start};
+use crate::window::{self, Config, Restore, Start};
 
 /// Shows the window until it is closed.
 ///
 /// # Errors
 /// When there is no display or no GPU, or the scene cannot be found.
-pub fn run(args: &WindowArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     // Bars are for terminals that nobody types commands into.
-    bars.set_draw_target(indicatif::ProgressDrawTarget::hidden());
+    host.bars().set_draw_target(indicatif::ProgressDrawTarget::hidden());
     if let Some(source) = args.scene() {
         source.check()?;
     }
     // First what is cheap to fail.
     let event_loop = window::event_loop()?;
-    let gpu = open_gpu(&args.explore.gpu)?;
+    let gpu = host.open_gpu(&args.explore.gpu)?;
     let mut config = Config::load(args.fresh);
     let explore = &args.explore;
     let settings = settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
@@ -37,5 +37,6 @@ pub fn run(args: &WindowArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     };
     let console =
         Console::new(explorer).with_defaults(explore.load.clone(), explore.light.sources.clone());
+    let _terminal = Restore;
     window::run(event_loop, Start { console, opening, options, config })
 }

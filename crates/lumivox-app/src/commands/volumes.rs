@@ -1,7 +1,6 @@
 //! `lumivox volumes`: what the kinds of volumes take, side by side.
 
 use glam::Vec3;
-use indicatif::MultiProgress;
 use lumivox::gpu::{StageTime, Timing};
 use lumivox::{
     Directionality, Duplication, Grid, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats,
@@ -11,13 +10,14 @@ use lumivox_render::{Gpu, RenderSettings, Renderer};
 use lumivox_scene::{Scene, write_atomically};
 use serde::Serialize;
 
-use super::{light, open_gpu};
+use super::light;
 use crate::args::{choices, output};
 use crate::cli::VolumesArgs;
 use crate::exit::Failure;
+use crate::host::Host;
 use crate::progress::Progress;
 use crate::quality::{MemoryPoint, memory_against_resolution};
-use crate::report::{AdapterReport, SceneCounts, Table, bytes, count, print, print_json};
+use crate::report::{AdapterReport, SceneCounts, Table, bytes, count};
 
 /// Frames that are timed, after one that is not.
 const FRAMES: u32 = 2;
@@ -26,13 +26,13 @@ const FRAMES: u32 = 2;
 ///
 /// # Errors
 /// When the scene cannot be read, a file cannot be written, or the device fails.
-pub fn run(args: &VolumesArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
     args.scene.scene.check()?;
     if let Some(file) = &args.output {
         output::check_kind(file, "svg", "a chart is written as SVG")?;
     }
-    let progress = Progress::start(bars, "loading");
-    let gpu = open_gpu(&args.gpu)?;
+    let progress = Progress::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
     if !scene.shines() {
         let aspect = args.size.x as f32 / args.size.y as f32;
@@ -61,9 +61,9 @@ pub fn run(args: &VolumesArgs, bars: &MultiProgress) -> anyhow::Result<()> {
             .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())))?;
     }
     if args.json {
-        return print_json(&report);
+        return host.print_json(&report);
     }
-    print(&report.text())
+    host.print(&report.text())
 }
 
 /// A way to make a volume.

@@ -17,7 +17,8 @@
 //! | `queue.rs` | scripts, and lines that wait |
 //! | `names.rs`, `complete.rs` | what can be named, and completion by it |
 //! | `help.rs`, `page.rs` | the help, and the page in the docs |
-//! | `terminal.rs` | a prompt with history on a terminal |
+//! | `prompt.rs`, `plain_prompt.rs` | a prompt on a terminal, with line editing and without |
+//! | `window_only.rs` | commands that are not in the table: the window's |
 
 mod arguments;
 mod command;
@@ -27,9 +28,14 @@ pub mod help;
 mod line;
 mod names;
 pub mod page;
+#[cfg(not(feature = "prompt"))]
+#[path = "plain_prompt.rs"]
+pub mod prompt;
+#[cfg(feature = "prompt")]
+pub mod prompt;
 mod properties;
 mod queue;
-pub mod terminal;
+mod window_only;
 
 use std::collections::HashMap;
 use std::fmt;
@@ -49,6 +55,7 @@ pub use line::{quote, split};
 pub use lumivox_explorer::suggest;
 pub use names::Names;
 pub use queue::{Line, Queue, script};
+pub use window_only::{own_command, words};
 
 /// What is left to do after a command, by whoever gave the line.
 #[derive(Debug, Default)]

@@ -2,7 +2,8 @@
 
 use lumivox_render::parameters::Parameter;
 
-use crate::console::{quote, split};
+use crate::console::quote;
+pub use crate::console::words;
 
 /// Who wrote a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,13 +75,6 @@ pub fn coalesce(lines: Vec<Line>) -> Vec<Line> {
     kept.into_iter().map(|(_, line)| line).collect()
 }
 
-/// The words of a line of one command.
-pub fn words(text: &str) -> Option<Vec<String>> {
-    let commands = split(text).ok()?;
-    let [words] = commands.as_slice() else { return None };
-    Some(words.iter().map(|word| word.text.clone()).collect())
-}
-
 /// What does not wait for lines before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Urgent {
@@ -97,15 +91,6 @@ pub fn urgent(text: &str) -> Option<Urgent> {
         "quit" | "exit" | "q" => Some(Urgent::Quit),
         _ => None,
     }
-}
-
-/// Commands that only the window has.
-const OWN: [&str; 4] = ["select", "compare_with", "cancel", "lose_device"];
-
-/// Whether a line is a command that only the window has; its name.
-pub fn own_command(text: &str) -> Option<&'static str> {
-    let words = words(text)?;
-    OWN.into_iter().find(|own| words.first().is_some_and(|name| name == own))
 }
 
 /// A word that a POSIX shell splits into itself again.
@@ -194,8 +179,6 @@ mod tests {
         assert_eq!(urgent(" quit "), Some(Urgent::Quit));
         assert_eq!(urgent("cancel"), Some(Urgent::Cancel));
         assert_eq!(urgent("echo quit"), None);
-        assert_eq!(own_command("select 'a b'"), Some("select"));
-        assert_eq!(own_command("selected"), None);
     }
 
     #[test]

@@ -16,6 +16,7 @@
 //! | `worker/` | the thread that renders |
 //! | `model.rs` | what the panels show |
 //! | `lines.rs` | lines on their way |
+//! | `terminal.rs` | the terminal beside the window |
 //! | `jobs.rs`, `reload.rs` | what runs beside: reading scenes, references, watching files |
 //! | `camera.rs`, `gizmo.rs` | moving the camera, and objects |
 //! | `config.rs` | what is kept between runs |
@@ -31,6 +32,7 @@ mod model;
 mod panels;
 mod reload;
 mod surface;
+mod terminal;
 mod theme;
 mod worker;
 
@@ -41,7 +43,7 @@ use winit::event_loop::EventLoop;
 
 pub use config::Config;
 pub use events::{Wake, run};
-pub use lines::own_command;
+pub use terminal::Restore;
 
 use crate::console::Console;
 use crate::exit::Failure;

@@ -8,14 +8,14 @@ use lumivox_render::compare::{ErrorFigures, PictureFile};
 use super::write_strip;
 use crate::cli::CompareArgs;
 use crate::exit::Failure;
+use crate::host::Host;
 use crate::quality::{Comparison, Row, strip};
-use crate::report::{print, print_json};
 
 /// Compares and reports.
 ///
 /// # Errors
 /// When a picture cannot be read, the two cannot be compared, or the strip cannot be written.
-pub fn run(reference: &Path, ours: &Path, args: &CompareArgs) -> anyhow::Result<()> {
+pub fn run(reference: &Path, ours: &Path, args: &CompareArgs, host: &Host) -> anyhow::Result<()> {
     let names = [reference, ours].map(|file| file.display().to_string());
     let read = |file| PictureFile::read(file, args.layer.as_deref());
     let (reference, ours) = (read(reference)?, read(ours)?);
@@ -40,12 +40,12 @@ pub fn run(reference: &Path, ours: &Path, args: &CompareArgs) -> anyhow::Result<
         ..Comparison::default()
     };
     if args.json {
-        return print_json(&comparison);
+        return host.print_json(&comparison);
     }
     let [width, height] = comparison.size;
     let mut text = format!("{title}, {width}x{height}\n\n{}", comparison.table());
     if let Some(file) = &args.output {
         text += &format!("\n{}: reference, ours, error\n", file.display());
     }
-    print(&text)
+    host.print(&text)
 }

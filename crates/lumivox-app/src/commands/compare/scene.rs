@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use indicatif::MultiProgress;
 use lumivox_render::reference::ReferenceSettings;
 use serde::Serialize;
 
@@ -10,18 +9,19 @@ use super::write_strip;
 use crate::args::output;
 use crate::args::scene::SceneSource;
 use crate::cli::CompareArgs;
+use crate::commands::light;
 use crate::commands::settings::{SettingsReport, still};
 use crate::commands::staged::stage;
-use crate::commands::{light, open_gpu};
+use crate::host::Host;
 use crate::progress::Progress;
 use crate::quality::{Comparison, Measured, Subject, reference, strip};
-use crate::report::{AdapterReport, print, print_json};
+use crate::report::AdapterReport;
 
 /// Renders, traces, compares, reports.
 ///
 /// # Errors
 /// When the scene cannot be read or rendered, or a file cannot be written.
-pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Result<()> {
     let settings = still(args.size, args.frames, &args.voxels, &args.light, &args.cones);
     settings.trace.validate()?;
     if let Some(file) = &args.reference {
@@ -30,8 +30,8 @@ pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> an
     source.check()?;
     light::check(&args.light.sources)?;
     let start = Instant::now();
-    let progress = Progress::start(bars, "loading");
-    let gpu = open_gpu(&args.gpu)?;
+    let progress = Progress::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
     settings.validate(&gpu.device.limits())?;
     let (scene, camera) =
         stage(source, &args.load, &args.light.sources, &args.view, args.size, &progress)?;
@@ -72,7 +72,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, bars: &MultiProgress) -> an
         seconds: start.elapsed().as_secs_f64(),
         adapter: AdapterReport::new(&gpu.adapter_info),
     };
-    if args.json { print_json(&report) } else { print(&report.text(args)) }
+    if args.json { host.print_json(&report) } else { host.print(&report.text(args)) }
 }
 
 #[derive(Debug, Serialize)]

@@ -3,25 +3,23 @@
 mod machine;
 mod scene;
 
-use indicatif::MultiProgress;
-
 use crate::cli::InfoArgs;
+use crate::host::Host;
 use crate::progress::Progress;
-use crate::report::{print, print_json};
 
 /// Describes the scene if there is one, the machine otherwise.
 ///
 /// # Errors
 /// When the scene cannot be read, or stdout not be written. A machine without a GPU is described,
 /// too.
-pub fn run(args: &InfoArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &InfoArgs, host: &Host) -> anyhow::Result<()> {
     let Some(source) = &args.scene else {
         let report = machine::Report::new();
-        return if args.json { print_json(&report) } else { print(&report.text()) };
+        return if args.json { host.print_json(&report) } else { host.print(&report.text()) };
     };
     source.check()?;
-    let progress = Progress::start(bars, "loading");
+    let progress = Progress::start(host, "loading");
     let report = scene::Report::new(&source.load(&args.load, &progress)?, &args.voxels)?;
     drop(progress);
-    if args.json { print_json(&report) } else { print(&report.text()) }
+    if args.json { host.print_json(&report) } else { host.print(&report.text()) }
 }

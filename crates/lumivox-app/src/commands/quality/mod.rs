@@ -9,20 +9,18 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Context as _;
-use indicatif::MultiProgress;
 use lumivox::TraceSettings;
 use lumivox_render::reference::ReferenceSettings;
 use lumivox_render::{Companions, Gpu, PresetChoice, RenderSettings, describe};
 use lumivox_scene::{Scene, builtin};
 
 use super::compare::write_strip;
-use super::open_gpu;
 use crate::args::output;
 use crate::cli::QualityArgs;
 use crate::exit::Failure;
+use crate::host::Host;
 use crate::progress::Progress;
 use crate::quality::{Measured, Subject, Truth, reference, strip};
-use crate::report::print;
 use cases::{Case, Turn, cases};
 use store::{Entry, Store};
 
@@ -33,7 +31,7 @@ const PICTURES: &str = "images/quality";
 ///
 /// # Errors
 /// When a scene is not known, something cannot be rendered, or a file cannot be written.
-pub fn run(args: &QualityArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     let names = scene_names(&args.scenes)?;
     let pictures = args.folder.join(PICTURES);
     for folder in [Some(&pictures), args.cache.as_ref()].into_iter().flatten() {
@@ -41,8 +39,8 @@ pub fn run(args: &QualityArgs, bars: &MultiProgress) -> anyhow::Result<()> {
             .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
         output::check_folder(&folder.join("x"), folder)?;
     }
-    let progress = Progress::start(bars, "starting");
-    let gpu = open_gpu(&args.gpu)?;
+    let progress = Progress::start(host, "starting");
+    let gpu = host.open_gpu(&args.gpu)?;
     let mut store = Store::open(args.cache.as_deref(), settings_in_words(args))?;
     let mut cases = cases(&names, &args.presets, &args.resolutions);
     if args.kept {
@@ -73,7 +71,7 @@ pub fn run(args: &QualityArgs, bars: &MultiProgress) -> anyhow::Result<()> {
             .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())))?;
     }
     drop(progress);
-    print(&format!("{}\n", args.folder.join("quality.md").display()))
+    host.print(&format!("{}\n", args.folder.join("quality.md").display()))
 }
 
 /// What all measurements share.

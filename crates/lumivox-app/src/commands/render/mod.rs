@@ -8,15 +8,15 @@ mod report;
 mod sequence;
 mod still;
 
-use indicatif::MultiProgress;
 use lumivox::gpu::Timing;
 use lumivox_render::{Gpu, RenderSettings};
 use lumivox_scene::Scene;
 
-use super::{light, open_gpu, settings};
+use super::{light, settings};
 use crate::args::output;
 use crate::cli::RenderArgs;
 use crate::exit::Failure;
+use crate::host::Host;
 use crate::motion::{Asked, PathFile, Schedule, TimeChoice, When};
 use crate::progress::Progress;
 use crate::sequence::FrameFiles;
@@ -25,6 +25,7 @@ use clock::Clock;
 /// All that is ready before the first picture.
 struct Stage<'a> {
     args: &'a RenderArgs,
+    host: &'a Host,
     is_verbose: bool,
     settings: RenderSettings,
     gpu: Gpu,
@@ -38,7 +39,7 @@ struct Stage<'a> {
 ///
 /// # Errors
 /// When anything that the arguments ask for cannot be done; the message says what.
-pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> {
     let is_sequence = FrameFiles::is_meant(&args.output, asks_for_sequence(args));
     if is_sequence || asks_for_sequence(args) {
         FrameFiles::new(&args.output)?.check()?;
@@ -52,8 +53,8 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
     light::check(&args.light.sources)?;
 
     let mut clock = Clock::start();
-    let progress = Progress::start(bars, "loading");
-    let gpu = open_gpu(&args.gpu)?;
+    let progress = Progress::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
     settings.validate(&gpu.device.limits())?;
     if args.json || verbosity > 0 {
         settings.timing = Timing::for_device(&gpu.device);
@@ -82,7 +83,8 @@ pub fn run(args: &RenderArgs, verbosity: u8, bars: &MultiProgress) -> anyhow::Re
     clock.seconds.loading = clock.lap();
 
     let is_verbose = verbosity > 0;
-    let mut stage = Stage { args, is_verbose, settings, gpu, scene, schedule, progress, clock };
+    let mut stage =
+        Stage { args, host, is_verbose, settings, gpu, scene, schedule, progress, clock };
     let time_s = match stage.schedule.when {
         When::Sequence(_) => return sequence::run(stage, path.as_ref()),
         When::Rest => 0.0,

@@ -16,9 +16,7 @@ use crate::commands::settings::{self, SettingsReport};
 use crate::motion::{Moments, PathFile, When};
 use crate::progress::Progress;
 use crate::progress::words;
-use crate::report::{
-    AdapterReport, SceneCounts, bytes, count, counted, memory_table, print, print_json,
-};
+use crate::report::{AdapterReport, SceneCounts, bytes, count, counted, memory_table};
 use crate::sequence::{Frame, FrameFiles, Index, Start};
 
 /// How many pictures are looked at for the exposure of all.
@@ -109,9 +107,9 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         adapter: AdapterReport::new(&stage.gpu.adapter_info),
     };
     if stage.args.json {
-        return print_json(&report);
+        return stage.host.print_json(&report);
     }
-    print(&report.text(stage.is_verbose))
+    stage.host.print(&report.text(stage.is_verbose))
 }
 
 /// The exposure of all pictures: the median of what some of them ask for, spread over the sequence and

@@ -7,7 +7,6 @@ use lumivox_render::Renderer;
 use super::Stage;
 use super::report::Report;
 use crate::progress::words;
-use crate::report::{print, print_json};
 
 /// Renders the scene as it stands from `camera`, writes, reports.
 ///
@@ -35,7 +34,7 @@ pub fn run(
 
     let report = Report::new(file, &stage.gpu, &stage.scene, &renderer, &picture, seconds);
     if stage.args.json {
-        return print_json(&report);
+        return stage.host.print_json(&report);
     }
-    print(&report.text(stage.is_verbose))
+    stage.host.print(&report.text(stage.is_verbose))
 }

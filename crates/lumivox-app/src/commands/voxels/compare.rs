@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use indicatif::MultiProgress;
 use lumivox::gpu::Timing;
 use lumivox::{Geometry, GiError, Grid, VoxelizeMethod, Voxelizer};
 use lumivox_render::{Gpu, GpuScene, Lighting, VoxelSet, radiance_unit};
@@ -13,9 +12,9 @@ use crate::args::camera::resolve;
 use crate::args::output;
 use crate::cli::VoxelsArgs;
 use crate::commands::compare::write_strip;
-use crate::commands::open_gpu;
+use crate::host::Host;
 use crate::progress::Progress;
-use crate::report::{AdapterReport, GridReport, SceneCounts, Table, count, print, print_json};
+use crate::report::{AdapterReport, GridReport, SceneCounts, Table, count};
 
 /// Voxelizations whose fastest is the time told.
 const TIMED_RUNS: u32 = 3;
@@ -24,14 +23,14 @@ const TIMED_RUNS: u32 = 3;
 ///
 /// # Errors
 /// When the scene cannot be read, its voxels do not fit the GPU, or the picture cannot be written.
-pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let comparison = &args.comparison;
     if let Some(file) = &comparison.output {
         output::check_kind(file, "png", "pictures of voxelizers are written as PNG")?;
     }
     args.scene.scene.check()?;
-    let progress = Progress::start(bars, "loading");
-    let gpu = open_gpu(&args.gpu)?;
+    let progress = Progress::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
     let scene = args.scene.load(&progress)?;
     let size = comparison.size;
     let camera = match &comparison.output {
@@ -78,9 +77,9 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
         adapter: AdapterReport::new(&gpu.adapter_info),
     };
     if args.json {
-        return print_json(&report);
+        return host.print_json(&report);
     }
-    print(&report.text())
+    host.print(&report.text())
 }
 
 /// What one method finds, and how fast.

@@ -11,10 +11,9 @@ use lumivox_render::{Gpu, GpuScene, Lighting, global_illumination};
 use lumivox_scene::{Bounds, Mesh, Scene};
 use serde::Serialize;
 
+use crate::host::Host;
 use crate::progress::Progress;
-use crate::report::{
-    AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count, print, print_json,
-};
+use crate::report::{AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count};
 
 /// How far things move, in voxels.
 const REACH_VOXELS: f32 = 1.5;
@@ -298,11 +297,11 @@ impl Report {
     ///
     /// # Errors
     /// When stdout is gone, and when the two ways gave different bits.
-    pub fn print(&self, json: bool) -> anyhow::Result<()> {
+    pub fn print(&self, json: bool, host: &Host) -> anyhow::Result<()> {
         if json {
-            print_json(self)?;
+            host.print_json(self)?;
         } else {
-            print(&self.text())?;
+            host.print(&self.text())?;
         }
         anyhow::ensure!(
             self.has_same_bits,

@@ -6,32 +6,31 @@ mod picture;
 
 use std::time::Instant;
 
-use indicatif::MultiProgress;
 use lumivox::gpu::Timing;
 use lumivox::{Gi, Grid, VoxelizeStats};
 use lumivox_render::{GpuScene, Lighting, global_illumination, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
-use super::open_gpu;
 use crate::cli::VoxelsArgs;
+use crate::host::Host;
 use crate::progress::Progress;
 use crate::report::{
-    AdapterReport, GridReport, MemoryReport, SceneCounts, Table, Times, count, memory_table, print,
-    print_json, total_bytes,
+    AdapterReport, GridReport, MemoryReport, SceneCounts, Table, Times, count, memory_table,
+    total_bytes,
 };
 
 /// Voxelizes and reports.
 ///
 /// # Errors
 /// When the scene cannot be read, or its voxels do not fit the GPU.
-pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
+pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     if args.comparison.compare_voxelizers {
-        return compare::run(args, bars);
+        return compare::run(args, host);
     }
     args.scene.scene.check()?;
-    let progress = Progress::start(bars, "loading");
-    let gpu = open_gpu(&args.gpu)?;
+    let progress = Progress::start(host, "loading");
+    let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
     if let Some(share) = args.dynamic_share {
         dynamic::mark(&mut scene, share);
@@ -49,7 +48,7 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     if args.dynamic_share.is_some() {
         let report = dynamic::measure(&gpu, &scene, &uploaded, config, args.moves, &progress)?;
         drop(progress);
-        return report.print(args.json);
+        return report.print(args.json, host);
     }
     let mut gi = pollster::block_on(global_illumination(&gpu, config))?;
     gpu.wait("uploading the scene")?;
@@ -68,9 +67,9 @@ pub fn run(args: &VoxelsArgs, bars: &MultiProgress) -> anyhow::Result<()> {
     let report = Report::new(&scene, &gi, voxelized.stats, Times::new(&timed.times), wall_ms);
     let report = Report { adapter: Some(AdapterReport::new(&gpu.adapter_info)), ..report };
     if args.json {
-        return print_json(&report);
+        return host.print_json(&report);
     }
-    print(&report.text())
+    host.print(&report.text())
 }
 
 #[derive(Clone, Debug, Serialize)]

@@ -27,7 +27,7 @@ use super::jobs::{Loaded, Loading, Reference, Traced, Tracing};
 use super::lines::{Line, Origin, Urgent, coalesce, urgent};
 use super::model::{Comparand, FrameTime, Job, LogKind, Model, SceneModel, Selected, Shown};
 use super::reload::Watched;
-use crate::console::terminal::{self, Terminal};
+use super::terminal::{self, Terminal};
 use crate::console::{Console, Names, Queue};
 use crate::opening::Opening;
 use model::Log;

@@ -9,11 +9,11 @@ use std::time::Duration;
 
 use super::Worker;
 use crate::console::Names;
-use crate::console::terminal::Terminal;
 use crate::window::lines::{self, Line, Origin};
 use crate::window::model::{
     LogKind, LogLine, Model, SceneModel, Selected, scene_model, voxel_model,
 };
+use crate::window::terminal::Terminal;
 
 /// Lines that are kept.
 const KEPT: usize = 2000;

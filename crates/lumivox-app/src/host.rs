@@ -1,0 +1,199 @@
+//! What is around a run of the program: streams, progress bars, the GPU.
+//!
+//! All that a command says goes through its [`Host`]. The program has the one of its process; tests give each run
+//! streams of its own, and one GPU to all of them ([`Host::embedded`]).
+
+use std::fmt;
+use std::io::{self, BufRead, IsTerminal as _, Read as _, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use indicatif::{MultiProgress, ProgressDrawTarget};
+use lumivox_render::{Gpu, GpuOptions, RenderError};
+use serde::Serialize;
+
+use crate::cli::GpuArgs;
+use crate::exit::Failure;
+
+/// What is around a run. Clones share it.
+#[derive(Clone)]
+pub struct Host {
+    bars: MultiProgress,
+    embedded: Option<Arc<Shared>>,
+}
+
+/// Opens a GPU for a run that asks for it with these options.
+pub type OpenGpu = Box<dyn Fn(&GpuOptions) -> Result<Gpu, RenderError> + Send + Sync>;
+
+/// What a run inside of another program has in the place of the process's own.
+pub struct Embedded {
+    /// What the run reads as its stdin, which is no terminal.
+    pub input: Box<dyn BufRead + Send>,
+    /// Gets what the run writes to stdout.
+    pub output: Box<dyn Write + Send>,
+    /// Gets what the run writes to stderr: errors and the log.
+    pub errors: Box<dyn Write + Send>,
+    /// Opens its GPU.
+    pub open_gpu: OpenGpu,
+}
+
+struct Shared {
+    input: Mutex<Box<dyn BufRead + Send>>,
+    output: Mutex<Box<dyn Write + Send>>,
+    errors: Mutex<Box<dyn Write + Send>>,
+    open_gpu: OpenGpu,
+}
+
+impl fmt::Debug for Host {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Host").field("is_embedded", &self.is_embedded()).finish_non_exhaustive()
+    }
+}
+
+impl fmt::Debug for Embedded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Embedded").finish_non_exhaustive()
+    }
+}
+
+fn lock<T: ?Sized>(stream: &Mutex<T>) -> MutexGuard<'_, T> {
+    stream.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Host {
+    /// The process itself.
+    pub fn of_process() -> Self {
+        Self { bars: MultiProgress::new(), embedded: None }
+    }
+
+    /// A part of another program. Its log is that of the thread that runs it, and it looks at no environment variables
+    /// for it; nobody interrupts it.
+    pub fn embedded(embedded: Embedded) -> Self {
+        let Embedded { input, output, errors, open_gpu } = embedded;
+        let bars = MultiProgress::with_draw_target(ProgressDrawTarget::hidden());
+        let shared = Shared {
+            input: Mutex::new(input),
+            output: Mutex::new(output),
+            errors: Mutex::new(errors),
+            open_gpu,
+        };
+        Self { bars, embedded: Some(Arc::new(shared)) }
+    }
+
+    /// Whether the run shares its process with others.
+    pub(crate) fn is_embedded(&self) -> bool {
+        self.embedded.is_some()
+    }
+
+    /// Where progress bars are drawn.
+    pub(crate) fn bars(&self) -> &MultiProgress {
+        &self.bars
+    }
+
+    /// Writes a command's whole output to stdout.
+    ///
+    /// # Errors
+    /// A [`Failure`] of output; a reader that has gone away early is none.
+    pub(crate) fn print(&self, text: &str) -> anyhow::Result<()> {
+        match self.bars.suspend(|| self.write(text)) {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+                Err(Failure::output(format!("cannot write to stdout: {error}")).into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a report to stdout as one JSON object.
+    ///
+    /// # Errors
+    /// As [`Self::print`].
+    pub(crate) fn print_json(&self, report: &impl Serialize) -> anyhow::Result<()> {
+        self.print(&format!("{}\n", serde_json::to_string_pretty(report)?))
+    }
+
+    fn write(&self, text: &str) -> io::Result<()> {
+        let write = |out: &mut dyn Write| out.write_all(text.as_bytes()).and_then(|()| out.flush());
+        match &self.embedded {
+            Some(shared) => write(&mut *lock(&shared.output)),
+            None => write(&mut io::stdout().lock()),
+        }
+    }
+
+    /// Writes to stderr. There is nobody to tell when that fails.
+    pub(crate) fn complain(&self, text: &str) {
+        let _ = match &self.embedded {
+            Some(shared) => lock(&shared.errors).write_all(text.as_bytes()),
+            None => io::stderr().write_all(text.as_bytes()),
+        };
+    }
+
+    /// Whether somebody types what the run reads.
+    pub(crate) fn has_terminal_for_input(&self) -> bool {
+        !self.is_embedded() && io::stdin().is_terminal()
+    }
+
+    /// Whether somebody sees what the run says on stderr.
+    pub(crate) fn has_terminal_for_errors(&self) -> bool {
+        !self.is_embedded() && io::stderr().is_terminal()
+    }
+
+    /// All of stdin.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub(crate) fn read_input(&self) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        match &self.embedded {
+            Some(shared) => lock(&shared.input).read_to_end(&mut bytes)?,
+            None => io::stdin().lock().read_to_end(&mut bytes)?,
+        };
+        Ok(bytes)
+    }
+
+    /// The next line of stdin with its line feed; empty at the end.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    #[allow(dead_code, reason = "a prompt with line editing reads by itself")]
+    pub(crate) fn read_line(&self) -> io::Result<String> {
+        let mut line = String::new();
+        match &self.embedded {
+            Some(shared) => lock(&shared.input).read_line(&mut line)?,
+            None => io::stdin().read_line(&mut line)?,
+        };
+        Ok(line)
+    }
+
+    /// Opens the GPU that the command line asks for.
+    ///
+    /// # Errors
+    /// As [`Gpu::new`].
+    pub(crate) fn open_gpu(&self, args: &GpuArgs) -> Result<Gpu, RenderError> {
+        let options = GpuOptions { adapter: args.adapter.clone(), portable: args.portable };
+        let gpu = match &self.embedded {
+            Some(shared) => (shared.open_gpu)(&options)?,
+            None => pollster::block_on(Gpu::new(&options))?,
+        };
+        tracing::info!("running on {}", lumivox_render::describe(&gpu.adapter_info));
+        Ok(gpu)
+    }
+
+    /// Makes the first Ctrl-C a wish to stop, and the second the end.
+    ///
+    /// # Errors
+    /// When the system takes no handler.
+    pub(crate) fn stop_on_interrupt(&self) -> anyhow::Result<Arc<AtomicBool>> {
+        let is_stopped = Arc::new(AtomicBool::new(false));
+        // Signals are the process's.
+        if !self.is_embedded() {
+            let seen = is_stopped.clone();
+            ctrlc::set_handler(move || {
+                if seen.swap(true, Ordering::Relaxed) {
+                    // The code that shells expect of a program that was interrupted.
+                    std::process::exit(130);
+                }
+            })?;
+        }
+        Ok(is_stopped)
+    }
+}

@@ -1,0 +1,86 @@
+//! The `lumivox` program: voxel cone tracing on the command line and in a window.
+//!
+//! [`run`] reads a command line and does what it says; each command is a module of its own. All output of a command goes
+//! to stdout at its end, all messages to stderr. Both, and the GPU, come from a [`Host`]: the program has that of its
+//! process, tests run many commands in one process, on one device.
+//!
+//! # Features
+//!
+//! None is on by default: a build renders, compares, converts and runs scripts, and knows no windows.
+//!
+//! | feature | adds |
+//! | --- | --- |
+//! | `prompt` | line editing, history and completion to `lumivox run` on a terminal, which reads plain lines without it |
+//! | `window` | `lumivox view`; and `prompt`, for the terminal beside the window |
+//!
+//! Each is asked for in one place: `commands/mod.rs` (`view`), `console/mod.rs` (`prompt`) and here (`window`).
+
+#![allow(
+    clippy::format_push_string,
+    reason = "write! into a String returns an error that cannot happen"
+)]
+#![cfg_attr(
+    test,
+    allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")
+)]
+#![cfg_attr(
+    not(feature = "window"),
+    allow(
+        dead_code,
+        unused_imports,
+        reason = "some of what commands have in common serves the window alone"
+    )
+)]
+
+mod args;
+mod cli;
+mod commands;
+mod console;
+mod exit;
+mod host;
+mod log;
+mod motion;
+mod opening;
+mod progress;
+mod quality;
+mod report;
+mod sequence;
+#[cfg(feature = "window")]
+mod window;
+
+use std::ffi::OsString;
+
+use clap::{CommandFactory as _, Parser as _};
+
+use cli::{Cli, Command};
+pub use exit::{Exit, guard};
+pub use host::{Embedded, Host, OpenGpu};
+
+/// Runs a command line; its first word is the program's name.
+pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => return exit::with_clap(&error, host),
+    };
+    let tells_warnings = matches!(cli.command, Some(Command::Info(_)));
+    let _log = log::start(cli.verbose, tells_warnings, host);
+    let done = match &cli.command {
+        None => host.print(&format!("{}\n", Cli::command().render_help())),
+        Some(Command::Render(args)) => commands::render::run(args, cli.verbose, host),
+        Some(Command::View(args)) => commands::view::run(args, host),
+        Some(Command::Reference(args)) => commands::reference::run(args, host),
+        Some(Command::Quality(args)) => commands::quality::run(args, host),
+        Some(Command::Info(args)) => commands::info::run(args, host),
+        Some(Command::Volumes(args)) => commands::volumes::run(args, host),
+        Some(Command::Voxels(args)) => commands::voxels::run(args, host),
+        Some(Command::Convert(args)) => commands::convert::run(args, host),
+        Some(Command::Compare(args)) => commands::compare::run(args, host),
+        Some(Command::Run(args)) => commands::run::run(args, host),
+        Some(Command::Commands(args)) => commands::run::list(args.markdown, host),
+        Some(Command::Scenes) => commands::scenes::run(host),
+    };
+    match done {
+        Ok(()) => Exit::Ok,
+        Err(error) => exit::with_error(&error, host),
+    }
+}

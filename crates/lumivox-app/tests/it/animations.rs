@@ -1,0 +1,109 @@
+//! Scenes that move, from the command line.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::common::{INPUT, expect_error, folder, lumivox, moving_glb};
+
+/// Small enough for a software driver.
+const SMALL: &str = "--size 32x18 --frames 1 --resolution 32 --bounces 1 --shadow-resolution 64";
+
+fn moving() -> TempDir {
+    let folder = folder();
+    fs::write(folder.path().join("moving.glb"), moving_glb()).unwrap();
+    folder
+}
+
+fn still(folder: &Path, options: &str) -> Vec<u8> {
+    let line = format!("render moving.glb -o still.exr {SMALL} {options}");
+    lumivox(folder, &line).expect_ok();
+    fs::read(folder.join("still.exr")).unwrap()
+}
+
+fn index(folder: &Path, file: &str) -> Value {
+    serde_json::from_slice(&fs::read(folder.join(file)).unwrap()).unwrap()
+}
+
+#[test]
+fn one_moment_of_an_animation_is_a_still() {
+    let folder = moving();
+    let still = |options: &str| still(folder.path(), options);
+    let rest = still("");
+    let start = still("--time 0");
+    let middle = still("--time 1");
+    assert!(rest == start, "the file shows the start");
+    assert!(middle != start, "it moves");
+    assert!(middle == still("--time 1 --animation 0"));
+    assert!(middle == still("--time 1 --animation slide"));
+    let risen = still("--time 1 --animation rise");
+    assert!(risen != middle && risen != start);
+    assert!(risen == still("--time 7 --animation 1"), "beyond its end it stands still");
+    assert!(start == still("--animation slide"), "without a time it is its start");
+    let both = still("--time 1 --animation all");
+    assert!(both != start && both != middle, "the later one in the file wins");
+    assert!(rest == still("--animation none"));
+}
+
+#[test]
+fn a_sequence_plays_the_animation_in_one_grid() {
+    let folder = moving();
+    let path = folder.path();
+    let line = format!("render moving.glb -o play_#.exr {SMALL} --time 0..2 --fps 2 --json");
+    let report = lumivox(path, &line).expect_ok().json();
+    assert_eq!(report["pictures"], 4);
+    let index = index(path, "play_index.json");
+    assert_eq!(index["settings"]["animation"], "slide");
+    let read = |number: usize| fs::read(path.join(format!("play_{number}.exr"))).unwrap();
+    let pictures: HashSet<_> = (0..4).map(read).collect();
+    assert_eq!(pictures.len(), 4, "each picture shows another pose");
+    // One grid, which holds the scene in all of its poses.
+    let voxel = report["grid"]["voxel_size_m"].as_f64().unwrap();
+    let origin = report["grid"]["origin"][0].as_f64().unwrap();
+    assert!(origin < -1.0 && voxel * 32.0 >= 2.0, "{report}");
+
+    // A picture that is rendered by itself is the same: nothing of the one before is in it, and
+    // neither exposure nor unit depend on where a run begins.
+    let before = read(2);
+    fs::remove_file(path.join("play_2.exr")).unwrap();
+    let again = lumivox(path, &line).expect_ok().json();
+    assert_eq!(again["rendered"], 1);
+    assert!(read(2) == before);
+}
+
+#[test]
+fn an_open_range_and_a_pattern_alone_play_all_of_it() {
+    let folder = moving();
+    // Which pictures there are is what counts: without an exposure none is metered.
+    let quick = SMALL.replace("--resolution 32", "--resolution 16 --exposure 0");
+    for (options, pictures) in [
+        ("--fps 1", 2),
+        ("--fps 1 --animation rise", 1),
+        ("--fps 2 --time 1..", 2),
+        ("--fps 1 --animation all --orbit 90", 2),
+    ] {
+        let line = format!("render moving.glb -o a_#.png {quick} {options} --restart --json");
+        let report = lumivox(folder.path(), &line).expect_ok().json();
+        assert_eq!(report["pictures"], pictures, "{options}");
+    }
+}
+
+#[test]
+fn unknown_parts_list_the_known_ones() {
+    let folder = moving();
+    let path = folder.path();
+    for (options, needles) in [
+        ("--animation jump", ["no animation \"jump\"", "0 \"slide\", 1 \"rise\""]),
+        ("--animation 2", ["no animation \"2\"", "1 \"rise\""]),
+        ("--scene-in-file cellar", ["\"cellar\"", "1 \"plate\""]),
+        ("--time 3..", ["the range of time is empty", "ends at 2 s"]),
+    ] {
+        let line = format!("render moving.glb -o a_#.png {options}");
+        expect_error(path, &line, INPUT, &needles);
+    }
+    let line = "render moving.glb -o a_#.png --time 1";
+    expect_error(path, line, INPUT, &["a_#.png", "one time gives one picture"]);
+}

@@ -1,0 +1,305 @@
+//! The program as its users meet it: help, lists, reports, pictures.
+
+use std::fs;
+
+use crate::common::{CORNER, Run, folder, glb, lumivox, names, process};
+
+/// Small enough for a software driver.
+const SMALL: &str = "--size 64x36 --frames 2 --resolution 32";
+
+#[test]
+fn without_arguments_it_shows_the_help() {
+    let folder = folder();
+    let bare = lumivox(folder.path(), "").expect_ok();
+    let asked = lumivox(folder.path(), "-h").expect_ok();
+    for run in [bare, asked] {
+        assert!(run.stdout.contains("Usage: lumivox"), "{}", run.stdout);
+        for word in ["render", "info", "voxels", "scenes", "Exit codes"] {
+            assert!(run.stdout.contains(word), "{word}");
+        }
+        assert_eq!(run.stderr, "");
+    }
+    let version = lumivox(folder.path(), "--version").expect_ok().stdout;
+    assert_eq!(version, format!("lumivox {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn every_command_has_help() {
+    let folder = folder();
+    for command in ["render", "info", "voxels", "convert", "compare", "scenes"] {
+        let long = lumivox(folder.path(), &format!("{command} --help")).expect_ok();
+        let asked = lumivox(folder.path(), &format!("help {command}")).expect_ok();
+        assert_eq!(long.stdout, asked.stdout);
+        assert!(long.stdout.contains(&format!("Usage: lumivox {command}")), "{}", long.stdout);
+        lumivox(folder.path(), &format!("{command} -h")).expect_ok();
+    }
+    let help = lumivox(folder.path(), "help render").expect_ok().stdout;
+    for text in [
+        "[default: 640x360]",
+        "[default: 128]",
+        "[default: 16]",
+        "[default: final]",
+        "[default: balanced]",
+        "- occlusion:",
+        "in pixels",
+        "with LUX lux",
+        "in metres",
+        "Examples:",
+        "Exit codes:",
+    ] {
+        assert!(help.contains(text), "{text} is missing in {help}");
+    }
+    assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+}
+
+#[test]
+fn a_scene_is_converted_and_stays_the_same() {
+    let folder = folder();
+    let run = lumivox(folder.path(), "convert builtin:cornell -o box.glb").expect_ok();
+    assert!(run.stdout.starts_with("box.glb: "), "{}", run.stdout);
+    lumivox(folder.path(), "convert box.glb -o again.glb").expect_ok();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("box.glb") == read("again.glb"), "what is read and written again changes");
+    let info = |scene: &str| {
+        let text = lumivox(folder.path(), &format!("info {scene} --json")).expect_ok().stdout;
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        ["triangles", "materials", "lights", "cameras"].map(|key| json[key].clone())
+    };
+    assert_eq!(info("builtin:cornell"), info("box.glb"));
+    for (line, needle) in [
+        ("convert builtin:cornell -o box.obj", ".glb"),
+        ("convert builtin:cornell -o nowhere/box.glb", "there is no folder"),
+        ("convert builtin:cornell -o still.glb --time 1", "nothing moves"),
+    ] {
+        let run = lumivox(folder.path(), line);
+        assert!(run.code != 0 && run.stderr.contains(needle), "{line}: {}", run.stderr);
+    }
+    assert_eq!(names(folder.path()), ["again.glb", "box.glb"]);
+}
+
+#[test]
+fn the_scenes_are_listed() {
+    let folder = folder();
+    let list = lumivox(folder.path(), "scenes").expect_ok().stdout;
+    for name in ["cornell", "two-rooms", "atrium", "furnace", "panel", "spheres", "-rotated"] {
+        assert!(list.contains(name), "{name} is missing in {list}");
+    }
+}
+
+#[test]
+fn info_describes_the_machine() {
+    let folder = folder();
+    let text = lumivox(folder.path(), "info").expect_ok().stdout;
+    assert!(text.contains("largest storage binding"), "{text}");
+    let report = lumivox(folder.path(), "info --json").expect_ok().json();
+    let adapter = &report["adapters"][0];
+    assert_eq!(report["default_adapter"], adapter["name"]);
+    assert!(adapter["problem"].is_null(), "{adapter}");
+    assert!(adapter["largest_volume"]["resolution"].as_u64().unwrap() >= 128, "{adapter}");
+    assert!(adapter["max_texture_2d"].as_u64().unwrap() >= 8192, "{adapter}");
+}
+
+#[test]
+fn info_describes_a_scene() {
+    let folder = folder();
+    fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
+    let text = lumivox(folder.path(), "info corner.glb").expect_ok().stdout;
+    assert!(text.starts_with("corner\n"), "{text}");
+    let report = lumivox(folder.path(), "info corner.glb --json").expect_ok().json();
+    assert_eq!(report["triangles"], 4);
+    assert_eq!(report["bounds_max"], serde_json::json!([1.0, 2.0, 1.0]));
+    assert_eq!(report["light_list"][0]["kind"], "point");
+    assert_eq!(report["light_list"][0]["strength"], 100.0);
+    let report = lumivox(folder.path(), "info builtin:cornell --json").expect_ok().json();
+    assert!(report["camera_list"][0]["vertical_fov_deg"].as_f64().unwrap() > 1.0);
+}
+
+#[test]
+fn voxels_are_counted() {
+    let folder = folder();
+    let line = "voxels builtin:cornell --resolution 32";
+    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
+    let voxels = report["voxels"].as_u64().unwrap();
+    assert!(voxels > 0 && report["faces"].as_u64().unwrap() >= voxels, "{report}");
+    assert_eq!(report["levels"][0]["nodes"].as_u64(), Some(voxels));
+    assert_eq!(report["triangles"], report["scene"]["triangles"]);
+    assert_eq!(report["skipped"], 0);
+    let memory = report["memory"].as_array().unwrap();
+    let sum: u64 = memory.iter().map(|part| part["bytes"].as_u64().unwrap()).sum();
+    assert_eq!(report["memory_bytes"].as_u64(), Some(sum));
+    assert!(report["stages"].as_array().unwrap().iter().all(|s| s["ms"].as_f64().unwrap() >= 0.0));
+    assert!(report["wall_ms"].as_f64().unwrap() > 0.0);
+    let text = lumivox(folder.path(), &format!("{line} --isotropic --grid-offset 0.5,0,0"));
+    let text = text.expect_ok().stdout;
+    for word in ["voxels", "faces", "level", "total", "stage", "One voxelization"] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+}
+
+#[test]
+fn voxelizers_are_compared() {
+    let folder = folder();
+    // Walls at an angle to the grid: the rasterizer's gaps and surplus both show.
+    let line = "voxels builtin:cornell --rotate 17,31,5 --resolution 32 --compare-voxelizers";
+    let run = lumivox(folder.path(), &format!("{line} -o a.png --size 80x60 --json"));
+    let report = run.expect_ok().json();
+    let method = |name: &str| {
+        let methods = report["methods"].as_array().unwrap();
+        methods.iter().find(|method| method["name"] == name).unwrap().clone()
+    };
+    let number = |name: &str, key: &str| method(name)[key].as_f64().unwrap();
+    let exact = number("exact", "voxels");
+    for name in ["exact", "dominant-axis", "conservative", "three-plane"] {
+        let [voxels, missing, extra] = ["voxels", "missing", "extra"].map(|key| number(name, key));
+        assert!((voxels - (exact - missing + extra)).abs() < 0.5, "{name}: {report}");
+        assert!((number(name, "area") - 1.0).abs() < 0.02, "{name}: {report}");
+        assert!(number(name, "wall_ms") > 0.0, "{name}: {report}");
+    }
+    for key in ["missing", "extra", "color_rmse", "missing_area"] {
+        assert!(number("exact", key) == 0.0, "{key}: {report}");
+    }
+    assert!(number("conservative", "missing") == 0.0, "{report}");
+    assert!(number("conservative", "extra") > 0.0, "{report}");
+    assert!(number("dominant-axis", "missing") > number("three-plane", "missing"), "{report}");
+    assert!(number("three-plane", "missing") > 0.1 * exact, "{report}");
+    assert!(number("dominant-axis", "color_rmse") > 0.001, "{report}");
+    let png = fs::read(folder.path().join("a.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+
+    let text = lumivox(folder.path(), line).expect_ok().stdout;
+    for word in ["three-plane", "missing", "too many", "colour RMSE", "Times on"] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+}
+
+#[test]
+fn a_voxelizer_is_chosen() {
+    let folder = folder();
+    let report = |method: &str| {
+        let line = format!("voxels builtin:cornell --resolution 32 --voxelizer {method} --json");
+        lumivox(folder.path(), &line).expect_ok().json()
+    };
+    let (exact, dominant) = (report("exact"), report("dominant-axis"));
+    assert_eq!(exact["voxelizer"], "exact");
+    assert_eq!(dominant["voxelizer"], "dominant-axis");
+    assert!(dominant["voxels"].as_u64().unwrap() < exact["voxels"].as_u64().unwrap());
+    let line = format!("render builtin:cornell -o a.png {SMALL} --voxelizer three-plane --json");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(report["settings"]["voxelizer"], "three-plane");
+}
+
+#[test]
+fn what_keeping_static_triangles_saves_is_measured() {
+    let folder = folder();
+    let line = "voxels builtin:cornell --resolution 32 --dynamic-share 0.1 --moves 2";
+    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
+    assert_eq!(report["has_same_bits"], true, "{report}");
+    assert_eq!(report["dynamic_triangles"], 4, "{report}");
+    assert_eq!(report["scene"]["triangles"], 40, "{report}");
+    assert!(report["kept_bytes"].as_u64().unwrap() > 0);
+    let changed = report["changed_share"].as_f64().unwrap();
+    assert!(changed > 0.0 && changed < 1.0, "{report}");
+    let stages: Vec<_> = report["stages"].as_array().unwrap().iter().map(|s| &s["stage"]).collect();
+    for stage in ["voxelize", "changes", "volume", "light", "filter"] {
+        assert!(stages.iter().any(|name| *name == stage), "{stage} is missing in {report}");
+    }
+    let text = lumivox(folder.path(), line).expect_ok().stdout;
+    for word in ["that move", "static kept", "the same bits"] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+    let info = lumivox(folder.path(), "info builtin:cornell --json").expect_ok().json();
+    let counts = ["static_triangles", "static_instances", "dynamic_triangles", "dynamic_instances"];
+    assert_eq!(counts.map(|name| info[name].as_u64()), [Some(40), Some(7), Some(0), Some(0)]);
+}
+
+#[test]
+fn info_tells_what_is_hidden_and_what_is_not_voxelized() {
+    let folder = folder();
+    let text = "scene { model { primitive = cube } model { primitive = cube active = false } \
+                model { primitive = cube static = true } model { primitive = cube static = true } }";
+    fs::write(folder.path().join("a.scene"), text).unwrap();
+    let info = lumivox(folder.path(), "info a.scene --json").expect_ok().json();
+    let counts = ["instances", "triangles", "hidden_instances", "unvoxelized_instances"];
+    assert_eq!(counts.map(|name| info[name].as_u64()), [Some(3), Some(36), Some(1), Some(2)]);
+    let text = lumivox(folder.path(), "info a.scene").expect_ok().stdout;
+    assert!(text.contains("1 instance hidden, 2 not voxelized"), "{text}");
+}
+
+#[test]
+fn a_picture_is_rendered_and_reported() {
+    let folder = folder();
+    let line = format!("render builtin:cornell -o a.png {SMALL} --json");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(names(folder.path()), ["a.png"]);
+    let png = fs::read(folder.path().join("a.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+    // Width and height, in the header chunk.
+    assert_eq!(png[16..24], [0, 0, 0, 64, 0, 0, 0, 36]);
+
+    assert_eq!(report["file"], "a.png");
+    assert_eq!(report["size"], serde_json::json!([64, 36]));
+    assert_eq!(report["scene"]["name"], "cornell");
+    assert_eq!(report["settings"]["frames"], 2);
+    assert_eq!(report["settings"]["resolution"], 32);
+    assert!(report["settings"]["occlusion_distance"].is_null());
+    assert!(report["voxels"].as_u64().unwrap() > 0, "{report}");
+    assert!(report["faces"].as_u64().unwrap() > 0, "{report}");
+    assert!(report["memory_bytes"].as_u64().unwrap() > 0, "{report}");
+    assert!(report["exposure"].as_f64().unwrap().is_finite(), "{report}");
+    assert!(report["seconds"]["total"].as_f64().unwrap() > 0.0, "{report}");
+    assert!(report["adapter"]["name"].as_str().is_some_and(|name| !name.is_empty()), "{report}");
+    let stages: Vec<_> = report["stages"].as_array().unwrap().iter().collect();
+    for name in ["voxelize", "G-buffer", "trace"] {
+        let stage = stages.iter().find(|stage| stage["stage"] == name);
+        assert!(stage.is_some_and(|stage| stage["ms"].as_f64().unwrap() > 0.0), "{name}: {report}");
+    }
+}
+
+#[test]
+fn two_runs_give_the_same_bytes() {
+    let folder = folder();
+    // On the device that the tests share, with all that they leave on it; and in a process of its own.
+    let here = |line: &str| lumivox(folder.path(), line);
+    let alone = |line: &str| process(folder.path(), &line.split(' ').collect::<Vec<_>>(), "");
+    let second_runs: [(&str, &dyn Fn(&str) -> Run); 2] = [("png", &here), ("exr", &alone)];
+    for (extension, second_run) in second_runs {
+        let runs: [(&str, &dyn Fn(&str) -> Run); 2] = [("a", &here), ("b", second_run)];
+        let [first, second] = runs.map(|(name, run)| {
+            let line = format!("render builtin:cornell -o {name}.{extension} {SMALL}");
+            let text = run(&line).expect_ok().stdout;
+            assert!(text.starts_with(&format!("{name}.{extension}: 64x36")), "{text}");
+            fs::read(folder.path().join(format!("{name}.{extension}"))).unwrap()
+        });
+        assert!(first == second, "the two .{extension} files differ");
+    }
+    assert_eq!(names(folder.path()), ["a.exr", "a.png", "b.exr", "b.png"]);
+}
+
+#[test]
+fn a_file_is_rendered_under_every_kind_of_light() {
+    let folder = folder();
+    fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
+    fs::write(folder.path().join("a.png"), "an older file").unwrap();
+    let line = format!(
+        "render corner.glb -o a.png {SMALL} --sun 1,2,1,5000 --environment 10,20,30 \
+         --camera 1.5,1.5,3,0,0.5,0,50 --preset fast --shadows cone --exposure -8 -v"
+    );
+    let run = lumivox(folder.path(), &line).expect_ok();
+    assert!(run.stdout.contains("exposure -8"), "{}", run.stdout);
+    assert!(run.stdout.contains("2 lights"), "{}", run.stdout);
+    assert!(run.stdout.contains("stage and pass"), "{}", run.stdout);
+    assert!(run.stdout.contains("total"), "{}", run.stdout);
+    assert!(run.stderr.contains("info: running on"), "{}", run.stderr);
+    assert!(fs::read(folder.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn the_voxels_can_be_seen() {
+    let folder = folder();
+    let line = "render builtin:panel -o a.png --size 32x18 --frames 1 --resolution 16 \
+                --view voxels --level 1 --camera framing --isotropic --portable --json";
+    let report = lumivox(folder.path(), line).expect_ok().json();
+    assert_eq!(report["settings"]["view"], "voxels");
+    assert_eq!(report["settings"]["isotropic"], true);
+    assert_eq!(report["camera"]["name"], "framing");
+}

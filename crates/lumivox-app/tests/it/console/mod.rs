@@ -1,0 +1,73 @@
+//! The console through `lumivox run`: each command by its effect on the picture or by what it prints.
+
+mod errors;
+mod files;
+mod frames;
+mod light;
+mod objects;
+mod page;
+mod program;
+mod round_trip;
+mod session;
+mod view;
+mod vxct;
+
+use std::collections::HashSet;
+
+use crate::common::{folder, lumivox};
+use session::rehearse;
+
+/// The tests that tell a command by what it does.
+const SESSIONS: [fn(); 21] = [
+    files::scenes_are_loaded_by_path_and_by_name,
+    files::pictures_are_written_and_compared,
+    files::animations_play,
+    files::names_are_looked_for_beside_the_open_scene,
+    frames::frames_come_on_demand_and_are_timed,
+    frames::voxels_follow_or_wait,
+    light::lights_come_change_and_go,
+    light::surroundings_are_light_and_panoramas,
+    light::a_sky_takes_the_place_of_the_command_lines,
+    objects::objects_move_and_hide,
+    objects::materials_change,
+    objects::materials_have_the_names_of_vxct,
+    objects::the_camera_goes_about,
+    program::help_echo_and_lists,
+    program::settings_are_printed_set_and_reset,
+    program::scripts_run_scripts,
+    program::the_end_is_the_end,
+    view::surfaces_voxels_and_wires,
+    view::parts_of_light_in_the_physical_look,
+    vxct::switches,
+    vxct::numbers,
+];
+
+/// A command is covered when a session gives it to the console, by each of its names.
+#[test]
+fn every_command_has_a_test() {
+    let folder = folder();
+    let list = lumivox(folder.path(), "commands").expect_ok().stdout;
+    let rehearsed: String = SESSIONS.iter().map(|test| rehearse(*test)).collect();
+    let given: HashSet<&str> = rehearsed
+        .split(['\n', ';'])
+        .filter_map(|command| command.split_whitespace().next())
+        .collect();
+    let mut missing = Vec::new();
+    let mut count = 0;
+    for line in list.lines() {
+        let (form, _) = line.split_once(": ").unwrap();
+        let name = form.split_whitespace().next().unwrap();
+        // `NAME USAGE (ALIAS or ALIAS)`
+        let aliases = form.rsplit_once(" (").and_then(|(_, aliases)| aliases.strip_suffix(')'));
+        let aliases = aliases.unwrap_or_default().replace(" or ", ", ");
+        for name in [name].into_iter().chain(aliases.split(", ").filter(|alias| !alias.is_empty()))
+        {
+            count += 1;
+            if !given.contains(name) {
+                missing.push(name.to_owned());
+            }
+        }
+    }
+    assert!(count > 100, "{count} names in\n{list}");
+    assert!(missing.is_empty(), "no session has a line with: {missing:?}");
+}

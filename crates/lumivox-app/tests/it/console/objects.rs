@@ -1,0 +1,90 @@
+//! Objects, materials, cameras.
+
+use super::session::{Session, project};
+
+#[test]
+pub fn objects_move_and_hide() {
+    let mut session = Session::new("--scene builtin:cornell");
+    session.says("objects", &["tall block", "white", "shown", "static"]);
+    let start = session.picture();
+    let moved = session.changes("translate 'tall block' 0.3 0 0.1");
+    session.changes("rotate 'tall block' 0 40 0");
+    session.changes("scale 'tall block' 0.5 1 1.5");
+    session.changes("scale 'tall block' 0.5");
+    session.equals("matrix 'tall block' 1 0 0 0 1 0 0 0 1 0.3 0 0.1", moved);
+    session.says("matrix 'tall block'", &["1 0 0 0 1 0 0 0 1 0.3 0 0.1"]);
+    session.equals("matrix 'tall block' 1 0 0 0 1 0 0 0 1 0 0 0", start);
+    session.changes("place 'short block' 0.2 0.5 0.1 0 45 0 1.5");
+    session.says("place 'short block'", &["position 0.2,0.5,0.1 m", "scale 1.5"]);
+    session.does("matrix 'short block' 1 0 0 0 1 0 0 0 1 0 0 0");
+    let hidden = session.changes("hide 'left wall'");
+    session.equals("show 'left wall'", start);
+    session.says("toggle 'left wall'", &["left wall hidden"]);
+    session.equals("echo", hidden);
+    session.equals("toggle 'left wall'", start);
+    session.says("static 'tall block'", &["static tall block on"]);
+    session.does("static 'tall block' off");
+    session.says("objects 'tall block'", &["dynamic"]);
+    session.equals("echo", start);
+    session.finish();
+}
+
+#[test]
+pub fn materials_change() {
+    let mut session = Session::new("--scene builtin:cornell --exposure -4");
+    session.says("materials", &["white", "red", "metallic_roughness"]);
+    let start = session.picture();
+    session.changes("material red albedo 0.1 0.1 0.8");
+    session.says("material red", &["base_color 0.1 0.1 0.8 1", "roughness"]);
+    session.changes("material white metallic 1 roughness 0.2");
+    session.changes("material green emission 20 2 2");
+    session.changes("material white shading phong");
+    session.says("material white", &["diffuse", "shininess 16"]);
+    session.changes("material white diffuse 0.2 0.2 0.2 specular 0.5 0.5 0.5 shininess 4");
+    session.equals("reload", start);
+    session.finish();
+}
+
+#[test]
+pub fn materials_have_the_names_of_vxct() {
+    let mut session = Session::new("--preset vxct");
+    session.does(&format!("load '{}'", project("scenes/cornell.scene").display()));
+    session.picture();
+    session.changes("setmat TallBlock color 0.1 0.3 0.9");
+    session.changes("setmat TallBlock diffuse_str 0.5");
+    session.changes("setmat TallBlock ambient_str 0.9");
+    let bright = session.changes("setmat TallBlock ambient_str 0.4");
+    // Nothing is lost on the way, and what was changed otherwise stays.
+    session.changes("setmat TallBlock diffuse_str 0");
+    session.equals("setmat TallBlock diffuse_str 0.5", bright);
+    session.changes("setmat LeftWall specular_str 1");
+    session.changes("phong_specular on");
+    session.changes("setmat LeftWall shininess 2");
+    session.says("objects LeftWall", &["LeftWall"]);
+    session.changes("toggle FrontWall");
+    session.finish();
+}
+
+#[test]
+pub fn the_camera_goes_about() {
+    let mut session = Session::new("--scene builtin:cornell");
+    session.says("cameras", &["0 \"front\"", "\"framing\""]);
+    let start = session.picture();
+    session.does("store 1");
+    session.changes("camera 0.5,1,1.2,0,0.6,-0.5,60");
+    session.says("camera", &["camera 0.5,1,1.2"]);
+    session.does("store 2");
+    let second = session.changes("fov 40; store 2");
+    session.says("fov", &["fov 40"]);
+    session.equals("pos1", start);
+    session.equals("pos2", second);
+    session.equals("camera front", start);
+    session.changes("move 0.2 0.1 0.3");
+    session.changes("orbit 20 10");
+    session.changes("turn -10 5");
+    session.changes("camera framing");
+    session.changes("orbit 20 0 0,0.5,0");
+    session.equals("camera 0", start);
+    session.changes("camera_axes 0 0.8 1.5 0 0 -1 0 1 0 55");
+    session.finish();
+}

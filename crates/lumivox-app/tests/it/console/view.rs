@@ -1,0 +1,67 @@
+//! What is shown.
+
+use super::session::Session;
+
+#[test]
+pub fn surfaces_voxels_and_wires() {
+    let mut session = Session::new("--scene builtin:cornell");
+    let start = session.picture();
+    session.says("objs", &["objs off"]);
+    let nothing = session.changes("echo");
+    session.equals("objs on", start);
+    session.says("objsW", &["objsW on"]);
+    let wires = session.changes("echo");
+    session.equals("objsw off", start);
+    session.does("objsw on");
+    session.equals("objs on", start);
+    let over = session.changes("overlayW on");
+    session.changes("wireframe through");
+    session.equals("overlayw off", start);
+    session.says("voxs", &["voxs on"]);
+    let cubes = session.changes("echo");
+    session.changes("lod 2");
+    session.says("lod", &["level 2"]);
+    session.equals("lod 0", cubes);
+    session.changes("voxsW on");
+    session.equals("voxsw off", start);
+    session.changes("loclod on");
+    session.changes("lod 1");
+    session.equals("loclod off; lod 0", start);
+    session.changes("iLight off");
+    session.says("view", &["view direct"]);
+    session.equals("ilight on", start);
+    session.changes("show_grid on");
+    session.says("ray", &["material \"white\"", "normal", "m away"]);
+    session.changes("show_grid off; ray 10 10");
+    session.equals("ray off", start);
+    session.says("ray 0,1,10 0,0.1,1", &["the ray hits nothing"]);
+    session.says("ray 0,0.5,0 0,-1,0", &["floor, ceiling, back wall"]);
+    session.differs(nothing, wires);
+    session.differs(wires, over);
+    session.differs(over, cubes);
+    session.finish();
+}
+
+#[test]
+pub fn parts_of_light_in_the_physical_look() {
+    let mut session = Session::new("--scene builtin:spheres --exposure -2");
+    let all = session.picture();
+    session.changes("phong_only");
+    session.says("view", &["view direct"]);
+    session.changes("shadows_only");
+    session.changes("specular_only");
+    session.changes("diffuse_only");
+    session.equals("all", all);
+    session.says("phong", &["phong off"]);
+    session.says("view", &["view indirect"]);
+    session.equals("phong on", all);
+    session.says("vox_diffuse", &["vox_diffuse off: bounces 0"]);
+    session.changes("echo");
+    session.equals("vdiff on", all);
+    session.changes("vox_specular off");
+    session.equals("vspec", all);
+    session.changes("vox_shadows on");
+    session.says("shadows", &["shadows cone"]);
+    session.equals("vshad off", all);
+    session.finish();
+}

@@ -1,0 +1,22 @@
+//! The program as its users meet it: on the command line, in scripts, in its window.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "in a test a panic is the message, and zero is exact"
+)]
+
+mod animations;
+mod bad_input;
+mod cli;
+mod common;
+mod compare;
+mod console;
+mod process;
+mod reference;
+mod scene_files;
+mod sequences;
+mod truth;
+mod volumes;
+#[cfg(all(feature = "window", target_os = "linux"))]
+mod window;

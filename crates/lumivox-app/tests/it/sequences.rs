@@ -1,0 +1,222 @@
+//! Sequences as their users meet them: files, index, going on, refusals.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::common::{INPUT, OUTPUT, USAGE, command, expect_error, folder, lumivox, names};
+
+/// Small enough for a software driver.
+const SMALL: &str = "--size 32x18 --frames 1 --resolution 16 --shadow-resolution 64";
+/// Three pictures round the Cornell box.
+const ORBIT: &str = "--orbit 90 --time 0..1 --fps 3";
+
+fn index(folder: &Path, file: &str) -> Value {
+    serde_json::from_slice(&fs::read(folder.join(file)).unwrap()).unwrap()
+}
+
+fn write_path(folder: &Path, keys: &Value) {
+    fs::write(folder.join("path.json"), keys.to_string()).unwrap();
+}
+
+#[test]
+fn a_folder_gets_numbered_pictures_and_an_index() {
+    let folder = folder();
+    let line = format!("render builtin:cornell -o turn {SMALL} {ORBIT} --json");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(names(folder.path()), ["turn"]);
+    let turn = folder.path().join("turn");
+    assert_eq!(names(&turn), ["0000.png", "0001.png", "0002.png", "index.json"]);
+    assert_eq!(report["pictures"], 3);
+    assert_eq!(report["rendered"], 3);
+    assert!(report["voxels"].as_u64().unwrap() > 0, "{report}");
+    assert_eq!(report["settings"]["resolution"], 16);
+
+    let index = index(&turn, "index.json");
+    assert_eq!(index["frame_count"], 3);
+    assert_eq!(index["settings"]["orbit"], 90.0);
+    assert_eq!(index["settings"]["fps"], 3.0);
+    assert_eq!(index["settings"]["scene"]["name"], "builtin:cornell");
+    assert_eq!(index["settings"]["size"], json!([32, 18]));
+    let stops = index["exposure"].as_f64().unwrap();
+    let frames = index["frames"].as_array().unwrap();
+    let mut places = HashSet::new();
+    for (number, frame) in frames.iter().enumerate() {
+        assert_eq!(frame["number"], number);
+        let file = turn.join(frame["file"].as_str().unwrap());
+        let bytes = fs::read(file).unwrap();
+        assert_eq!(frame["bytes"], bytes.len());
+        assert_eq!(bytes[16..24], [0, 0, 0, 32, 0, 0, 0, 18]);
+        let time_s = frame["time_s"].as_f64().unwrap();
+        assert!((time_s - number as f64 / 3.0).abs() < 1e-9, "{time_s}");
+        // One exposure for all.
+        assert_eq!(frame["exposure"].as_f64(), Some(stops));
+        places.insert(frame["camera"]["position"].to_string());
+    }
+    assert_eq!(places.len(), 3, "the camera moves");
+    let pictures: HashSet<_> = ["0000.png", "0001.png", "0002.png"]
+        .map(|name| fs::read(turn.join(name)).unwrap())
+        .into_iter()
+        .collect();
+    assert_eq!(pictures.len(), 3, "the pictures differ");
+}
+
+#[test]
+fn the_first_picture_of_an_orbit_is_the_still() {
+    let folder = folder();
+    let still = format!("render builtin:cornell -o still.exr {SMALL}");
+    lumivox(folder.path(), &still).expect_ok();
+    let turn = format!("render builtin:cornell -o turn_##.exr {SMALL} {ORBIT}");
+    lumivox(folder.path(), &turn).expect_ok();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("still.exr") == read("turn_00.exr"));
+    let expected = ["still.exr", "turn_00.exr", "turn_01.exr", "turn_02.exr", "turn_index.json"];
+    assert_eq!(names(folder.path()), expected);
+}
+
+#[test]
+fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
+    let folder = folder();
+    let line = format!("render builtin:cornell -o turn {SMALL} {ORBIT}");
+    lumivox(folder.path(), &line).expect_ok();
+    let turn = folder.path().join("turn");
+    let pictures = || ["0000.png", "0001.png", "0002.png"].map(|n| fs::read(turn.join(n)).unwrap());
+    let changed = || fs::metadata(turn.join("0001.png")).unwrap().modified().unwrap();
+    let (before, time) = (pictures(), changed());
+    let run = lumivox(folder.path(), &line).expect_ok();
+    assert!(run.stdout.contains("3 of them were there already"), "{}", run.stdout);
+
+    // As after a power cut: one picture half written, one gone; the exposure is still that of all.
+    fs::write(turn.join("0000.png"), &before[0][..40]).unwrap();
+    fs::remove_file(turn.join("0002.png")).unwrap();
+    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
+    assert_eq!(report["rendered"], 2);
+    assert!(pictures() == before, "the same pictures");
+    assert_eq!(changed(), time, "the middle one was left alone");
+
+    // Other settings do not mix, unless all is made anew.
+    let other = line.replace("--frames 1", "--frames 2");
+    expect_error(folder.path(), &other, INPUT, &["index.json", "frames was 1, is 2", "--restart"]);
+    let slower = line.replace("--fps 3", "--fps 2");
+    expect_error(folder.path(), &slower, INPUT, &["fps was 3.0, is 2.0", "--restart"]);
+    lumivox(folder.path(), &format!("{slower} --restart")).expect_ok();
+    assert_eq!(names(&turn), ["0000.png", "0001.png", "index.json"]);
+    assert_eq!(index(&turn, "index.json")["frame_count"], 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_killed_leaves_a_sequence_to_go_on_with() {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+
+    let folder = folder();
+    let line = format!("render builtin:cornell -o turn {SMALL} --orbit 360 --time 0..4 --fps 10");
+    let mut child = command(folder.path(), &line.split_whitespace().collect::<Vec<_>>())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let turn = folder.path().join("turn");
+    let start = Instant::now();
+    while !turn.join("0002.png").exists() && start.elapsed() < Duration::from_mins(2) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let frames = index(&turn, "index.json")["frames"].as_array().unwrap().len();
+    assert!((2..40).contains(&frames), "{frames} were done");
+    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
+    assert_eq!(report["pictures"], 40);
+    assert_eq!(report["rendered"], 40 - frames);
+    assert_eq!(index(&turn, "index.json")["frames"].as_array().unwrap().len(), 40);
+}
+
+#[test]
+fn a_path_leads_the_camera() {
+    let folder = folder();
+    write_path(
+        folder.path(),
+        &json!([
+            { "time_s": 1, "position": [0.3, 1, 4], "target": [0, 1, 0], "fov_deg": 50 },
+            { "time_s": 1.5, "camera": 0 },
+            { "time_s": 2, "position": [-0.3, 1, 4], "target": [0, 1, 0], "fov_deg": 30 },
+        ]),
+    );
+    let line = format!("render builtin:cornell -o a_#.exr {SMALL} --camera-path path.json --fps 4");
+    lumivox(folder.path(), &line).expect_ok();
+    let index = index(folder.path(), "a_index.json");
+    let frames = index["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 4, "from 1 s to just before 2 s");
+    assert_eq!(frames[0]["time_s"], 1.0);
+    assert_eq!(frames[0]["file"], "a_0.exr");
+    let x = |frame: &Value| frame["camera"]["position"][0].as_f64().unwrap();
+    assert!((x(&frames[0]) - 0.3).abs() < 1e-6 && x(&frames[3]) < x(&frames[0]), "{frames:?}");
+    let fov = frames[0]["camera"]["vertical_fov_deg"].as_f64().unwrap();
+    assert!((fov - 50.0).abs() < 1e-3);
+    assert_eq!(index["settings"]["camera_path"].as_array().unwrap().len(), 3);
+
+    // One moment of it is a still.
+    let line = format!(
+        "render builtin:cornell -o still.exr {SMALL} --camera-path path.json --time 1 --json"
+    );
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(report["camera"]["name"], "camera path");
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("still.exr") == read("a_0.exr"));
+}
+
+#[test]
+fn each_picture_may_find_its_own_exposure() {
+    let folder = folder();
+    let line = format!("render builtin:cornell -o turn {SMALL} {ORBIT} --exposure auto-each");
+    lumivox(folder.path(), &line).expect_ok();
+    let index = index(&folder.path().join("turn"), "index.json");
+    assert!(index["exposure"].is_null());
+    let stops: HashSet<String> =
+        index["frames"].as_array().unwrap().iter().map(|f| f["exposure"].to_string()).collect();
+    assert_eq!(stops.len(), 3, "{stops:?}");
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("file"), "").unwrap();
+    write_path(path, &json!([{ "time_s": 0, "camera": 0 }, { "time_s": 1, "camera": "nowhere" }]));
+    for (line, code, needles) in [
+        ("-o a.png --orbit 90", INPUT, ["a.png", "a_####.png"]),
+        ("-o a.jpg --orbit 90", INPUT, ["a.jpg", ".exr"]),
+        ("-o a_#_#.png --orbit 90", INPUT, ["a_#_#.png", "together"]),
+        ("-o a_#.png --orbit 90 --fps 30", INPUT, ["120 pictures", "write ###"]),
+        ("-o missing/turn/ --orbit 90", OUTPUT, ["missing/turn", "there is no folder missing"]),
+        ("-o file/turn/ --orbit 90", OUTPUT, ["file/turn", "is a file, not a folder"]),
+        ("-o a_#.png", INPUT, ["nothing moves", "--orbit"]),
+        ("-o turn/ --time 0..1", INPUT, ["nothing moves", "--camera-path"]),
+        ("-o a.png --time 1", INPUT, ["nothing moves", "cornell"]),
+        // One time is one picture, and `turn` no picture's name.
+        ("-o turn --orbit 90 --time 1", INPUT, ["turn", ".png"]),
+        ("-o turn/ --orbit 90 --time 1", INPUT, ["an orbit is a sequence", "START..END"]),
+        ("-o turn --orbit 90 --time 2..1", INPUT, ["--time", "end after it starts"]),
+        ("-o turn --orbit 90 --time soon", USAGE, ["--time", "START..END"]),
+        ("-o turn --orbit round", USAGE, ["--orbit", "number"]),
+        ("-o turn --orbit 1e9", INPUT, ["--orbit", "36000"]),
+        ("-o turn --orbit 90 --fps 0", INPUT, ["--fps", "0.001"]),
+        ("-o turn --orbit 90 --time 0..10000 --fps 1000", INPUT, ["10000000 pictures", "--fps"]),
+        ("-o a.png --animation walk", INPUT, ["no animation \"walk\"", "there are: none"]),
+        ("-o turn --camera-path none.json", INPUT, ["none.json", "cannot read"]),
+        ("-o turn --camera-path file", INPUT, ["file", "malformed"]),
+        ("-o turn --camera-path path.json", INPUT, ["path.json: key 1", "\"nowhere\""]),
+        ("-o turn --camera-path path.json --orbit 9", USAGE, ["--orbit", "--camera-path"]),
+        ("-o turn --camera-path path.json --camera 0", USAGE, ["--camera", "cannot be used"]),
+        ("-o a.png --exposure auto-all", USAGE, ["--exposure", "auto-each"]),
+    ] {
+        expect_error(path, &format!("render builtin:cornell {line}"), code, &needles);
+    }
+    fs::create_dir(path.join("full")).unwrap();
+    fs::write(path.join("full/0000.png"), "a photograph").unwrap();
+    let line = "render builtin:cornell -o full --orbit 90";
+    expect_error(path, line, OUTPUT, &["full/0000.png", "no index", "--restart"]);
+}

@@ -1,0 +1,91 @@
+//! `lumivox compare SCENE` and `lumivox quality`: renderings against their path-traced truth.
+
+use std::fs;
+
+use crate::common::{INPUT, USAGE, expect_error, folder, lumivox, names};
+
+/// Small enough for a test, good enough to tell figures.
+const SMALL: &str = "--size 32x24 --samples 32 --frames 4 --resolution 32 --offsets 1";
+
+#[test]
+fn a_scene_is_compared_with_its_truth() {
+    let folder = folder();
+    let line = format!("compare builtin:cornell {SMALL} --reference truth.exr -o strip.png --json");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(report["scene"], "cornell");
+    assert_eq!(report["samples"], 32);
+    for layer in ["one_bounce", "full", "final"] {
+        let figure = |name: &str| report[layer][name].as_f64().unwrap();
+        // 32 voxels in a Cornell box: within a tenth of the truth, and not equal to it.
+        assert!(figure("bias_percent").abs() < 15.0, "{layer}: {report}");
+        assert!(figure("rmse_with_noise_percent") > figure("noise_percent") * 0.5, "{layer}");
+        assert!((0.0..1.0).contains(&figure("flip")), "{layer}");
+        assert!(figure("p95_percent") > 0.0, "{layer}");
+    }
+    assert!(report["samples_per_pixel"].as_f64().unwrap() > 10.0);
+    assert_eq!(names(folder.path()), ["strip.png", "truth.exr"]);
+    let strip = image::open(folder.path().join("strip.png")).unwrap().to_rgb8();
+    assert!(strip.width() > 900 && strip.height() > 600, "{:?}", strip.dimensions());
+
+    // The reference is read again, and gives the same figures.
+    let again = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(again["full"], report["full"]);
+    // But not for something else.
+    let other = format!("compare builtin:furnace {SMALL} --reference truth.exr");
+    expect_error(folder.path(), &other, INPUT, &["truth.exr", "another scene", "delete it"]);
+    let more = line.replace("--samples 32", "--samples 64");
+    expect_error(folder.path(), &more, INPUT, &["truth.exr", "32 samples", "64"]);
+    fs::write(folder.path().join("truth.exr"), "no picture").unwrap();
+    expect_error(folder.path(), &line, INPUT, &["truth.exr", "cannot read the reference"]);
+}
+
+#[test]
+fn leaks_are_told_where_nothing_else_can_be() {
+    let folder = folder();
+    let line = format!("compare builtin:two-rooms-closed {SMALL} --json");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    // The truth is black.
+    assert!(report.get("one_bounce").is_none(), "{report}");
+    let leak = report["leak_percent"].as_f64().unwrap();
+    assert!(leak > 0.0 && leak < 10.0, "{leak} %");
+    assert!(report["leak_full_percent"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn what_to_compare_must_be_said_once() {
+    let folder = folder();
+    expect_error(folder.path(), "compare", USAGE, &["SCENE"]);
+    let both = "compare builtin:cornell --images a.exr b.exr";
+    expect_error(folder.path(), both, USAGE, &["--images"]);
+}
+
+#[test]
+fn the_page_on_errors_is_written_and_work_goes_on_where_it_stopped() {
+    let folder = folder();
+    let line = "quality docs furnace --presets balanced,high --resolutions 16,24 --size 16x12 --samples \
+                32 --frames 2 --offsets 1 --cache kept";
+    lumivox(folder.path(), line).expect_ok();
+    let page = fs::read_to_string(folder.path().join("docs/quality.md")).unwrap();
+    for part in [
+        "# How far from the truth",
+        "| furnace | high |",
+        "images/quality/furnace.png",
+        "turned by",
+    ] {
+        assert!(page.contains(part), "{part} is missing in {page}");
+    }
+    let pictures = names(&folder.path().join("docs/images/quality"));
+    assert_eq!(pictures, ["error-against-cost.svg", "furnace.png"]);
+    // Nothing is measured again: a changed measurement shows up in the page.
+    let kept = folder.path().join("kept/measurements.json");
+    let text = fs::read_to_string(&kept).unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    json["entries"]["furnace 0,0,0 high 24"]["figures"]["one_bounce"]["bias_percent"] = 77.7.into();
+    fs::write(&kept, json.to_string()).unwrap();
+    lumivox(folder.path(), line).expect_ok();
+    let page = fs::read_to_string(folder.path().join("docs/quality.md")).unwrap();
+    assert!(page.contains("+77.7") && page.contains("missed"), "{page}");
+    let other = line.replace("--frames 2", "--frames 3");
+    expect_error(folder.path(), &other, INPUT, &["measurements.json", "delete it"]);
+    expect_error(folder.path(), "quality docs nonsense", INPUT, &["nonsense", "cornell"]);
+}
