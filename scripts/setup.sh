@@ -158,6 +158,69 @@ set_target_dir() {
     export CARGO_TARGET_DIR=$target_dir
 }
 
+# --- building ---------------------------------------------------------------------------------
+
+# show_build TITLE CARGO...: runs a cargo command that builds, and shows on stderr how far it is: crates
+# done of how many, the time that went by, and about how long the rest takes. On a terminal one line is
+# redrawn; in a log there is a line every 20 seconds. What cargo warns of or fails with is shown as it
+# comes. A build with nothing to do says nothing.
+show_build() {
+    local title=$1 colour=never
+    shift
+    if [[ -t 2 ]]; then colour=always; fi
+    # Cargo writes its own progress even to a pipe when told to; the function below reads the numbers from it.
+    CARGO_TERM_PROGRESS_WHEN=always CARGO_TERM_PROGRESS_WIDTH=120 CARGO_TERM_COLOR=$colour "$@" 2>&1 >/dev/null |
+        read_progress "$title" >&2
+}
+
+# Cargo ends each state of its progress by a carriage return, and each message by a line feed.
+read_progress() {
+    local title=$1 start=$SECONDS first='' next=0 is_built='' chunk line escape=$'\e'
+    local status="^ *$escape*[^ ]* *(Adding|Blocking|Building|Checking|Compiling|Documenting|Downloaded|Downloading|Finished|Fresh|Installed|Installing|Locking|Replacing|Updating|Upgrading)"
+    local numbers='\] ([0-9]+)/([0-9]+)'
+    while IFS= read -r -d $'\r' chunk || [[ -n $chunk ]]; do
+        while IFS= read -r line; do
+            line=${line#"${escape}[K"}
+            if [[ $line =~ $numbers ]]; then
+                print_progress "${BASH_REMATCH[1]}" "${BASH_REMATCH[2]}"
+            elif [[ $line =~ $status ]]; then
+                if [[ $line == *Finished* ]]; then is_built=1; fi
+            elif [[ -n ${line// /} ]]; then
+                erase_progress
+                printf '%s\n' "$line"
+            fi
+        done <<<"$chunk"
+    done
+    erase_progress
+    if [[ -n $first && -n $is_built ]]; then printf '%s: done in %s.\n' "$title" "$(clock $((SECONDS - start)))"; fi
+}
+
+erase_progress() { if [[ -t 2 ]]; then printf '\r\e[K'; fi; }
+
+# print_progress DONE TOTAL: one line of `read_progress`, whose variables it uses.
+print_progress() {
+    local done=$1 total=$2 now=$((SECONDS - start)) left=''
+    if [[ -z $first ]]; then
+        first=$done
+        printf '%s (crates to build: %s).\n' "$title" "$((total - done))"
+    fi
+    # Small crates come first and the largest last: the time goes about with the square of the share that is done.
+    local share=$((1000 * (done - first) / (total - first + 1)))
+    if ((now >= 10 && share >= 100)); then
+        left=$((now * 1000000 / (share * share) - now))
+        left=", about $(clock "$left") left"
+    fi
+    if [[ -t 2 ]]; then
+        printf '\r\e[K%s: %s of %s crates, %s%s' "$title" "$done" "$total" "$(clock "$now")" "$left"
+    elif ((now >= next)); then
+        if ((now > 0)); then printf '%s: %s of %s crates, %s%s\n' "$title" "$done" "$total" "$(clock "$now")" "$left"; fi
+        next=$((now + 20))
+    fi
+}
+
+# clock SECONDS: m:ss.
+clock() { printf '%d:%02d' "$(($1 / 60))" "$(($1 % 60))"; }
+
 # --- Vulkan (Linux only: macOS has Metal, Windows has DirectX 12) -------------------------------
 
 # The driver manifests that the Vulkan loader would read, one path a line. The order of places is

@@ -37,50 +37,38 @@ find_web_cargo() {
         "On Debian: apt-get install rustc-web cargo-web rust-web-src lld-19 (as root)"
 }
 
-# The version of a crate in the lock file.
-locked_version() { sed -n "/^name = \"$1\"\$/{n;s/^version = \"\(.*\)\"\$/\1/p;q;}" "$root/Cargo.lock"; }
-
-# wasm-bindgen's program must be of the very version of its library.
-need_wasm_bindgen() {
-    local version
-    version=$(locked_version wasm-bindgen)
+# The programs of lumivox-serve: one makes the page's module, the other, in `server`, hands the page out. Neither has
+# enough to do to be worth the time that a release build takes.
+build_web_tools() {
     : "${target_dir:?call set_target_dir first}"
-    wasm_bindgen=$target_dir/tools/wasm-bindgen-$version/bin/wasm-bindgen
-    [[ -x $wasm_bindgen ]] && return 0
-    if have wasm-bindgen && [[ $(wasm-bindgen --version) == "wasm-bindgen $version" ]]; then
-        wasm_bindgen=wasm-bindgen
-        return 0
-    fi
-    if [[ -n ${LUMIVOX_NO_INSTALL:-} ]]; then
-        die "wasm-bindgen $version is missing." "Install it: cargo install wasm-bindgen-cli --version $version"
-    fi
-    say "wasm-bindgen $version is missing. Installing it: cargo install wasm-bindgen-cli --version $version"
-    (cd "$root" && cargo install --quiet wasm-bindgen-cli --version "$version" \
-        --root "$target_dir/tools/wasm-bindgen-$version" --target-dir "$target_dir/tools/build" >&2) ||
-        die "wasm-bindgen $version could not be installed (cargo's message is above)."
+    (cd "$root" && cargo build --locked -p lumivox-serve --features bindgen >&2) ||
+        die "The build of the page's tools failed (cargo's message is above)."
+    # shellcheck disable=SC2034 # for the caller of build_web
+    server=$target_dir/debug/lumivox-serve
 }
 
-# build_web FOLDER: the page, with the npm package in its folder `lumivox`.
+# build_web FOLDER [PROFILE]: the page, with the npm package in its folder `lumivox`, compiled in Cargo's profile `web` or
+# in `web-test`, which is compiled in less time. The program that hands it out is in `server` then.
 build_web() {
-    local out=${1%/} web_cargo=() web_build_std=() wasm_bindgen staging
+    local out=${1%/} profile=${2:-web} web_cargo=() web_build_std=() staging
     # Only an older page is replaced: nothing of anybody's is lost.
     if [[ -e $out && ! -e $out/lumivox/lumivox_bg.wasm && -n $(ls -A -- "$out") ]]; then
         die "$out is there, and is no page of Lumivox: it would be replaced." \
             "Choose a folder that is empty or not there yet."
     fi
     find_web_cargo
-    need_wasm_bindgen
+    build_web_tools
     say "Compiling for browsers; the first time takes minutes."
     (cd "$root" && "${web_cargo[@]}" build ${web_build_std[@]+"${web_build_std[@]}"} --target "$web_target" \
-        --profile web --locked -p lumivox-web --target-dir "$target_dir/web" >&2) ||
+        --profile "$profile" --locked -p lumivox-web --target-dir "$target_dir/web" >&2) ||
         die "The build for browsers failed (cargo's message is above)."
     # Whole or not at all: who looks meanwhile finds the old page.
     mkdir -p "$out"
     staging=$(mktemp -d "$out.XXXXXX")
     cp -R "$root/crates/lumivox-web/page/." "$staging/"
     mkdir -p "$staging/lumivox"
-    "$wasm_bindgen" "$target_dir/web/$web_target/web/lumivox_web.wasm" --target web --out-name lumivox \
-        --remove-name-section --remove-producers-section --out-dir "$staging/lumivox" || die "wasm-bindgen failed (its message is above)."
+    "$target_dir/debug/lumivox-bindgen" "$target_dir/web/$web_target/$profile/lumivox_web.wasm" "$staging/lumivox" ||
+        die "The page's module could not be made (the message is above)."
     cp -R "$root/crates/lumivox-web/npm/." "$staging/lumivox/"
     cp "$root/LICENSE-MIT" "$root/LICENSE-APACHE" "$staging/lumivox/"
     rm -rf "$out"
