@@ -257,13 +257,14 @@ fn a_picture_is_rendered_and_reported() {
 
 #[test]
 fn two_runs_give_the_same_bytes() {
+    type Runner<'a> = &'a dyn Fn(&str) -> Run;
     let folder = folder();
     // On the device that the tests share, with all that they leave on it; and in a process of its own.
     let here = |line: &str| lumivox(folder.path(), line);
     let alone = |line: &str| process(folder.path(), &line.split(' ').collect::<Vec<_>>(), "");
-    let second_runs: [(&str, &dyn Fn(&str) -> Run); 2] = [("png", &here), ("exr", &alone)];
+    let second_runs: [(&str, Runner<'_>); 2] = [("png", &here), ("exr", &alone)];
     for (extension, second_run) in second_runs {
-        let runs: [(&str, &dyn Fn(&str) -> Run); 2] = [("a", &here), ("b", second_run)];
+        let runs: [(&str, Runner<'_>); 2] = [("a", &here), ("b", second_run)];
         let [first, second] = runs.map(|(name, run)| {
             let line = format!("render builtin:cornell -o {name}.{extension} {SMALL}");
             let text = run(&line).expect_ok().stdout;

@@ -24,6 +24,9 @@ fn main() -> anyhow::Result<()> {
         .web(true)?
         .input_path(input)
         .out_name(&name)
+        .typescript(true)
+        // The module finds its WebAssembly beside itself.
+        .omit_default_module_path(false)
         .remove_name_section(true)
         .remove_producers_section(true)
         .generate(folder)
