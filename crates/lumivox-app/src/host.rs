@@ -1,4 +1,4 @@
-//! What is around a run of the program: streams, progress bars, the GPU.
+//! The surroundings of a run of the program: streams, progress bars, the GPU.
 //!
 //! All that a command says goes through its [`Host`]. The program has the one of its process; tests give each run
 //! streams of its own, and one GPU to all of them ([`Host::embedded`]).
@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::cli::GpuArgs;
 use crate::exit::Failure;
 
-/// What is around a run. Clones share it.
+/// The streams, bars and GPU of a run. Clones share them.
 #[derive(Clone)]
 pub struct Host {
     bars: MultiProgress,
@@ -25,9 +25,9 @@ pub struct Host {
 /// Opens a GPU for a run that asks for it with these options.
 pub type OpenGpu = Box<dyn Fn(&GpuOptions) -> Result<Gpu, RenderError> + Send + Sync>;
 
-/// What a run inside of another program has in the place of the process's own.
+/// The streams and the GPU of a run inside of another program.
 pub struct Embedded {
-    /// What the run reads as its stdin, which is no terminal.
+    /// The run's stdin, which is not a terminal.
     pub input: Box<dyn BufRead + Send>,
     /// Gets what the run writes to stdout.
     pub output: Box<dyn Write + Send>,

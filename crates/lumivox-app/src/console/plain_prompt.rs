@@ -3,7 +3,7 @@
 use super::Names;
 use crate::host::Host;
 
-/// What stands before a line.
+/// The prompt's own words.
 const PROMPT: &str = "lumivox> ";
 
 /// A prompt.

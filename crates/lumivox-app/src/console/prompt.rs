@@ -15,7 +15,7 @@ use super::complete::{complete, files};
 use super::{Command, Names, line};
 use crate::host::Host;
 
-/// What stands before a line.
+/// The prompt's own words.
 const PROMPT: &str = "lumivox> ";
 /// Lines of the history.
 const HISTORY: usize = 1000;
