@@ -189,9 +189,9 @@ impl Gi {
         self.volume.prepare(&mut recorder, &voxels).await?;
         let old = self.voxels.as_ref();
         let (lists, clears) = ((old, &voxels), self.volume.clears_in_place());
-        let wrong = self.changes.rebuild(&mut recorder, lists, faces.radiance(), clears);
+        let wrong = self.changes.rebuild(&mut recorder, lists, faces.shown(), clears);
         if let Some((changed, bits)) = self.changes.cells().zip(self.changes.bits()) {
-            let lists = Lists { old, new: &voxels, radiance: faces.radiance() };
+            let lists = Lists { old, new: &voxels, radiance: faces.shown() };
             let cells = Cells { wrong: wrong.as_ref(), changed, bits };
             self.volume.rebuild(&mut recorder, lists, cells);
         }

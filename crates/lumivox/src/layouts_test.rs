@@ -23,7 +23,15 @@ fn structs_lie_in_memory_alike() {
         library,
         "voxels::list",
         "Face",
-        FaceRecord { position_in_world, voxel, vector_area, lobe, reflectance, emission }
+        FaceRecord {
+            position_in_world,
+            voxel,
+            vector_area,
+            lobe,
+            reflectance,
+            visible_area,
+            emission,
+        }
     );
     assert_layout!(
         library,

@@ -87,5 +87,7 @@ fn a_doorway_lets_in_what_it_lets_in() {
 #[ignore = "slow: traces paths"]
 fn sun_and_sky_reach_the_atrium() {
     let truth = truth("atrium");
-    assert_true("atrium", &figures("atrium", &truth), [-1.0..=1.5, -1.0..=3.5], 23.0);
+    // llvmpipe: +2.3 and +4.4 %. Parapets that share voxels with the columns behind them are lit by the sun here as they
+    // should be; when they were not, +0.1 and +2.2 %.
+    assert_true("atrium", &figures("atrium", &truth), [-1.0..=3.0, -1.0..=5.0], 23.0);
 }

@@ -44,6 +44,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::visibility", include_str!("visibility.wgsl")),
     ("light::direct", include_str!("direct.wgsl")),
     ("light::bounce", include_str!("bounce.wgsl")),
+    ("light::cover", include_str!("cover.wgsl")),
 ];
 
 pub(crate) use photons::MODULES as PHOTON_MODULES;
@@ -78,8 +79,12 @@ pub(crate) struct BounceSettings {
 pub(crate) struct Lighting {
     direct: Kernel,
     bounce: Kernel,
+    cover: Kernel,
+    /// The grid alone.
+    grid: BindGroup,
     direct_layout: wgpu::BindGroupLayout,
     bounce_layout: wgpu::BindGroupLayout,
+    cover_layout: wgpu::BindGroupLayout,
     settings: Buffer,
     /// If that is how light comes in.
     photons: Option<Photons>,
@@ -96,14 +101,17 @@ pub(crate) struct Faces {
     direct: Buffer,
     /// Radiance with the bounces so far (`array<vec4f>`).
     radiance: Buffer,
+    /// What the volume shows of it (`cover.wgsl`).
+    shown: Buffer,
     direct_group: BindGroup,
     bounce_group: BindGroup,
+    cover_group: BindGroup,
 }
 
 impl Faces {
-    /// The buffer that will hold the radiance of the faces.
-    pub(crate) fn radiance(&self) -> &Buffer {
-        &self.radiance
+    /// The buffer that will hold what the volume stores of the faces' radiance.
+    pub(crate) fn shown(&self) -> &Buffer {
+        &self.shown
     }
 }
 
@@ -131,14 +139,32 @@ impl Lighting {
             .storage()
             .storage_mut()
             .build(device, "bounce");
+        let cover_layout = (0..6)
+            .fold(LayoutBuilder::compute(), |layout, _| layout.storage())
+            .storage_mut()
+            .build(device, "cover");
+        // Without the volume, whose buffers would be too many beside its own.
+        let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
+        let grid = BindGroupBuilder::new(&grid_layout)
+            .buffer(&uniform_buffer(device, "grid", &config.grid.to_gpu()))
+            .build(device, "grid");
         let kernel = |module, layout| {
             Kernel::new(device, shaders, module, "main", &[globals, layout, lights])
         };
         Ok(Self {
             direct: kernel("light::direct", &direct_layout)?,
             bounce: kernel("light::bounce", &bounce_layout)?,
+            cover: Kernel::new(
+                device,
+                shaders,
+                "light::cover",
+                "main",
+                &[&grid_layout, &cover_layout],
+            )?,
+            grid,
             direct_layout,
             bounce_layout,
+            cover_layout,
             settings: uniform_buffer(device, "bounce settings", &BounceSettings::zeroed()),
             photons,
             faces: None,
@@ -150,6 +176,7 @@ impl Lighting {
         let count = u64::from(voxels.face_count);
         let direct = storage_buffer(device, "direct radiance", count * 16);
         let radiance = storage_buffer(device, "radiance", count * 16);
+        let shown = storage_buffer(device, "shown radiance", count * 16);
         let direct_group = BindGroupBuilder::new(&self.direct_layout)
             .buffer(&voxels.faces)
             .buffer(&direct)
@@ -162,8 +189,17 @@ impl Lighting {
             .buffer(&direct)
             .buffer(&radiance)
             .build(device, "bounce");
+        let cover_group = BindGroupBuilder::new(&self.cover_layout)
+            .buffer(&voxels.faces)
+            .buffer(&voxels.nodes)
+            .buffer(&voxels.first_faces)
+            .buffer(&voxels.occupancy)
+            .buffer(&voxels.ranks)
+            .buffer(&radiance)
+            .buffer(&shown)
+            .build(device, "cover");
         let list = voxels.faces.clone();
-        Faces { count, list, direct, radiance, direct_group, bounce_group }
+        Faces { count, list, direct, radiance, shown, direct_group, bounce_group, cover_group }
     }
 
     /// Lights this list from now on.
@@ -218,6 +254,10 @@ impl Lighting {
                 photons.run(recorder, lights, &faces.direct, &faces.radiance);
             }
         }
+        let cover = |recorder: &mut Recorder| {
+            self.cover.run_linear(recorder, &[&self.grid, &faces.cover_group], faces.count);
+        };
+        cover(recorder);
         recorder.stage("filter");
         let changed = if is_direct { changes.find(recorder) } else { changes.all(recorder) };
         let Some(changed) = changed else { return };
@@ -226,6 +266,7 @@ impl Lighting {
             recorder.stage("bounce");
             let groups = [volume.globals(), &faces.bounce_group, &lights.group];
             self.bounce.run_linear(recorder, &groups, faces.count);
+            cover(recorder);
             recorder.stage("filter");
             volume.update(recorder, changed);
         }
@@ -239,6 +280,7 @@ impl Lighting {
         let mut memory = vec![
             ("light: direct radiance of the faces", size(|faces| &faces.direct)),
             ("light: radiance of the faces", size(|faces| &faces.radiance)),
+            ("light: shown radiance of the faces", size(|faces| &faces.shown)),
         ];
         memory.extend(self.photons.as_ref().map(Photons::memory));
         memory

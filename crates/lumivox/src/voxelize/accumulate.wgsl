@@ -4,10 +4,11 @@
 
 import package::constants::{
     DOUBLE_SIDED, FACE_EMISSION, FACE_POSITION, FACE_REFLECTANCE, FACE_VECTOR_AREA,
-    FACE_WORDS, LINEAR_WORKGROUP_SIZE,
+    FACE_VISIBLE_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE,
 };
 import package::gpu::random::hash;
-import package::voxelize::faces::VoxelFaces;
+import package::voxelize::faces::{NO_FRONTS, VoxelFaces};
+import package::voxelize::fronts::visible_shares;
 import package::voxelize::items::{Item, find_item};
 import package::voxelize::piece::{Piece, piece_in_voxel};
 import package::voxelize::surface::{SurfaceMap, surface_at, surface_map, PIERCED, UNIFORM, VARIED};
@@ -20,8 +21,9 @@ import package::voxels::morton::morton_encode;
 // The occupancy bits and the rank of each word of the finest level.
 @group(2) @binding(1) var<storage, read> cells: array<vec2u>;
 @group(2) @binding(2) var<storage, read> voxels: array<VoxelFaces>;
-// Per face, three signed numbers each: vector area and, weighted by the area along the lobe, reflectance,
-// emission and position within the voxel.
+// Per face, three signed numbers each: vector area and, weighted by the area along the lobe that no other layer
+// hides, reflectance, emission and position within the voxel. Where there may be layers, that area, too. Behind
+// all faces, the fronts of those that have some (fronts.wgsl).
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 
 // A random number of the triangle and the voxel alone: the triangle's place in the list has no part in it.
@@ -56,6 +58,10 @@ struct Part {
     reflectance: vec3f,
     position: vec3f,
     emission: vec3f,
+    // The area along the lobe, if another layer may hide it, and the share that none does: on the lobe's side, and
+    // on the opposite one.
+    area: f32,
+    visible: vec2f,
 }
 
 // Adds a piece to the face of its lobe, and of the opposite lobe if it has two sides.
@@ -63,7 +69,7 @@ struct Part {
 // In loops and not one after the other: what is not needed is then left out on a software GPU as well, which
 // goes through both sides of every `if`.
 fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
-    let rows = select(3u, 4u, any(part.emission > vec3f(0.0)));
+    let rows = select(3u, 4u, any(part.emission > vec3f(0.0))) + select(0u, 1u, part.area > 0.0);
     for (var side = 0u; side < sides; side++) {
         let own = lobe ^ side;
         if (part.lobes & (1u << own)) == 0u {
@@ -71,19 +77,23 @@ fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
         }
         let first = part.first + bits_below(part.lobes, own) * FACE_WORDS;
         let vector_area = select(part.vector_area, -part.vector_area, side == 1u);
+        let visible = part.visible[side];
         var row = 0u;
         loop {
             var place = FACE_VECTOR_AREA;
             var value = vector_area;
             if row == 1u {
                 place = FACE_REFLECTANCE;
-                value = part.reflectance;
+                value = visible * part.reflectance;
             } else if row == 2u {
                 place = FACE_POSITION;
-                value = part.position;
-            } else if row == 3u {
+                value = visible * part.position;
+            } else if row == 3u && part.area > 0.0 {
+                place = FACE_VISIBLE_AREA;
+                value = vec3f(visible * part.area, 0.0, 0.0);
+            } else if row >= 3u {
                 place = FACE_EMISSION;
-                value = part.emission;
+                value = visible * part.emission;
             }
             add(first + place, value * part.scale, seed + 4u * side + row);
             row++;
@@ -125,6 +135,7 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
         let faces = voxels[cell.y + bits_below(cell.x, code % 32u)];
         let area = piece.area * surface.coverage;
         let position = turn_back(piece.centroid - vec3f((*walk).voxel), (*walk).axis);
+        let visible = visible_shares(walk, piece.centroid, faces, summing.lobe, summing.sides);
         let part = Part(
             faces.first_face * FACE_WORDS,
             bitcast<f32>(faces.area_low),
@@ -133,6 +144,8 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
             surface.reflectance * area,
             position * area,
             surface.emission * area,
+            select(area, 0.0, faces.area_high == NO_FRONTS),
+            visible,
         );
         add_to_faces(part, summing.lobe, summing.sides, hash(summing.seed + code));
     }

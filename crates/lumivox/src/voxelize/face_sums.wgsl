@@ -14,14 +14,18 @@ struct FaceSlot {
     vector_area: vec3i,
     lobe: u32,
     reflectance: vec3i,
-    padding_0: u32,
+    // The area along the lobe that no other layer hides, where there may be layers. Zero afterwards.
+    visible_area: i32,
     emission: vec3i,
     padding_1: u32,
 }
 
-// Sums over pieces of surface, multiplied by `scale`; all but the area weighted by the area along the lobe.
+// Sums over pieces of surface, multiplied by `scale`; all but the area weighted by the visible area along the lobe.
 struct FaceSums {
     scale: f32,
+    // Along the lobe: of all pieces, and of what no other layer hides.
+    along: f32,
+    visible: f32,
     position: vec3f,
     area: vec3f,
     reflectance: vec3f,
@@ -36,9 +40,14 @@ struct FaceMeans {
     emission: vec3f,
 }
 
-fn sums_of(slot: FaceSlot, scale: f32) -> FaceSums {
+fn sums_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceSums {
+    // All parts of the area along the lobe have one sign, so that it is zero only where all of them are too small
+    // for the sums.
+    let along = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
     return FaceSums(
         scale,
+        along,
+        select(along, f32(slot.visible_area), slot.visible_area > 0),
         vec3f(slot.position_in_world),
         vec3f(slot.vector_area),
         vec3f(slot.reflectance),
@@ -46,14 +55,11 @@ fn sums_of(slot: FaceSlot, scale: f32) -> FaceSums {
     );
 }
 
-fn means_of(sums: FaceSums, lobe: u32) -> FaceMeans {
-    // The part along the lobe is the weight of the means as well. All its parts have one sign, so that it
-    // is zero only where all of them are too small for the sums.
-    let along = sums.area[lobe_axis(lobe)] * lobe_sign(lobe);
-    let weight = max(along, 1.0);
+fn means_of(sums: FaceSums) -> FaceMeans {
+    let weight = max(sums.visible, 1.0);
     return FaceMeans(
         clamp(sums.position / weight, vec3f(0.0), vec3f(1.0)),
-        sums.area / max(sums.scale, along),
+        sums.area / max(sums.scale, sums.along),
         clamp(sums.reflectance / weight, vec3f(0.0), vec3f(LARGEST_REFLECTANCE)),
         max(sums.emission / weight, vec3f(0.0)),
     );
@@ -74,7 +80,7 @@ fn face_slot(means: FaceMeans, position_in_world: vec3f, emission: vec3f, voxel:
         bitcast<vec3i>(means.vector_area),
         lobe,
         bitcast<vec3i>(means.reflectance),
-        0u,
+        0,
         bitcast<vec3i>(emission),
         0u,
     );

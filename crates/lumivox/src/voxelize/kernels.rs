@@ -37,6 +37,7 @@ impl Layouts {
         let split = compute().uniform().storage_mut().storage_mut();
         let lobes = pass().storage().storage().storage_mut().storage_mut();
         let accumulate = pass().storage().storage().storage().storage_mut();
+        let faces = compute().storage_mut().storage_mut().storage_mut();
         let run = (0..3).fold(walk().uniform(), |run, _| run.texture_2d().sampler());
         let resolve = compute().uniform().storage().storage_mut().storage_mut();
         let merge_bits = compute().storage().storage().storage_mut();
@@ -52,7 +53,7 @@ impl Layouts {
             lobes: lobes.build(device, "voxelize::lobes"),
             accumulate: accumulate.build(device, "voxelize::accumulate"),
             run: run.build(device, "voxelize::run"),
-            faces: compute().storage_mut().storage_mut().build(device, "voxelize::faces"),
+            faces: faces.build(device, "voxelize::faces"),
             resolve: resolve.build(device, "voxelize::resolve"),
             merge_bits: merge_bits.build(device, "voxelize::merge_bits"),
             unite: unite.build(device, "voxelize::unite"),
@@ -92,6 +93,7 @@ pub(super) struct Kernels {
     pub split: Kernel,
     pub mark: Variants,
     pub lobes: Variants,
+    pub fronts: Variants,
     pub accumulate: Variants,
     pub count_faces: Kernel,
     pub prepare_faces: Kernel,
@@ -132,6 +134,7 @@ impl Kernels {
             split: kernel("voxelize::split", "main", &[&layouts.triangles, &layouts.split])?,
             mark: by_holes("voxelize::mark", &layouts.mark)?,
             lobes: by_holes("voxelize::lobes", &layouts.lobes)?,
+            fronts: by_holes("voxelize::fronts", &layouts.accumulate)?,
             accumulate: by_detail,
             count_faces: kernel("voxelize::faces", "count", &[&layouts.faces])?,
             prepare_faces: kernel("voxelize::faces", "prepare", &[&layouts.faces])?,

@@ -85,6 +85,14 @@ fn structs_lie_in_memory_alike() {
         library,
         "voxelize::face_sums",
         "FaceSlot",
-        FaceRecord { position_in_world, voxel, vector_area, lobe, reflectance, emission }
+        FaceRecord {
+            position_in_world,
+            voxel,
+            vector_area,
+            lobe,
+            reflectance,
+            visible_area,
+            emission,
+        }
     );
 }

@@ -51,6 +51,8 @@ pub(super) enum Step {
     Mark,
     /// Which lobes they have, and how much surface.
     Lobes,
+    /// What is in front where there are layers. Walked exactly by all methods.
+    Fronts,
     /// What their faces are made of.
     Accumulate,
 }
@@ -68,11 +70,13 @@ impl Voxelizer {
         let (kernels, label) = match step {
             Step::Mark => (&self.kernels.mark, "voxelize::mark"),
             Step::Lobes => (&self.kernels.lobes, "voxelize::lobes"),
+            Step::Fronts => (&self.kernels.fronts, "voxelize::fronts"),
             Step::Accumulate => (&self.kernels.accumulate, "voxelize::accumulate"),
         };
         let batches = batches.iter().zip(pass_groups);
-        if let Some(raster) = &self.raster {
-            raster.walk(recorder, label, (grid, globals), batches, step);
+        let drawn = self.raster.as_ref().and_then(|raster| Some((raster, raster.variants(step)?)));
+        if let Some((raster, variants)) = drawn {
+            raster.walk(recorder, label, (grid, globals), batches, variants);
             return;
         }
         recorder.compute(label, |pass| {

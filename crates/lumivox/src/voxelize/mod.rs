@@ -8,8 +8,9 @@
 //!    (Schwarz and Seidel 2010). The pyramid of bits and its ranks are the list of voxels.
 //! 3. `lobes` walks the items again. The piece of the triangle in each voxel belongs to the lobe of its
 //!    normal's dominant axis and side. It sets the lobe's bit and adds up how much surface the voxel has.
-//! 4. `accumulate` walks a third time and adds vector area, reflectance, emission and position to the lobe's
-//!    integer sums; `resolve` turns them into faces.
+//! 4. Where a voxel has more surface than one layer, `fronts` walks to find out which of them is in front.
+//! 5. `accumulate` walks once more and adds vector area, reflectance, emission and position to the lobe's
+//!    integer sums, all but the first of what is not hidden; `resolve` turns them into faces.
 //!
 //! # Parts
 //! What is static and what moves ([`Draw::is_static`](crate::Draw)) are two parts of the surface, each with its own
@@ -18,7 +19,7 @@
 //! triangles alone. `whole.rs` makes one list of both, the same way whether a part is new or kept: to the bit what
 //! a voxelization of everything gives. Where all is static, or nothing, there is one part and no merging.
 //!
-//! Walking three times costs less memory than storing the pieces, of which a fine mesh has millions, and every
+//! Walking again costs less memory than storing the pieces, of which a fine mesh has millions, and every
 //! buffer is sized from counts: of items on the GPU, of voxels and faces by two read-backs.
 //!
 //! That is [`VoxelizeMethod::Exact`]. The other methods walk over the fragments of the hardware rasterizer
@@ -64,11 +65,18 @@ use whole::United;
 /// Columns of voxels along the side of a work item's tile.
 const TILE_EDGE: u32 = 4;
 
+/// Points along the side of a face's raster, where layers of surface may hide each other (`fronts.wgsl`).
+const FRONT_SAMPLES: u32 = 4;
+
+/// Words of a face's raster.
+const FRONT_WORDS: u32 = FRONT_SAMPLES * FRONT_SAMPLES;
+
 /// The shader modules of this stage.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("voxelize::accumulate", include_str!("accumulate.wgsl")),
     ("voxelize::face_sums", include_str!("face_sums.wgsl")),
     ("voxelize::faces", include_str!("faces.wgsl")),
+    ("voxelize::fronts", include_str!("fronts.wgsl")),
     ("voxelize::footprint", include_str!("footprint.wgsl")),
     ("voxelize::items", include_str!("items.wgsl")),
     ("voxelize::lobes", include_str!("lobes.wgsl")),
@@ -95,6 +103,9 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("FACE_VECTOR_AREA", offset_of!(FaceRecord, vector_area) as u32 / 4)
         .constant_u32("FACE_REFLECTANCE", offset_of!(FaceRecord, reflectance) as u32 / 4)
         .constant_u32("FACE_EMISSION", offset_of!(FaceRecord, emission) as u32 / 4)
+        .constant_u32("FACE_VISIBLE_AREA", offset_of!(FaceRecord, visible_area) as u32 / 4)
+        .constant_u32("FRONT_SAMPLES", FRONT_SAMPLES)
+        .constant_u32("FRONT_WORDS", FRONT_WORDS)
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE)
         .constant_u32("HAS_COLORS", input::HAS_COLORS);

@@ -4,7 +4,7 @@ use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::input::PartInput;
 use super::kernels::Kernels;
 use super::method::Step;
-use super::{Memory, Remedy, VoxelFaces, Voxelizer};
+use super::{FRONT_WORDS, Memory, Remedy, VoxelFaces, Voxelizer};
 use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, storage_buffer};
 use crate::voxels::{FaceRecord, ListBuilder, Occupied};
 use crate::{Geometry, GiError, Grid};
@@ -70,6 +70,8 @@ pub(super) struct LobedPart {
     batches: Vec<SplitBatch>,
     pub part: Part,
     pieces: Buffer,
+    /// The index of each voxel's first face with fronts among all such faces, and last the total.
+    first_fronts: Buffer,
 }
 
 impl MarkedPart {
@@ -125,6 +127,7 @@ impl MarkedPart {
         let stride = size_of::<VoxelFaces>() as u64;
         let voxels = work.memory.buffer("lobes of voxels", voxel_count, stride, remedy)?;
         let first_faces = work.memory.buffer("first faces", voxel_count + 1, 4, remedy)?;
+        let first_fronts = work.memory.buffer("first fronts", voxel_count + 1, 4, remedy)?;
         let pieces = storage_buffer(work.device, "pieces", 8);
         let kernels = work.kernels;
         let Self { batches, occupied, cells } = self;
@@ -133,10 +136,13 @@ impl MarkedPart {
         let group = BindGroupBuilder::new(&kernels.layouts.faces)
             .buffer(&voxels)
             .buffer(&first_faces)
+            .buffer(&first_fronts)
             .build(work.device, "voxelize::faces");
         let groups = [&work.globals, &group];
         kernels.count_faces.run_linear(&mut work.recorder, &groups, voxel_count);
-        kernels.scan.run(&mut work.recorder, &first_faces, voxel_count as u32 + 1);
+        for firsts in [&first_faces, &first_fronts] {
+            kernels.scan.run(&mut work.recorder, firsts, voxel_count as u32 + 1);
+        }
         kernels.prepare_faces.run_linear(&mut work.recorder, &groups, voxel_count);
 
         let sum = |count: fn(&SplitCounts) -> u32| splits.iter().map(|s| u64::from(count(s))).sum();
@@ -158,7 +164,7 @@ impl MarkedPart {
             sums,
             counts,
         };
-        Ok(LobedPart { batches, part, pieces })
+        Ok(LobedPart { batches, part, pieces, first_fronts })
     }
 
     /// The second walk: which lobes the voxels have, and how much surface.
@@ -179,33 +185,41 @@ impl Part {
 
 impl LobedPart {
     /// Words that [`Self::copy_counts`] copies.
-    pub const COUNT_WORDS: usize = 3;
+    pub const COUNT_WORDS: usize = 4;
 
-    /// Copies the number of faces and the low and the high word of that of pieces to `counts` at a byte.
+    /// Copies the numbers of faces and of those with fronts, and the low and the high word of that of pieces, to
+    /// `counts` at a byte.
     pub fn copy_counts(&self, recorder: &mut Recorder, counts: &Buffer, place: u64) {
         let total = u64::from(self.part.level_starts[1]) * 4;
         recorder.copy((&self.part.first_faces, total), (counts, place), 4);
-        recorder.copy((&self.pieces, 0), (counts, place + 4), 8);
+        recorder.copy((&self.first_fronts, total), (counts, place + 4), 4);
+        recorder.copy((&self.pieces, 0), (counts, place + 8), 8);
     }
 
     /// Sums the faces up, given what [`Self::copy_counts`] has copied.
     pub fn sum_up(self, work: &mut Work<'_>, counts: &[u32]) -> Result<Part, GiError> {
         let Self { batches, mut part, .. } = self;
         part.face_count = counts[0];
-        part.counts.pieces = u64::from(counts[2]) << 32 | u64::from(counts[1]);
+        let fronts = u64::from(counts[1]);
+        part.counts.pieces = u64::from(counts[3]) << 32 | u64::from(counts[2]);
         let stride = size_of::<FaceRecord>() as u64;
         // A binding of an array has room for one element at least.
         let faces = u64::from(part.face_count).max(1);
-        part.sums = work.memory.buffer("faces", faces, stride, work.remedy())?;
-        Self::accumulate(work, &batches, [&part.cells, &part.voxels, &part.sums]);
+        // A raster of fronts takes as many bytes as a face, and stands behind them all.
+        const { assert!(size_of::<FaceRecord>() == 4 * FRONT_WORDS as usize) };
+        part.sums = work.memory.buffer("faces", faces + fronts, stride, work.remedy())?;
+        let buffers = [&part.cells, &part.voxels, &part.sums];
+        if fronts > 0 {
+            Self::walk(work, &batches, &buffers, Step::Fronts);
+        }
+        Self::walk(work, &batches, &buffers, Step::Accumulate);
         Ok(part)
     }
 
-    /// The third walk: what is in the faces.
-    fn accumulate(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&Buffer; 3]) {
+    /// The last walks: which surface is in front, and what is in the faces.
+    fn walk(work: &mut Work<'_>, batches: &[SplitBatch], buffers: &[&Buffer], step: Step) {
         let kernels = work.kernels;
-        let layout = &kernels.layouts.accumulate;
-        walk(work, batches, (layout, &buffers), Step::Accumulate);
+        walk(work, batches, (&kernels.layouts.accumulate, buffers), step);
     }
 }
 

@@ -37,7 +37,7 @@ fn main(
     while lobes != 0u {
         let lobe = countTrailingZeros(lobes);
         lobes &= lobes - 1u;
-        let means = means_of(sums_of(faces[index], scale), lobe);
+        let means = means_of(sums_of(faces[index], scale, lobe));
         if is_tilted(means.vector_area, lobe) {
             tilted |= 1u << lobe;
         }

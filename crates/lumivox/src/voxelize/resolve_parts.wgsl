@@ -1,14 +1,17 @@
 // From the sums of two parts of the surface to faces: a thread per voxel.
 //
-// A face that both parts have is that of all pieces together: their sums, brought to the smaller of the two scales.
+// A face that both parts have is that of all pieces together: their sums, brought to the smaller of the two scales. Where
+// there is more than one layer of them, the part that lies in front in the mean hides as much of the other as it covers.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::world_from_grid;
 import package::voxelize::face_sums::{FaceSlot, FaceSums, face_slot, is_tilted, means_of, sums_of};
+import package::voxelize::faces::SINGLE_LAYER;
+import package::voxelize::fronts::SAME_LAYER;
 import package::voxelize::resolve::ResolveParams;
 import package::voxelize::unite::UnitedVoxel;
-import package::voxels::list::Node;
+import package::voxels::list::{Node, lobe_axis, lobe_sign};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_decode;
 
@@ -20,17 +23,38 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(5) var<storage, read_write> nodes: array<Node>;
 @group(1) @binding(6) var<storage, read_write> faces: array<FaceSlot>;
 
-fn sum_of(a: FaceSums, b: FaceSums) -> FaceSums {
+// How far in front a part lies in the mean, in voxels.
+fn height_of(sums: FaceSums, lobe: u32) -> f32 {
+    return lobe_sign(lobe) * sums.position[lobe_axis(lobe)] / max(sums.visible, 1.0);
+}
+
+fn sum_of(a: FaceSums, b: FaceSums, lobe: u32) -> FaceSums {
     let scale = min(a.scale, b.scale);
     // Written out, so that a number is not scaled by a quotient that is one but for rounding.
     let of_a = select(scale / a.scale, 1.0, a.scale == scale);
     let of_b = select(scale / b.scale, 1.0, b.scale == scale);
+    let along = of_a * a.along + of_b * b.along;
+    // What is visible of each.
+    var share_a = 1.0;
+    var share_b = 1.0;
+    let ahead = height_of(a, lobe) - height_of(b, lobe);
+    if along > SINGLE_LAYER * scale && abs(ahead) > SAME_LAYER {
+        let covered = min(select(of_b * b.along, of_a * a.along, ahead > 0.0), scale);
+        let hidden = select(of_a * a.along, of_b * b.along, ahead > 0.0);
+        let share = min((scale - covered) / max(hidden, 1.0), 1.0);
+        share_a = select(share, 1.0, ahead > 0.0);
+        share_b = select(1.0, share, ahead > 0.0);
+    }
+    let weight_a = of_a * share_a;
+    let weight_b = of_b * share_b;
     return FaceSums(
         scale,
-        of_a * a.position + of_b * b.position,
+        along,
+        weight_a * a.visible + weight_b * b.visible,
+        weight_a * a.position + weight_b * b.position,
         of_a * a.area + of_b * b.area,
-        of_a * a.reflectance + of_b * b.reflectance,
-        of_a * a.emission + of_b * b.emission,
+        weight_a * a.reflectance + weight_b * b.reflectance,
+        weight_a * a.emission + weight_b * b.emission,
     );
 }
 
@@ -55,16 +79,16 @@ fn main(
         lobes &= lobes - 1u;
         let of_first = first_sums[parts.first_sums.x + bits_below(parts.lobes, lobe)];
         let of_second = second_sums[parts.first_sums.y + bits_below(second_lobes, lobe)];
-        var sums = sums_of(of_first, parts.scales.x);
+        var sums = sums_of(of_first, parts.scales.x, lobe);
         if (second_lobes & (1u << lobe)) != 0u {
-            let more = sums_of(of_second, parts.scales.y);
+            let more = sums_of(of_second, parts.scales.y, lobe);
             if (parts.lobes & (1u << lobe)) == 0u {
                 sums = more;
             } else {
-                sums = sum_of(sums, more);
+                sums = sum_of(sums, more, lobe);
             }
         }
-        let means = means_of(sums, lobe);
+        let means = means_of(sums);
         if is_tilted(means.vector_area, lobe) {
             tilted |= 1u << lobe;
         }

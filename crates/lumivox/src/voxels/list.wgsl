@@ -23,7 +23,8 @@ struct Face {
     lobe: u32,
     // Mean share of light that is reflected diffusely.
     reflectance: vec3f,
-    padding_0: f32,
+    // Used while voxelizing (voxelize::face_sums); zero afterwards.
+    visible_area: f32,
     // Mean emitted radiance.
     emission: vec3f,
     padding_1: f32,

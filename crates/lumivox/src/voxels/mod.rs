@@ -38,8 +38,8 @@ pub struct FaceRecord {
     pub lobe: u32,
     /// Mean share of light reflected diffusely.
     pub reflectance: [f32; 3],
-    /// Not used.
-    pub padding_0: f32,
+    /// Used while voxelizing; zero afterwards.
+    pub visible_area: f32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],
     /// Not used.

@@ -207,7 +207,8 @@ fn add_texture(
     scene.textures.len() - 1
 }
 
-fn place(scene: &mut Scene, mesh: Mesh, material: Material, world_from_local: Mat4) {
+/// Puts a mesh of one material into the scene.
+pub fn place(scene: &mut Scene, mesh: Mesh, material: Material, world_from_local: Mat4) {
     let name = material.name.clone();
     scene.meshes.push(Mesh { name: name.clone(), ..mesh });
     scene.materials.push(material);

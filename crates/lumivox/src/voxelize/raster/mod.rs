@@ -46,7 +46,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
 }
 
 /// The pipelines of a walk, one for each [`Detail`].
-type Variants = [DrawPipeline; 3];
+pub(super) type Variants = [DrawPipeline; 3];
 
 /// The pipelines of one method.
 #[derive(Debug)]
@@ -96,6 +96,16 @@ impl Raster {
         }))
     }
 
+    /// The pipelines of a step; `None` for what is walked exactly by all methods.
+    pub fn variants(&self, step: Step) -> Option<&Variants> {
+        match step {
+            Step::Mark => Some(&self.mark),
+            Step::Lobes => Some(&self.lobes),
+            Step::Fronts => None,
+            Step::Accumulate => Some(&self.accumulate),
+        }
+    }
+
     /// Draws all batches in one pass; each comes with its bind group 2.
     pub fn walk<'b>(
         &self,
@@ -103,13 +113,8 @@ impl Raster {
         label: &str,
         grid: (&Grid, &BindGroup),
         batches: impl Iterator<Item = (&'b SplitBatch, &'b BindGroup)>,
-        step: Step,
+        variants: &Variants,
     ) {
-        let variants = match step {
-            Step::Mark => &self.mark,
-            Step::Lobes => &self.lobes,
-            Step::Accumulate => &self.accumulate,
-        };
         let picture = picture(recorder.device(), grid.0);
         let attachment = wgpu::RenderPassColorAttachment {
             view: &picture.1,

@@ -1,6 +1,7 @@
 //! The voxelizer against a brute force in f64, and its promises: nothing lost, nothing counted twice, the
 //! same bits whatever the order.
 
+mod layers;
 mod materials;
 mod overlap;
 mod parts;

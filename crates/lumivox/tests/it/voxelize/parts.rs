@@ -180,7 +180,8 @@ fn a_change_of_static_draws_is_noticed() {
     assert_same(&partly, &other.voxelize(&grid, &geometry), "another method");
 }
 
-/// Two parts hold what one part would: the same voxels, and faces that differ by rounding alone.
+/// Two parts hold what one part would: the same voxels, and faces that differ by rounding alone, but where there may
+/// be layers: there a part hides the other by the mean of its depth.
 #[test]
 fn two_parts_are_one_surface() {
     let lab = Lab::new();
@@ -196,6 +197,11 @@ fn two_parts_are_one_surface() {
     assert!(two.occupancy == one.occupancy, "the voxels differ");
     assert_eq!(two.stats.fragments, one.stats.fragments);
     assert_eq!(two.faces.len(), one.faces.len());
+    let area = |voxel: u32| -> f32 {
+        let faces = one.faces.iter().filter(|face| face.voxel == voxel);
+        faces.map(crate::voxelize::read::along).sum()
+    };
+    let mut compared = 0;
     for (a, b) in two.faces.iter().zip(&one.faces) {
         assert_eq!((a.voxel, a.lobe), (b.voxel, b.lobe));
         let close = |a: [f32; 3], b: [f32; 3], tolerance: f32| {
@@ -203,10 +209,15 @@ fn two_parts_are_one_surface() {
             assert!(apart <= tolerance, "{a:?} and {b:?}, but for {tolerance}");
         };
         close(a.vector_area, b.vector_area, 1e-5);
+        if area(a.voxel) > 1.0 + 1e-4 {
+            continue;
+        }
+        compared += 1;
         // What little there is in a face is rounded like the rest of the voxel.
         let relative = 1e-4 + 1e-6 / crate::voxelize::read::along(a).max(1e-7);
         close(a.reflectance, b.reflectance, relative);
         close(a.emission, b.emission, 3.0 * relative);
         close(a.position_in_world, b.position_in_world, relative * grid.voxel_size_m);
     }
+    assert!(2 * compared > one.faces.len(), "of {} faces {compared} are compared", one.faces.len());
 }

@@ -26,6 +26,12 @@ fn compare(
 ) {
     let triangles: Vec<_> = triangles.iter().map(|t| in_grid(grid, t)).collect();
     let mut expected = twin::faces(grid, &triangles, double_sided);
+    // Where there may be layers, the means are those of what is in front (layers.rs).
+    let mut areas = std::collections::BTreeMap::new();
+    for ((voxel, _), own) in &expected {
+        let sides = if double_sided { 2.0 } else { 1.0 };
+        *areas.entry(*voxel).or_insert(0.0) += own.weight / sides;
+    }
     let faces = list.faces.len();
     for face in &list.faces {
         let key = (list.voxel(face.voxel), face.lobe as usize);
@@ -35,7 +41,7 @@ fn compare(
         let tolerance = TOLERANCE * f64::from(own.pieces.max(1));
         let error = (area - limited).abs().max_element();
         assert!(error <= tolerance, "{key:?}: {area}, not {limited}, from {} pieces", own.pieces);
-        if own.weight > 0.01 {
+        if own.weight > 0.01 && areas[&key.0] < 1.0 {
             let position = grid.grid_from_world(Vec3::from(face.position_in_world)).as_dvec3();
             let mean = own.moment / own.weight;
             // The position's error is that of the area, over the area.
@@ -215,7 +221,8 @@ fn full_voxels_do_not_overflow() {
     let reflectance = Vec3::from(face.reflectance);
     assert!((reflectance - Vec3::new(0.2, 0.4, 0.6)).abs().max_element() < 1e-5, "{face:?}");
     let position = Vec3::from(face.position_in_world);
-    assert!((position - Vec3::splat(3.5)).abs().max_element() < 1e-4, "{face:?}");
+    // Of 5000 layers the last is in front; those within 1/2048 of a voxel count as one with it.
+    assert!((position - Vec3::new(3.5, 3.5, 4.0)).abs().max_element() < 1e-3, "{face:?}");
 }
 
 #[test]
