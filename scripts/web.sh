@@ -41,7 +41,7 @@ find_web_cargo() {
 # enough to do to be worth the time that a release build takes.
 build_web_tools() {
     : "${target_dir:?call set_target_dir first}"
-    (cd "$root" && cargo build --locked -p lumivox-serve --features bindgen >&2) ||
+    (cd "$root" && show_build "Building the page's tools" cargo build --locked -p lumivox-serve --features bindgen) ||
         die "The build of the page's tools failed (cargo's message is above)."
     # shellcheck disable=SC2034 # for the caller of build_web
     server=$target_dir/debug/lumivox-serve
@@ -58,9 +58,8 @@ build_web() {
     fi
     find_web_cargo
     build_web_tools
-    say "Compiling for browsers; the first time takes minutes."
-    (cd "$root" && "${web_cargo[@]}" build ${web_build_std[@]+"${web_build_std[@]}"} --target "$web_target" \
-        --profile "$profile" --locked -p lumivox-web --target-dir "$target_dir/web" >&2) ||
+    (cd "$root" && show_build "Building the page" "${web_cargo[@]}" build ${web_build_std[@]+"${web_build_std[@]}"} \
+        --target "$web_target" --profile "$profile" --locked -p lumivox-web --target-dir "$target_dir/web") ||
         die "The build for browsers failed (cargo's message is above)."
     # Whole or not at all: who looks meanwhile finds the old page.
     mkdir -p "$out"
