@@ -1,8 +1,11 @@
 //! Which scene the console and the window open, and how it is read.
 
-use lumivox_explorer::{OpenOptions, Opened};
+use std::cell::OnceCell;
 
-use crate::args::camera::{CameraChoice, resolve};
+use lumivox_explorer::Opened;
+use lumivox_scene::SightOptions;
+
+use crate::args::camera::{CameraChoice, resolve_with};
 use crate::args::scene::SceneSource;
 use crate::cli::{ExploreArgs, LoadArgs, SourceArgs};
 use crate::commands::light;
@@ -59,16 +62,14 @@ impl Opening {
         light::check(&self.light)?;
         let mut scene = self.source.load(&self.load, progress)?;
         light::add(&mut scene, &self.light, progress)?;
-        let camera = self.camera.as_ref();
-        let camera = camera.map(|_| resolve(camera, &scene, self.aspect)).transpose()?;
-        let default_light = !self.light.no_default_light;
-        let options = OpenOptions { camera, aspect: self.aspect, default_light };
-        let opened = Opened::new(scene, options, &mut |step| {
+        let (camera, framing) = (self.camera.as_ref(), OnceCell::new());
+        let camera = camera.map(|_| resolve_with(camera, &scene, self.aspect, &framing));
+        let camera = camera.transpose()?;
+        let options = SightOptions { camera, aspect: self.aspect, staging: self.light.staging() };
+        let opened = Opened::surveyed(scene, &options, &framing, &mut |step| {
             progress.set(words(step.stage), step.done, step.total);
         })?;
-        if let Some(light) = opened.default_light() {
-            light::tell_default(opened.scene(), light);
-        }
+        light::tell(opened.notes());
         Ok(Ready { opening: self, opened })
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use lumivox_render::{Picture, Progress};
+use lumivox_render::{Metering, Picture, Progress};
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
@@ -105,7 +105,7 @@ impl Explorer {
         Ok(Some(renderer.finish().await?))
     }
 
-    /// What a screen shows of the frames so far, exposed by `stops`; see [`Self::measure_stops`].
+    /// What a screen shows of the frames so far, exposed by `stops`; see [`Self::meter`].
     ///
     /// # Errors
     /// When the device fails.
@@ -130,13 +130,14 @@ impl Explorer {
         self.renderer.as_ref().map(lumivox_render::Renderer::screen_texture)
     }
 
-    /// The stops that the exposure asks for, given the frames so far.
+    /// The stops that the exposure asks for, given the frames so far, and what is wrong with them.
     ///
     /// # Errors
     /// When the device fails.
-    pub async fn measure_stops(&self) -> Result<f32, ExplorerError> {
-        let Some(renderer) = &self.renderer else { return Ok(0.0) };
-        Ok(renderer.measure_stops().await?)
+    pub async fn meter(&self) -> Result<Metering, ExplorerError> {
+        let nothing = Metering { stops: 0.0, warning: None };
+        let Some(renderer) = &self.renderer else { return Ok(nothing) };
+        Ok(renderer.meter().await?)
     }
 
     /// How long frames took.

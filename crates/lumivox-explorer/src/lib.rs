@@ -10,15 +10,16 @@
 //!
 //! ```no_run
 //! # async fn show() -> Result<(), Box<dyn std::error::Error>> {
-//! use lumivox_explorer::{Explorer, OpenOptions, Opened};
+//! use lumivox_explorer::{Explorer, Opened};
 //! use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings};
+//! use lumivox_scene::SightOptions;
 //!
 //! let gpu = Gpu::new(&GpuOptions::default()).await?;
 //! let mut explorer = Explorer::new(gpu, RenderSettings::default(), PresetChoice::default());
 //! let scene = lumivox_scene::builtin::scene("cornell")?;
-//! explorer.open(Opened::new(scene, OpenOptions::default(), &mut |_| {})?);
+//! explorer.open(Opened::new(scene, &SightOptions::default(), &mut |_| {})?);
 //! while explorer.frame(&mut |_| {}).await? {
-//!     let stops = explorer.measure_stops().await?;
+//!     let stops = explorer.meter().await?.stops;
 //!     let pixels = explorer.screen(stops).await?; // show them
 //! }
 //! explorer.set_hidden(0, true); // the next frame starts anew
@@ -66,7 +67,7 @@ pub use error::ExplorerError;
 pub use frames::FrameTimes;
 pub use names::NotFound;
 pub use objects::Placement;
-pub use opened::{OpenOptions, Opened};
+pub use opened::Opened;
 pub use original::Original;
 use update::Pending;
 

@@ -1,32 +1,16 @@
 //! A scene made ready to be looked at, and what is remembered of it.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use glam::Mat4;
 use lumivox_render::Progress;
-use lumivox_scene::{AnimationChoice, Bounds, Camera, DefaultLight, Scene};
+use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Note, Scene, Sight, SightOptions};
 
 use crate::ExplorerError;
 use crate::names::names_of_objects;
 use crate::objects::Edit;
 use crate::original::Original;
-
-/// How a scene is made ready.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OpenOptions {
-    /// Where it is seen from. Default: the scene's first camera, or else the view that shows it best.
-    pub camera: Option<Camera>,
-    /// Width over height of the picture that such a view is found for. Default: 16/9.
-    pub aspect: f32,
-    /// Whether a scene is lit in which nothing shines, by sun and sky or by lamps. Default: yes.
-    pub default_light: bool,
-}
-
-impl Default for OpenOptions {
-    fn default() -> Self {
-        Self { camera: None, aspect: 16.0 / 9.0, default_light: true }
-    }
-}
 
 /// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it since.
 #[derive(Debug)]
@@ -44,39 +28,45 @@ pub struct Opened {
     pub(crate) edits: BTreeMap<String, Edit>,
     /// Lights and materials before they were changed.
     pub(crate) original: Original,
-    default_light: Option<DefaultLight>,
+    notes: Vec<Note>,
 }
 
 /// Steps of an animation at which the room that it takes is measured.
 const POSES: u32 = 32;
 
 impl Opened {
-    /// Finds a scene's camera, lights it where nothing shines, and measures the room that its animation takes. This may
-    /// take seconds and needs no GPU; `tell` hears how far it is.
+    /// Decides how a scene is seen, lights it where it needs light, and measures the room that its animation takes. This
+    /// may take seconds and needs no GPU; `tell` hears how far it is.
     ///
     /// # Errors
     /// When nothing of the scene is left at some time of its animation.
     pub fn new(
-        mut scene: Scene,
-        options: OpenOptions,
+        scene: Scene,
+        options: &SightOptions,
         tell: &mut dyn FnMut(Progress),
     ) -> Result<Self, ExplorerError> {
-        let OpenOptions { camera, aspect, default_light } = options;
-        let camera = camera.or_else(|| scene.cameras.first().cloned()).unwrap_or_else(|| {
-            tell(Progress { stage: "looking for a camera", done: 0, total: 1 });
-            scene.default_camera(aspect)
-        });
-        let default_light = if default_light && !scene.shines() {
-            tell(Progress { stage: "looking for places of lamps", done: 0, total: 1 });
-            scene.add_default_light(Some(&camera))
-        } else {
-            None
-        };
+        Self::surveyed(scene, options, &OnceCell::new(), tell)
+    }
+
+    /// The same for a scene that was surveyed before, if its triangles are still the same.
+    ///
+    /// # Errors
+    /// As [`Opened::new`].
+    pub fn surveyed(
+        mut scene: Scene,
+        options: &SightOptions,
+        framing: &OnceCell<Framing>,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<Self, ExplorerError> {
+        tell(Progress { stage: "looking at the scene", done: 0, total: 1 });
+        let sight = Sight::of(&scene, options, framing);
+        scene.light_up(&sight);
+        let Sight { camera, notes, .. } = sight;
         let grid_bounds = bounds_of_all_poses(&mut scene, tell)?;
         let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
         let (names, original) = (names_of_objects(&scene), Original::of(&scene));
         let edits = BTreeMap::new();
-        Ok(Self { scene, camera, grid_bounds, names, posed, edits, original, default_light })
+        Ok(Self { scene, camera, grid_bounds, names, posed, edits, original, notes })
     }
 
     /// The scene, lit.
@@ -89,9 +79,9 @@ impl Opened {
         &self.camera
     }
 
-    /// The light that was added since nothing shone; users want to hear of it.
-    pub fn default_light(&self) -> Option<&DefaultLight> {
-        self.default_light.as_ref()
+    /// What was chosen for the scene, its camera and its light; users want to hear of it.
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
     }
 
     /// The scene's second and third camera: those to come back to.

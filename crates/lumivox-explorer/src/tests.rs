@@ -4,6 +4,8 @@ use glam::{Mat4, Vec3};
 use lumivox::Preset;
 use pollster::block_on;
 
+use lumivox_scene::{SightOptions, Staging};
+
 use super::*;
 
 #[test]
@@ -42,7 +44,7 @@ fn small() -> RenderSettings {
 
 fn opened(scene: &str) -> Opened {
     let scene = lumivox_scene::builtin::scene(scene).unwrap();
-    Opened::new(scene, OpenOptions::default(), &mut |_| {}).unwrap()
+    Opened::new(scene, &SightOptions::default(), &mut |_| {}).unwrap()
 }
 
 fn explorer(scene: &str) -> Explorer {
@@ -220,26 +222,25 @@ fn positions_are_kept() {
     assert!(seen == fresh(&explorer));
 }
 
-/// A scene in which nothing shines is lit unless that is not wanted, and says by what; one that shines is left alone.
+/// A scene that is dark is lit unless that is not wanted, and says by what; one that shines is left alone.
 #[test]
 fn dark_scenes_are_lit_and_say_so() {
     let mut dark = lumivox_scene::builtin::scene("cornell").unwrap();
-    let shining = Opened::new(dark.clone(), OpenOptions::default(), &mut |_| {}).unwrap();
-    assert_eq!(shining.default_light(), None);
+    let shining = Opened::new(dark.clone(), &SightOptions::default(), &mut |_| {}).unwrap();
     assert_eq!(shining.scene(), &dark);
-
+    assert!(shining.notes()[0].text.starts_with("its own"), "{:?}", shining.notes());
     dark.lights.clear();
     for material in &mut dark.materials {
         material.emissive = Vec3::ZERO;
     }
-    let left = OpenOptions { default_light: false, ..OpenOptions::default() };
-    let left = Opened::new(dark.clone(), left, &mut |_| {}).unwrap();
-    assert!(left.default_light().is_none() && !left.scene().shines());
+    let left = SightOptions { staging: Staging::None, ..SightOptions::default() };
+    let left = Opened::new(dark.clone(), &left, &mut |_| {}).unwrap();
+    assert!(left.notes().is_empty() && !left.scene().shines());
     let mut stages = Vec::new();
     let mut tell = |step: Progress| stages.push(step.stage);
-    let lit = Opened::new(dark, OpenOptions::default(), &mut tell).unwrap();
-    assert!(lit.default_light().is_some() && lit.scene().shines());
-    assert_eq!(stages, ["looking for places of lamps"]);
+    let lit = Opened::new(dark, &SightOptions::default(), &mut tell).unwrap();
+    assert!(lit.scene().shines() && lit.notes()[0].text.contains("none of its own"));
+    assert_eq!(stages, ["looking at the scene"]);
 }
 
 #[test]
@@ -247,14 +248,14 @@ fn cameras_are_the_wanted_ones_or_found() {
     let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let own = scene.cameras[0].clone();
     let wanted = Camera::look_at(Vec3::ONE, Vec3::ZERO, 1.0);
-    let camera = |scene: &Scene, options| {
+    let camera = |scene: &Scene, options: &SightOptions| {
         Opened::new(scene.clone(), options, &mut |_| {}).unwrap().camera().clone()
     };
-    assert_eq!(camera(&scene, OpenOptions::default()), own);
-    let options = OpenOptions { camera: Some(wanted.clone()), ..OpenOptions::default() };
-    assert_eq!(camera(&scene, options), wanted);
+    assert_eq!(camera(&scene, &SightOptions::default()), own);
+    let options = SightOptions { camera: Some(wanted.clone()), ..SightOptions::default() };
+    assert_eq!(camera(&scene, &options), wanted);
     scene.cameras.clear();
-    let found = camera(&scene, OpenOptions { aspect: 1.0, ..OpenOptions::default() });
+    let found = camera(&scene, &SightOptions { aspect: 1.0, ..SightOptions::default() });
     assert_eq!(found, scene.default_camera(1.0));
 }
 

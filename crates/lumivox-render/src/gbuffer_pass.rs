@@ -62,6 +62,8 @@ pub(crate) struct RasterView {
     pub(crate) clip_from_world: Mat4,
     pub(crate) position_in_world: [f32; 3],
     pub(crate) frame: u32,
+    pub(crate) jitter: [f32; 2],
+    pub(crate) padding: [f32; 2],
 }
 
 /// What a pipeline is made for; draws come in this order.
@@ -199,18 +201,21 @@ impl GBufferPass {
         Ok(())
     }
 
-    /// Renders a scene. The view takes effect at the next submission: one frame per recorder.
+    /// Renders a scene, by a view that is moved by `jitter` pixels. It takes effect at the next submission: one frame
+    /// per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         scene: &GpuScene,
         targets: &GBufferTargets,
-        view: &View,
+        (view, jitter): (&View, Vec2),
     ) {
         let view = RasterView {
             clip_from_world: view.clip_from_world,
             position_in_world: view.position.to_array(),
             frame: view.frame,
+            jitter: jitter.to_array(),
+            padding: [0.0; 2],
         };
         recorder.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let colors = [&targets.normals, &targets.diffuse, &targets.specular, &targets.emission];

@@ -13,6 +13,9 @@ struct RasterView {
     position_in_world: vec3f,
     // Counts the frames that are accumulated.
     frame: u32,
+    // What they are moved by, pixels.
+    jitter: vec2f,
+    padding: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> raster_view: RasterView;
@@ -184,7 +187,12 @@ fn layered_point(fragment: LayeredFragment) -> LayeredPoint {
 fn layered_fragment(fragment: LayeredFragment) -> Targets {
     let point = layered_point(fragment);
     let layered = point.layered;
-    let seed = surface_seed(fragment.draw, fragment.is_front, length(fragment.from_camera));
+    // In the middle of the pixel, whatever the frame's jitter: a surface whose number changed from frame to frame would
+    // be there at random, instead of evenly spread over the frames.
+    let distance = length(fragment.from_camera);
+    let in_middle =
+        distance + dot(vec2f(dpdx(distance), dpdy(distance)), raster_view.jitter);
+    let seed = surface_seed(fragment.draw, fragment.is_front, in_middle);
     if is_masked_out(point.samples.base)
         || !is_there(layered.coverage, vec2u(fragment.pixel.xy), seed, raster_view.frame) {
         discard;

@@ -81,6 +81,6 @@ fn frame_at(point: Point, samples: PointSamples) -> PointFrame {
     geometric = select(-geometric, geometric, dot(geometric, to_camera) >= 0.0);
     // Seen from behind, the whole shading frame turns over.
     let side = select(-1.0, 1.0, dot(smooth_normal, geometric) >= 0.0);
-    let shading = facing(side * mapped_normal(point, samples.normal), to_camera);
+    let shading = facing(side * mapped_normal(point, samples.normal), geometric, to_camera);
     return PointFrame(to_camera, shading, geometric);
 }

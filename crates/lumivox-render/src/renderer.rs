@@ -208,7 +208,7 @@ impl Renderer {
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            passes.gbuffer.record(&mut recorder, scene, textures, &view);
+            passes.gbuffer.record(&mut recorder, scene, textures, (&view, jitter));
             let gbuffer = &targets.gbuffer;
             if settings.view == View::Lod {
                 recorder.stage("picture");

@@ -36,9 +36,9 @@ mod pose;
 mod save;
 mod validate;
 
-pub use environment::sky;
+pub use environment::{sky, studio};
 pub use error::SceneError;
-pub use framing::{DefaultLight, Framing};
+pub use framing::{DefaultLight, Framing, Ground, Note, Sight, SightOptions, Staging};
 pub use load::{
     EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words,
 };

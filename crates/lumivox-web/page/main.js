@@ -45,6 +45,8 @@ let split;
 let opened = null;
 /** @type {Source | null} */
 let source = null;
+/** What the last picture was warned of. @type {string | undefined} */
+let warned;
 /** @type {Camera | null} */
 let camera = null;
 /** @type {Settings} */
@@ -101,6 +103,9 @@ function startAgain() {
 
 // --- Scene and camera ----------------------------------------------------------------------------------------------
 
+/** What is put around scenes. */
+const surroundings = () => /** @type {"auto" | "studio" | "sky" | "none"} */ (byId("surroundings", HTMLSelectElement).value);
+
 /** Opens a scene; the one before stays if that fails.
  * @param {Source} from @param {Camera} [place] where the camera shall be */
 async function open(from, place) {
@@ -110,7 +115,7 @@ async function open(from, place) {
     announce(`Loading ${name}`);
     try {
         /** @type {Opened} */
-        const now = await ask("load", { source: from, camera: place && fitted(place, aspect) }, busy.progress);
+        const now = await ask("load", { source: from, camera: place && fitted(place, aspect), options: { surroundings: surroundings() } }, busy.progress);
         [opened, source] = [now, from];
         camera = place ?? now.scene.camera;
         clearReports();
@@ -147,6 +152,7 @@ function goHome() {
 function listenForCamera() {
     new Controls(canvas, () => (camera && opened ? { camera, scene: opened.scene } : null), (to) => moveTo(to, true));
     byId("camera").addEventListener("change", goHome);
+    byId("surroundings").addEventListener("change", () => source && void open(source, camera ?? undefined));
     byId("home").addEventListener("click", goHome);
     canvas.addEventListener("keydown", ({ code, ctrlKey, metaKey, altKey }) => {
         if (ctrlKey || metaKey || altKey) return;
@@ -252,6 +258,10 @@ function listenToWorker() {
         const reference = report.reference_samples === undefined ? "" : ` · reference ${report.reference_samples} samples`;
         byId("status").textContent = `${report.frame}/${report.frames} frames · ${milliseconds(report.frame_ms)}${reference}`;
         if (state() === "loading") return;
+        if (report.warning !== undefined && report.warning !== warned) {
+            say(`${report.warning}: choose other surroundings, add a light, or set the exposure`, { kind: "note" });
+        }
+        warned = report.warning;
         const isComplete = report.complete && asked === 0;
         state(isComplete ? "complete" : "rendering");
         if (isComplete) void attempt(client.call("memory")).then((memory) => memory && showMemory(/** @type {Memory[]} */ (memory)));

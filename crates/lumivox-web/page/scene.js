@@ -44,7 +44,7 @@ function showNotes(notes) {
     const place = byId("notes", HTMLDetailsElement);
     place.hidden = notes.length === 0;
     const [summary, list] = place.children;
-    summary.textContent = `${notes.length} ${notes.length === 1 ? "note" : "notes"} on what was approximated`;
+    summary.textContent = `${notes.length} ${notes.length === 1 ? "note" : "notes"} on what was chosen and approximated`;
     list.replaceChildren(...notes.map((note) => h("li", {}, note)));
 }
 

@@ -2,9 +2,10 @@
 
 import type {
     Camera as AnyCamera, FrameReport, Light, ParameterInfo, Progress, SceneInfo as AnySceneInfo,
+    SceneOptions,
 } from "./lumivox/lumivox.js";
 
-export type { FrameReport, Light, ParameterInfo, Progress };
+export type { FrameReport, Light, ParameterInfo, Progress, SceneOptions };
 export type Vec3 = [number, number, number];
 /** What comes from the renderer has all that may be left out on the way to it. */
 export type Camera = Required<Omit<AnyCamera, "name">> & { name?: string };

@@ -13,6 +13,7 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
+/** @typedef {import("./types.js").SceneOptions} SceneOptions */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
@@ -156,9 +157,9 @@ const calls = {
         const settings = await renderer.settings();
         return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings };
     },
-    /** @param {{ source: Source, camera?: Camera }} data @param {OnProgress} onProgress @returns {Promise<Opened>} */
+    /** @param {{ source: Source, camera?: Camera, options?: SceneOptions }} data @param {OnProgress} onProgress @returns {Promise<Opened>} */
     async load(data, onProgress) {
-        const scene = /** @type {SceneInfo} */ (await renderer.loadScene(sourceFor(data.source), onProgress));
+        const scene = /** @type {SceneInfo} */ (await renderer.loadScene(sourceFor(data.source), onProgress, data.options));
         number += 1;
         camera = data.camera ?? null;
         isReady = true;

@@ -14,7 +14,7 @@ use crate::present::Canvas;
 use crate::session::Session;
 use crate::settings::Settings;
 use crate::types::{
-    Camera, FrameReport, Light, MemoryInfo, Named, ParameterInfo, SceneInfo, Split,
+    Camera, FrameReport, Light, MemoryInfo, Named, ParameterInfo, SceneInfo, SceneOptions, Split,
 };
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -114,7 +114,8 @@ pub struct Renderer {
 impl Renderer {
     /// Loads a scene and shows it instead of the last one: `"builtin:NAME"`, an address, a `File`, or several files that
     /// belong together (a .gltf or .obj with what it names). What fails leaves the last scene in place, but for errors
-    /// of the device.
+    /// of the device. Where the file does not see to it, a view and light are chosen; `scene().notes` tells which, and
+    /// `options` overrule it.
     #[wasm_bindgen(js_name = loadScene)]
     pub async fn load_scene(
         &self,
@@ -122,10 +123,12 @@ impl Renderer {
         source: JsValue,
         #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
+        options: Option<Ts<SceneOptions>>,
     ) -> Result<Ts<SceneInfo>, JsValue> {
         let listener = Listener::new(on_progress);
+        let options = options.map(|options| from_js(&options, "options of a scene")).transpose()?;
         let scene = load(&source, &listener).await?;
-        to_js(&self.session().await.open(scene, &listener).await?)
+        to_js(&self.session().await.open(scene, options.unwrap_or_default(), &listener).await?)
     }
 
     /// What is known of the scene; undefined before one was loaded.

@@ -1,9 +1,13 @@
 //! What a page works on: a scene at work, the canvas that shows it, and what is shown beside it.
 
+use std::cell::OnceCell;
+
 use glam::UVec2;
-use lumivox_explorer::{Explorer, OpenOptions, Opened};
-use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings, View};
-use lumivox_scene::Scene;
+use lumivox_explorer::{Explorer, Opened};
+use lumivox_render::{
+    ExposureWarning, Gpu, GpuOptions, Metering, PresetChoice, RenderSettings, View,
+};
+use lumivox_scene::{Scene, SightOptions};
 use web_time::Instant;
 
 use crate::beside::{Beside, Right};
@@ -12,7 +16,9 @@ use crate::exposing::Exposing;
 use crate::load::Listener;
 use crate::present::{Canvas, Presenter};
 use crate::settings::{self, Settings};
-use crate::types::{Camera, FrameReport, Light, MemoryInfo, SceneInfo, Split, StageMs};
+use crate::types::{
+    Camera, FrameReport, Light, MemoryInfo, SceneInfo, SceneOptions, Split, StageMs,
+};
 
 /// Everything behind one canvas.
 #[derive(Debug)]
@@ -24,6 +30,8 @@ pub struct Session {
     view: View,
     beside: Option<Beside>,
     notes: Vec<String>,
+    /// Why the picture is not what a camera would make of the scene.
+    warning: Option<ExposureWarning>,
     /// When time was last let go on.
     ticked: Instant,
     /// What the last frame took, ms.
@@ -44,8 +52,8 @@ impl Session {
         let explorer = Explorer::new(gpu, settings, PresetChoice::default());
         let exposing = Exposing::default();
         let ticked = Instant::now();
-        let (beside, notes) = (None, Vec::new());
-        Ok(Self { explorer, presenter, exposing, view, beside, notes, ticked, frame_ms: 0.0 })
+        let (beside, notes, warning, frame_ms) = (None, Vec::new(), None, 0.0);
+        Ok(Self { explorer, presenter, exposing, view, beside, notes, warning, ticked, frame_ms })
     }
 
     /// The device.
@@ -71,20 +79,24 @@ impl Session {
     ///
     /// # Errors
     /// When it does not fit, or the device fails. The last one is gone then: both at once need not fit.
-    pub async fn open(&mut self, scene: Scene, listener: &Listener) -> Result<SceneInfo, WebError> {
+    pub async fn open(
+        &mut self,
+        scene: Scene,
+        asked: SceneOptions,
+        listener: &Listener,
+    ) -> Result<SceneInfo, WebError> {
         let size = self.explorer.size();
-        let options =
-            OpenOptions { aspect: size.x as f32 / size.y as f32, ..OpenOptions::default() };
+        let aspect = size.x as f32 / size.y as f32;
+        let framing = OnceCell::new();
+        let camera = asked.camera(&scene, aspect, &framing)?;
+        let options = SightOptions { camera, aspect, staging: asked.surroundings.into() };
         let mut tell = |step: lumivox_render::Progress| {
             listener.tell(step.stage, step.done.into(), step.total.into());
         };
-        let opened = Opened::new(scene, options, &mut tell)?;
+        let opened = Opened::surveyed(scene, &options, &framing, &mut tell)?;
         self.notes.clone_from(&opened.scene().notes.warnings);
-        self.notes.extend(
-            opened
-                .default_light()
-                .map(|light| format!("nothing shines in this scene: it is lit by {light}")),
-        );
+        self.notes
+            .extend(opened.notes().iter().map(|note| format!("{}: {}", note.about, note.text)));
         self.explorer.open(opened);
         self.exposing = Exposing::default();
         self.change();
@@ -367,6 +379,7 @@ impl Session {
             complete: is_complete && !self.explorer.playback().is_playing,
             frame_ms: self.frame_ms,
             stages,
+            warning: self.warning.map(|warning| warning.to_string()),
             reference_samples: self.beside.as_ref().and_then(Beside::samples),
         })
     }
@@ -381,8 +394,9 @@ impl Session {
         let Some(renderer) = self.explorer.renderer() else { return Ok(false) };
         let (frame, frames) = (renderer.frame_count(), self.explorer.settings().frames);
         if self.exposing.is_due(frame, frame >= frames) {
-            let stops = self.explorer.measure_stops().await?;
+            let Metering { stops, warning } = self.explorer.meter().await?;
             self.exposing.measured(stops);
+            self.warning = warning;
         }
         self.explorer.draw(self.exposing.stops()).await?;
         Ok(has_rendered)

@@ -1,10 +1,11 @@
 //! Which camera to look through.
 
+use std::cell::OnceCell;
 use std::fmt;
 
 use anyhow::bail;
 use glam::Vec3;
-use lumivox_scene::{Camera, Scene};
+use lumivox_scene::{Camera, Framing, Scene};
 
 use super::Refused;
 use super::number::{in_range, some};
@@ -13,6 +14,9 @@ use crate::exit::Failure;
 /// The name of the view that every scene has, whatever its cameras: see
 /// [`Scene::default_camera`].
 pub const FRAMING: &str = "framing";
+/// The same from outside, and from within.
+pub const OUTSIDE: &str = "outside";
+pub const INSIDE: &str = "inside";
 
 const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
 /// Vertical field of view of cameras that do not tell theirs, degrees.
@@ -94,7 +98,21 @@ pub fn resolve(
     scene: &Scene,
     aspect: f32,
 ) -> anyhow::Result<Camera> {
-    let framing = || scene.default_camera(aspect);
+    resolve_with(choice, scene, aspect, &OnceCell::new())
+}
+
+/// The same for a scene that may have been surveyed before, and is here if it has to be.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_with(
+    choice: Option<&CameraChoice>,
+    scene: &Scene,
+    aspect: f32,
+    framing: &OnceCell<Framing>,
+) -> anyhow::Result<Camera> {
+    let survey = || framing.get_or_init(|| Framing::of(scene));
+    let framing = || survey().camera(aspect);
     let found = match choice {
         None => return Ok(scene.cameras.first().cloned().unwrap_or_else(framing)),
         Some(CameraChoice::LookAt { position, target, vertical_fov_rad }) => {
@@ -106,7 +124,13 @@ pub fn resolve(
         Some(CameraChoice::Index(index)) => scene.cameras.get(*index).cloned(),
         Some(CameraChoice::Name(name)) => {
             let known = scene.cameras.iter().find(|camera| camera.name == *name).cloned();
-            known.or_else(|| (name == FRAMING).then(framing))
+            match (known, name.as_str()) {
+                (Some(known), _) => Some(known),
+                (None, FRAMING) => Some(framing()),
+                (None, OUTSIDE) => Some(survey().outside(aspect)),
+                (None, INSIDE) => return survey().inside(aspect).ok_or_else(|| no_inside(scene)),
+                (None, _) => None,
+            }
         }
     };
     if let Some(camera) = found {
@@ -123,12 +147,20 @@ pub fn resolve(
         .enumerate()
         .map(|(index, camera)| format!("{index} \"{}\"", camera.name))
         .chain([format!("\"{FRAMING}\" (the view that shows it best)")])
+        .chain([OUTSIDE, INSIDE].map(|name| format!("\"{name}\"")))
         .collect();
     bail!(Failure::input(format!(
         "the scene \"{}\" has no {wanted}; there are: {}; or give a position and a target",
         scene.name,
         known.join(", ")
     )))
+}
+
+fn no_inside(scene: &Scene) -> anyhow::Error {
+    let name = &scene.name;
+    let reason = format!("the scene \"{name}\" has no room inside for a camera");
+    Failure::input(format!("{reason}; look at it from outside, or give a position and a target"))
+        .into()
 }
 
 /// Keeps small things from being cut off by a near plane made for rooms.
@@ -175,6 +207,23 @@ mod tests {
         assert_eq!(resolve(None, &bare, 1.5).unwrap().name, FRAMING);
         let framing = CameraChoice::Name(FRAMING.to_owned());
         assert_eq!(resolve(Some(&framing), &scene, 1.5).unwrap().name, FRAMING);
+    }
+
+    #[test]
+    fn outside_and_inside_are_where_they_say() {
+        let named = |name: &str, scene: &Scene| {
+            resolve(Some(&CameraChoice::Name(name.to_owned())), scene, 1.5)
+        };
+        let hall = lumivox_scene::builtin::scene("atrium").unwrap();
+        assert!(hall.bounds().contains(named(INSIDE, &hall).unwrap().position));
+        assert!(!hall.bounds().contains(named(OUTSIDE, &hall).unwrap().position));
+        // A camera of the file goes first.
+        let mut own = hall.clone();
+        INSIDE.clone_into(&mut own.cameras[0].name);
+        assert_eq!(named(INSIDE, &own).unwrap(), own.cameras[0]);
+        let panel = lumivox_scene::builtin::scene("panel").unwrap();
+        let error = named(INSIDE, &panel).unwrap_err().to_string();
+        assert!(error.contains("no room inside") && error.contains("outside"), "{error}");
     }
 
     #[test]

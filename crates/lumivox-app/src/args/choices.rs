@@ -5,7 +5,7 @@ use lumivox::{
     Duplication, Injection, Mipmapping, OctreeBuilder, Preset, VolumeKind, VoxelizeMethod,
 };
 use lumivox_render::{PresetChoice, ShadowMethod, ToneMap, View, Wireframe, Wires};
-use lumivox_scene::UpAxis;
+use lumivox_scene::{Staging, UpAxis};
 
 /// A parser that takes the names of `values` and returns the value, with a line of help for each.
 fn among<T: Copy + Send + Sync + 'static>(
@@ -73,6 +73,19 @@ pub fn wire_voxels() -> impl TypedValueParser<Value = Wires> {
             Wires::Through => "all, seen through surfaces",
         };
         (wires.name(), help)
+    })
+}
+
+/// What is put around a scene.
+pub fn staging() -> impl TypedValueParser<Value = Staging> {
+    among(&Staging::ALL, |staging| {
+        let help = match staging {
+            Staging::Auto => "what suits it, where its own light is not enough",
+            Staging::Studio => "a studio: soft boxes, a grey wall, a ground",
+            Staging::Sky => "the sun and the sky of a clear day, and a ground below things",
+            Staging::None => "nothing, even if the scene is dark",
+        };
+        (staging.name(), help)
     })
 }
 

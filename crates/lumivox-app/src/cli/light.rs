@@ -4,7 +4,7 @@ use clap::Args;
 use glam::Vec3;
 use lumivox::Injection;
 use lumivox_render::ShadowMethod;
-use lumivox_scene::Light;
+use lumivox_scene::{Light, Staging};
 
 use crate::args::light::Surroundings;
 use crate::args::{choices, light, number, size};
@@ -58,10 +58,27 @@ pub struct SourceArgs {
     #[arg(default_value = "2", allow_negative_numbers = true, requires = "sky")]
     pub turbidity: f32,
 
-    /// Leave a scene dark in which nothing shines [default: off, it is lit by sun and sky, or by lamps
-    /// where it is closed]
-    #[arg(long)]
+    /// What is put around a scene of which the file sees to too little light [default: auto; none with
+    /// --sun, --sky or --environment]
+    ///
+    /// auto measures what the scene's own light does where it is seen. Where that is not enough, lamps
+    /// of 300 lux light a closed room, sun and sky an open place or a landscape, and a studio of 1549
+    /// lux, turned to the camera, everything else. The note under the picture tells what was chosen.
+    #[arg(long, value_name = "WHAT", value_parser = choices::staging())]
+    pub surroundings: Option<Staging>,
+
+    /// The same as --surroundings none
+    #[arg(long, conflicts_with = "surroundings")]
     pub no_default_light: bool,
+}
+
+impl SourceArgs {
+    /// What is put around the scene; nothing where the user lights it.
+    pub fn staging(&self) -> Staging {
+        let is_lit = self.sun.is_some() || self.sky.is_some() || self.environment.is_some();
+        let is_left = self.no_default_light || is_lit;
+        self.surroundings.unwrap_or(if is_left { Staging::None } else { Staging::Auto })
+    }
 }
 
 /// Light, and how it is found.

@@ -31,6 +31,7 @@ pub struct PictureArgs {
     ///
     /// Numbers count from 0; `lumivox info SCENE` lists the cameras. PX,PY,PZ is the eye, TX,TY,TZ
     /// what it looks at, and FOV the vertical field of view in degrees, 1 to 170 (default: 45).
+    /// `outside` and `inside` are views of the whole and from within, as good as they are found.
     #[arg(long, value_name = "NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]", value_parser = camera::camera)]
     #[arg(allow_hyphen_values = true)]
     pub camera: Option<CameraChoice>,
@@ -55,7 +56,8 @@ pub struct PictureArgs {
     /// display values, else such that white right at a lamp is white]
     ///
     /// PNG shows radiance in cd/m2 times 2 to the power of the stops. auto makes the picture's
-    /// average a middle grey; the pictures of a sequence all take the median of what five of them ask
+    /// average a middle grey, up to 1.5 stops brighter or two darker so that white is nearly white,
+    /// within what cameras do (EV100 -6 to 17); beyond that a warning says so. The pictures of a sequence all take the median of what five of them ask
     /// for, so that they do not flicker. With auto-each every picture finds its own. No effect on
     /// OpenEXR.
     #[arg(long, value_name = "STOPS|auto|auto-each", value_parser = number::exposure)]

@@ -1,11 +1,13 @@
 //! The light that the command line adds to a scene or puts in the place of the scene's.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use glam::Vec3;
 use lumivox_scene::sky::{SkySettings, sky};
 use lumivox_scene::{
-    Camera, DefaultLight, Environment, EnvironmentMap, Light, LightKind, Scene, SceneError,
+    Camera, Environment, EnvironmentMap, Framing, Light, LightKind, Note, Scene, SceneError, Sight,
+    SightOptions, Staging,
 };
 use serde_json::{Value, json};
 
@@ -16,6 +18,9 @@ use crate::progress::Progress;
 
 /// The name of the light that is the sun of a computed sky.
 pub const SUN_OF_SKY: &str = "sun of the sky";
+
+/// What helps where there is too little light, or too much.
+pub const REMEDY: &str = "light it otherwise with --surroundings studio or sky, --sun or --environment, or set --exposure";
 
 /// Checks what is cheap to check: that there is such a panorama at all.
 ///
@@ -63,21 +68,29 @@ pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<
     Ok(())
 }
 
-/// Lights a scene in which nothing shines, and says so.
-pub fn add_default(scene: &mut Scene, camera: &Camera, progress: &Progress) {
-    progress.set("looking for places of lamps", 0, 1);
-    if let Some(light) = scene.add_default_light(Some(camera)) {
-        tell_default(scene, &light);
+/// Decides how a scene is seen, adds the light that it needs, and tells the user what was chosen. For commands
+/// whose reports do not.
+pub fn stage(
+    scene: &mut Scene,
+    camera: Camera,
+    (staging, aspect): (Staging, f32),
+    framing: &OnceCell<Framing>,
+    progress: &Progress,
+) {
+    progress.set("looking at the scene", 0, 1);
+    let options = SightOptions { camera: Some(camera), aspect, staging };
+    let sight = Sight::of(scene, &options, framing);
+    scene.light_up(&sight);
+    if sight.light.is_some() {
+        tell(&sight.notes);
     }
 }
 
-/// Says by what a scene is lit in which nothing shone.
-pub fn tell_default(scene: &Scene, light: &DefaultLight) {
-    tracing::warn!(
-        "nothing shines in the scene \"{}\": it is lit by {light}; light it with --sun, --sky \
-         or --environment, or leave it dark with --no-default-light",
-        scene.name
-    );
+/// Tells what was chosen for the user.
+pub fn tell(notes: &[Note]) {
+    for note in notes {
+        tracing::info!("{}: {note}", note.about);
+    }
 }
 
 /// What decides the light, for the index of a sequence.
@@ -102,6 +115,6 @@ pub fn settings(args: &SourceArgs) -> Value {
         "environment_intensity": args.environment_intensity,
         "sky": args.sky.map(|towards| towards.to_array()),
         "turbidity": args.turbidity,
-        "no_default_light": args.no_default_light,
+        "surroundings": args.staging().name(),
     })
 }

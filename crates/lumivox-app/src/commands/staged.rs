@@ -1,10 +1,12 @@
 //! A scene that is ready for a still picture: loaded, posed, lit, with its camera.
 
+use std::cell::OnceCell;
+
 use glam::UVec2;
 use lumivox_scene::{Camera, Scene};
 
 use super::light;
-use crate::args::camera::resolve;
+use crate::args::camera::resolve_with;
 use crate::args::scene::SceneSource;
 use crate::cli::{LoadArgs, SourceArgs, ViewArgs};
 use crate::exit::Failure;
@@ -39,10 +41,8 @@ pub fn stage(
     if scene.cameras.is_empty() && view.camera.is_none() {
         progress.set("looking for a camera", 0, 1);
     }
-    let aspect = size.x as f32 / size.y as f32;
-    let camera = resolve(view.camera.as_ref(), &scene, aspect)?;
-    if !sources.no_default_light && !scene.shines() {
-        light::add_default(&mut scene, &camera, progress);
-    }
+    let (aspect, framing) = (size.x as f32 / size.y as f32, OnceCell::new());
+    let camera = resolve_with(view.camera.as_ref(), &scene, aspect, &framing)?;
+    light::stage(&mut scene, camera.clone(), (sources.staging(), aspect), &framing, progress);
     Ok((scene, camera))
 }

@@ -1,5 +1,7 @@
 //! `lumivox volumes`: what the kinds of volumes take, side by side.
 
+use std::cell::OnceCell;
+
 use glam::Vec3;
 use lumivox::gpu::{StageTime, Timing};
 use lumivox::{
@@ -7,10 +9,11 @@ use lumivox::{
     VolumeKind, dense_volume_bytes,
 };
 use lumivox_render::{Gpu, RenderSettings, Renderer};
-use lumivox_scene::{Scene, write_atomically};
+use lumivox_scene::{Scene, Staging, write_atomically};
 use serde::Serialize;
 
 use super::light;
+use crate::args::camera::resolve_with;
 use crate::args::{choices, output};
 use crate::cli::VolumesArgs;
 use crate::exit::Failure;
@@ -34,12 +37,9 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
     let progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
-    if !scene.shines() {
-        let aspect = args.size.x as f32 / args.size.y as f32;
-        let camera = scene.cameras.first().cloned();
-        let camera = camera.unwrap_or_else(|| scene.default_camera(aspect));
-        light::add_default(&mut scene, &camera, &progress);
-    }
+    let (aspect, framing) = (args.size.x as f32 / args.size.y as f32, OnceCell::new());
+    let camera = resolve_with(None, &scene, aspect, &framing)?;
+    light::stage(&mut scene, camera, (Staging::Auto, aspect), &framing, &progress);
     let mut rows = Vec::new();
     let variants = variants(args.alternatives);
     let total = (args.resolutions.len() * variants.len()) as u32;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use lumivox_scene::{EXTENSIONS, builtin};
 
 use super::Console;
+use crate::args::camera::{FRAMING, INSIDE, OUTSIDE};
 
 /// Names of what there is now.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -16,7 +17,7 @@ pub struct Names {
     pub materials: Vec<String>,
     /// Lights.
     pub lights: Vec<String>,
-    /// Cameras of the scene, and `framing`.
+    /// Cameras of the scene, and the views that every scene has.
     pub cameras: Vec<String>,
     /// Animations, and `all`.
     pub animations: Vec<String>,
@@ -40,7 +41,7 @@ impl Console {
             lights: explorer.light_names(),
             cameras: cameras
                 .map(|camera| camera.name.clone())
-                .chain([crate::args::camera::FRAMING.to_owned()])
+                .chain([FRAMING, OUTSIDE, INSIDE].map(str::to_owned))
                 .collect(),
             animations: animations.into_iter().chain(all).collect(),
             scenes: scenes(&folders(self)),

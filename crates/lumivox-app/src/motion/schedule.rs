@@ -1,7 +1,9 @@
 //! What a rendering shows when: the poses of the scene and the places of the camera.
 
+use std::cell::OnceCell;
+
 use glam::{Mat4, Vec3};
-use lumivox_scene::{AnimationChoice, Bounds, Camera, Scene};
+use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Scene};
 
 use super::path::CameraPath;
 use super::{Moments, ORBIT_S, PathFile, TimeChoice};
@@ -80,11 +82,15 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Finds out what is asked for.
+    /// Finds out what is asked for. `framing` is the survey of the scene, made where it is needed.
     ///
     /// # Errors
     /// A [`Failure`] of input that says what does not fit together, or is not in the scene.
-    pub fn new(asked: &Asked<'_>, scene: &Scene) -> anyhow::Result<Self> {
+    pub fn new(
+        asked: &Asked<'_>,
+        scene: &Scene,
+        framing: &OnceCell<Framing>,
+    ) -> anyhow::Result<Self> {
         let known = scene.animations();
         let choice = choose(asked.animation, scene)?;
         let duration_s = match choice {
@@ -137,7 +143,7 @@ impl Schedule {
             },
         };
         let animation = if when == When::Rest { None } else { choice };
-        Ok(Self { when, animation, eye: eye(asked, scene)? })
+        Ok(Self { when, animation, eye: eye(asked, scene, framing)? })
     }
 
     /// The time of the first picture, s.
@@ -223,11 +229,11 @@ pub fn choose(
     }
 }
 
-fn eye(asked: &Asked<'_>, scene: &Scene) -> anyhow::Result<Eye> {
+fn eye(asked: &Asked<'_>, scene: &Scene, framing: &OnceCell<Framing>) -> anyhow::Result<Eye> {
     if let Some(path) = asked.path {
         return Ok(Eye::Path(Box::new(path.resolve(scene, asked.aspect)?)));
     }
-    let start = camera::resolve(asked.camera, scene, asked.aspect)?;
+    let start = camera::resolve_with(asked.camera, scene, asked.aspect, framing)?;
     if let Some(degrees) = asked.orbit_deg {
         let pivot = scene.bounds().center();
         let angle_rad = f64::from(degrees).to_radians();
@@ -281,8 +287,12 @@ mod tests {
     #[test]
     fn an_orbit_goes_round_the_middle() {
         let scene = scene();
-        let schedule =
-            Schedule::new(&Asked { orbit_deg: Some(360.0), ..asked(None) }, &scene).unwrap();
+        let schedule = Schedule::new(
+            &Asked { orbit_deg: Some(360.0), ..asked(None) },
+            &scene,
+            &OnceCell::new(),
+        )
+        .unwrap();
         let When::Sequence(moments) = &schedule.when else { panic!("a sequence") };
         assert_eq!(moments.count, 40);
         let start = &scene.cameras[0];
@@ -301,7 +311,9 @@ mod tests {
     #[test]
     fn what_does_not_fit_together_is_told() {
         let scene = scene();
-        let error = |asked: &Asked<'_>| Schedule::new(asked, &scene).unwrap_err().to_string();
+        let error = |asked: &Asked<'_>| {
+            Schedule::new(asked, &scene, &OnceCell::new()).unwrap_err().to_string()
+        };
         let still = error(&asked(Some(TimeChoice::At(1.0))));
         assert!(still.contains("nothing moves") && still.contains("--orbit"), "{still}");
         let range = error(&asked(Some(TimeChoice::Range(0.0, Some(1.0)))));
@@ -320,7 +332,7 @@ mod tests {
     #[test]
     fn without_a_wish_it_is_one_picture_at_rest() {
         let scene = scene();
-        let schedule = Schedule::new(&asked(None), &scene).unwrap();
+        let schedule = Schedule::new(&asked(None), &scene, &OnceCell::new()).unwrap();
         assert_eq!(schedule.when, When::Rest);
         assert!(schedule.animation.is_none());
         assert_eq!(schedule.camera(&scene, 0.0, 0.0), scene.cameras[0]);

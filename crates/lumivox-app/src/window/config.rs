@@ -267,7 +267,7 @@ mod tests {
     /// Each option of `view` sets a parameter, or is none of them.
     #[test]
     fn options_are_known_by_their_parameters() {
-        const OTHERS: [&str; 22] = [
+        const OTHERS: [&str; 23] = [
             "adapter",
             "allow-outside",
             "camera",
@@ -286,6 +286,7 @@ mod tests {
             "size",
             "sky",
             "sun",
+            "surroundings",
             "texture-memory",
             "turbidity",
             "unit",

@@ -197,24 +197,32 @@ fn dark_scenes_are_lit_unless_they_shall_stay_dark() {
     let bytes: Vec<u8> = CORNER.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
     fs::write(path.join("dark.glb"), container(&document.to_string(), &bytes)).unwrap();
     let line = format!("render dark.glb -o a.png {SMALL} --exposure 0 --json");
-    let lit = lumivox(path, &line).expect_ok();
-    assert!(
-        lit.stderr.contains("nothing shines") && lit.stderr.contains("--sky"),
-        "{}",
-        lit.stderr
-    );
-    assert_eq!(lit.json()["scene"]["lights"], 1);
+    let notes = |json: &serde_json::Value| json["notes"].to_string();
+    let lit = lumivox(path, &line).expect_ok().json();
+    assert!(notes(&lit).contains("a studio of 1549 lux: it has none of its own"), "{lit}");
+    assert!(notes(&lit).contains("--surroundings sky or none"), "{lit}");
+    assert!(notes(&lit).contains("--camera inside"), "{lit}");
+    assert_eq!(lit["scene"]["lights"], 0);
     let picture = fs::read(path.join("a.png")).unwrap();
-    let dark = lumivox(path, &format!("{line} --no-default-light")).expect_ok();
-    assert!(!dark.stderr.contains("nothing shines"), "{}", dark.stderr);
-    assert_eq!(dark.json()["scene"]["lights"], 0);
-    assert!(picture != fs::read(path.join("a.png")).unwrap());
+    let text = lumivox(path, line.trim_end_matches(" --json")).expect_ok().stdout;
+    assert!(text.contains("\n  light    a studio of 1549 lux"), "{text}");
+    assert!(text.contains("\n  camera   from outside"), "{text}");
+    for left in ["--no-default-light", "--surroundings none"] {
+        let dark = lumivox(path, &format!("{line} {left}")).expect_ok().json();
+        assert!(!notes(&dark).contains("studio"), "{dark}");
+        // Black, and it says so, with what helps.
+        assert!(notes(&dark).contains("the picture is black"), "{dark}");
+        assert!(notes(&dark).contains("--surroundings studio or sky"), "{dark}");
+        assert!(picture != fs::read(path.join("a.png")).unwrap());
+    }
+    let sky = lumivox(path, &format!("{line} --surroundings sky")).expect_ok().json();
+    assert_eq!(sky["scene"]["lights"], 1);
     let report = lumivox(path, "info dark.glb --json").expect_ok().json();
     assert!(
-        report["default_light"].as_str().is_some_and(|light| light.contains("sun")),
+        report["default_light"].as_str().is_some_and(|light| light.contains("studio")),
         "{report}"
     );
     assert_eq!(report["default_camera"]["name"], "framing");
     let text = lumivox(path, "info dark.glb").expect_ok().stdout;
-    assert!(text.contains("nothing shines, used: the sun"), "{text}");
+    assert!(text.contains("too little light, added: a studio"), "{text}");
 }

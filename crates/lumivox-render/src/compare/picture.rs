@@ -3,8 +3,8 @@
 use glam::{UVec2, Vec3};
 
 use super::CompareError;
-use crate::tone_map::luminance;
-use crate::{Exposure, Picture, ToneMap};
+use crate::tone_map::{luminance, middle_grey_stops};
+use crate::{Picture, ToneMap};
 
 /// A picture of linear RGB with BT.709 primaries, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,10 +25,11 @@ impl From<&Picture> for LinearPicture {
 }
 
 impl LinearPicture {
-    /// The stops of automatic exposure, [`Exposure::Auto`]; every pixel counts as a surface.
+    /// The stops with which the geometric mean of luminance is a middle grey (Reinhard et al. 2002, "Photographic
+    /// tone reproduction for digital images", equation 1); every pixel counts.
     pub fn exposure_stops(&self) -> f32 {
         let opaque: Vec<_> = self.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-        Exposure::Auto.stops(&opaque)
+        middle_grey_stops(&opaque).unwrap_or(0.0)
     }
 
     /// What a screen shows with this exposure in stops and the curve [`ToneMap::Neutral`]: sRGB codes.

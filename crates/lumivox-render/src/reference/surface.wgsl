@@ -100,7 +100,7 @@ fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
             materials[material].shown.normal_scale,
         );
     }
-    shading = facing(side * shading, toward);
+    shading = facing(side * shading, geometric, toward);
     // Normals that cancel each other out and tangents along the normal are undefined; the triangle has its own.
     shading = select(geometric, shading, abs(dot(shading, shading) - 1.0) < 0.01);
 

@@ -1,5 +1,6 @@
 //! What is drawn over the picture, frame by frame and at the end.
 
+use glam::Vec2;
 use lumivox::View;
 use lumivox::gpu::Recorder;
 
@@ -49,7 +50,7 @@ impl Renderer {
         let timing = self.settings.timing;
         let mut recorder = Recorder::with_timing(&self.gpu.device, &self.gpu.queue, timing);
         if self.settings.overlay.needs_depth() {
-            self.record_surfaces(&mut recorder, &view);
+            self.record_surfaces(&mut recorder, (&view, jitter));
         }
         self.draw_overlay(&mut recorder, &view)?;
         self.times.add(recorder.finish().await?);
@@ -85,7 +86,8 @@ impl Renderer {
         }
         // Views of voxels have no G-buffer of their own.
         if self.settings.view.is_of_voxels() && self.settings.overlay.needs_depth() {
-            self.record_surfaces(recorder, view);
+            let jitter = gbuffer_pass::jitter(view.frame, self.settings.frames);
+            self.record_surfaces(recorder, (view, jitter));
         }
         self.draw_overlay(recorder, view)
     }
@@ -101,7 +103,7 @@ impl Renderer {
         }
     }
 
-    fn record_surfaces(&self, recorder: &mut Recorder, view: &View) {
+    fn record_surfaces(&self, recorder: &mut Recorder, view: (&View, Vec2)) {
         recorder.stage("G-buffer");
         self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, view);
     }

@@ -6,7 +6,7 @@ use super::Renderer;
 use crate::readback::read_texture;
 use crate::tone_map::Encoding;
 use crate::upload::corners;
-use crate::{COST_SCALE_SAMPLES, Picture, RenderError, ToneMap, View};
+use crate::{COST_SCALE_SAMPLES, Metering, Picture, RenderError, ToneMap, View};
 
 impl Renderer {
     /// The picture of the frames so far; at least one is needed for it to show something.
@@ -20,19 +20,20 @@ impl Renderer {
         Ok(Picture { size: self.settings.size, hdr, ldr })
     }
 
-    /// The stops that the exposure asks for, given the frames so far: what [`Self::finish`] takes. Reads the picture
-    /// back where it is exposed automatically.
+    /// The stops that the exposure asks for, given the frames so far: what [`Self::finish`] takes; and what is wrong
+    /// with them. Reads the picture back where it is exposed automatically.
     ///
     /// # Errors
     /// When the device fails.
-    pub async fn measure_stops(&self) -> Result<f32, RenderError> {
+    pub async fn meter(&self) -> Result<Metering, RenderError> {
+        let fixed = |stops| Ok(Metering { stops, warning: None });
         if !self.settings.view.is_light() {
-            return Ok(0.0);
+            return fixed(0.0);
         }
         if let Some(stops) = self.settings.exposure.fixed_stops() {
-            return Ok(stops);
+            return fixed(stops);
         }
-        Ok(self.stops_of(&self.read_mean().await?))
+        Ok(self.settings.exposure.meter(&self.read_mean().await?))
     }
 
     /// What a screen shows of the frames so far, row by row from the top, exposed by a number of stops: for live views,

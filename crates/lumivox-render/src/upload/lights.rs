@@ -16,7 +16,7 @@ impl Lighting {
     /// The lighting of a scene.
     ///
     /// Where nothing shines the picture will be black:
-    /// [`Scene::add_default_light`](lumivox_scene::Scene::add_default_light) sees to that.
+    /// [`Scene::stage`](lumivox_scene::Scene::stage) sees to that.
     pub fn of(scene: &Scene) -> Self {
         Self { lights: scene.lights.clone(), environment: scene.environment.clone() }
     }

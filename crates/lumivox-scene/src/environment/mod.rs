@@ -1,4 +1,4 @@
-//! Surroundings: pictures of them from files, and a computed sky.
+//! Surroundings: pictures of them from files, a computed sky, and a studio.
 //!
 //! A picture is equirectangular (see [`EnvironmentMap`] for which texel lies where). Files seldom
 //! hold cd/m²: panoramas are stitched from photographs in a unit of their own. One unit of a file
@@ -10,6 +10,7 @@ mod load;
 mod measure;
 mod repair;
 pub mod sky;
+pub mod studio;
 
 #[cfg(test)]
 mod tests;

@@ -18,10 +18,11 @@ use super::survey::{Patch, Survey};
 const VERTICAL_FOV_RAD: f32 = 1.05;
 /// Wider pictures than this angle from side to side look distorted.
 const WIDEST_FOV_RAD: f32 = 1.75;
-/// The height of a standing person's eye over the floor, for places of a building's size.
-const EYE_M: f32 = 1.6;
-/// The free height of places of a building's size, in metres.
-const BUILDING_M: std::ops::RangeInclusive<f32> = 1.9..=60.0;
+/// The height of the eye over the floor, as shares of the free height and width: that of a standing
+/// person in a living room, and a little higher in a hall. Nothing here knows of metres, since files
+/// seldom tell their unit.
+const EYE_OF_HEIGHT: f32 = 0.53;
+const EYE_OF_WIDTH: f32 = 0.4;
 /// The most that is looked up or down.
 const STEEPEST_RAD: f32 = 0.12;
 
@@ -57,7 +58,7 @@ pub(super) struct Inside {
 }
 
 /// The best view from one of the points, or `None` where all stand too close to something.
-pub(super) fn view(rays: &Rays, survey: &Survey, scale_m: f32, aspect: f32) -> Option<Inside> {
+pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> {
     let widest_rad = 2.0 * ((WIDEST_FOV_RAD * 0.5).tan() / aspect).atan();
     let vertical_fov_rad = VERTICAL_FOV_RAD.min(widest_rad);
     let half_height = FILL * (vertical_fov_rad * 0.5).tan();
@@ -65,8 +66,7 @@ pub(super) fn view(rays: &Rays, survey: &Survey, scale_m: f32, aspect: f32) -> O
 
     let step = survey.interior.len().div_ceil(SPOTS).max(1);
     let points = survey.interior.iter().step_by(step).map(|probe| probe.position);
-    let spots: Vec<Spot> =
-        points.filter_map(|point| spot(rays, &survey.patches, point, scale_m)).collect();
+    let spots: Vec<Spot> = points.filter_map(|point| spot(rays, &survey.patches, point)).collect();
     let widest = spots.iter().map(|spot| spot.clearance).fold(0.0, f32::max);
     let heights = || spots.iter().map(|spot| spot.eye.y);
     let (lowest, highest) = (heights().fold(1.0, f32::min), heights().fold(-1.0, f32::max));
@@ -112,19 +112,6 @@ fn openness(rays: &Rays, view: &View, half: Vec2) -> f32 {
     sum / (PICTURE.len() * PICTURE.len()) as f32
 }
 
-/// The share of a place's patches that a view shows.
-pub(super) fn share(rays: &Rays, patches: &[Patch], view: &View, aspect: f32) -> f32 {
-    let half_height = (view.vertical_fov_rad * 0.5).tan();
-    let half = Vec2::new(half_height * aspect, half_height);
-    let shown = patches.iter().filter(|patch| {
-        let way = patch.position - view.position;
-        is_framed(way, view.forward, half)
-            && way.dot(patch.normal) < 0.0
-            && rays.is_free(view.position, way, 1.0)
-    });
-    shown.map(|patch| patch.weight).sum()
-}
-
 /// Whether a picture of that half size, at distance 1, shows what lies in a direction.
 fn is_framed(way: Vec3, forward: Vec3, half: Vec2) -> bool {
     let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);
@@ -147,8 +134,8 @@ fn direction(azimuth: usize) -> Vec3 {
 }
 
 /// A spot over, under or at a point, unless something stands between.
-fn spot(rays: &Rays, patches: &[Patch], point: Vec3, scale_m: f32) -> Option<Spot> {
-    let eye = eye(rays, point, scale_m)?;
+fn spot(rays: &Rays, patches: &[Patch], point: Vec3) -> Option<Spot> {
+    let eye = eye(rays, point)?;
     let around = directions::sphere(96).chain((0..AZIMUTHS).map(direction));
     let distances = around.filter_map(|way| Some(rays.cast(eye, way)?.distance));
     let clearance = distances.fold(f32::INFINITY, f32::min);
@@ -160,9 +147,9 @@ fn spot(rays: &Rays, patches: &[Patch], point: Vec3, scale_m: f32) -> Option<Spo
     clearance.is_finite().then(|| Spot { eye, clearance, sights: sights.collect() })
 }
 
-/// The eye on the vertical through a point: 1.6 m over the floor in places of a building's size,
-/// elsewhere half of the free width or height, whichever is less.
-fn eye(rays: &Rays, point: Vec3, scale_m: f32) -> Option<Vec3> {
+/// The eye on the vertical through a point, at a height over the floor that suits the free height and
+/// width.
+fn eye(rays: &Rays, point: Vec3) -> Option<Vec3> {
     // The floor around, not the table or the step below: the median of what is seen downwards.
     let mut floors: Vec<f32> = directions::sphere(96)
         .filter(|way| way.y < -0.35)
@@ -180,18 +167,16 @@ fn eye(rays: &Rays, point: Vec3, scale_m: f32) -> Option<Vec3> {
         seen.map(|hit| hit.position.y).fold(point.y, f32::max)
     });
     let height = top - floor;
-    let height_m = height * scale_m;
-    let over_floor = if BUILDING_M.contains(&height_m) {
-        EYE_M.min(0.7 * height_m) / scale_m
-    } else {
-        let across = |azimuth: usize| {
-            let reach = |way: Vec3| rays.cast_visible(point, way).map(|hit| hit.distance);
-            let way = direction(azimuth);
-            Some(reach(way)? + reach(-way)?)
-        };
-        let width = (0..AZIMUTHS / 2).filter_map(across).fold(height, f32::min);
-        0.5 * width.min(height)
+    let across = |azimuth: usize| {
+        let reach = |way: Vec3| rays.cast_visible(point, way).map(|hit| hit.distance);
+        let way = direction(azimuth);
+        Some(reach(way)? + reach(-way)?)
     };
+    // The median: near a corner the least is no measure of the room.
+    let mut widths: Vec<f32> = (0..AZIMUTHS / 2).filter_map(across).collect();
+    widths.sort_by(f32::total_cmp);
+    let width = widths.get(widths.len() / 2).copied().unwrap_or(f32::INFINITY);
+    let over_floor = (EYE_OF_HEIGHT * height).min(EYE_OF_WIDTH * width);
     let eye = Vec3::new(point.x, floor + over_floor, point.z);
     let way = eye - point;
     let is_reached = way == Vec3::ZERO || rays.is_free(point, way, 1.0);

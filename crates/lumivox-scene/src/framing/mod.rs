@@ -1,46 +1,66 @@
-//! Where to look from, and what shines, in scenes that bring no camera or no light.
+//! What a scene looks like at first sight: where it is seen from, and what lights it, where a file does
+//! not say so or does not do so.
 //!
-//! Both follow from one [survey](survey) of the scene by rays: a place (a room, a hall) is looked at
-//! from inside, a thing (a helmet, a terrain) from outside; sun and sky light what they reach, lamps
-//! what is closed. Everything happens in a [unit space](soup), so that it makes no difference whether
-//! a scene is modelled in millimetres or in kilometres; the one exception is the height of the eye in
-//! places of a building's size, which is a person's.
+//! All follows from one [survey](survey) of the scene by rays: a place (a room, a hall) is looked at
+//! from inside, or through the opening where it lacks a wall; a thing (a helmet, a terrain) from
+//! outside, from where most of it is seen. What the scene's own light does is measured where that
+//! view's rays land; where it is not enough, lamps light what is closed, sun and sky what lies in the
+//! open, and a studio everything else. Everything happens in a [unit space](soup), so that it makes no
+//! difference whether a scene is modelled in millimetres or in kilometres.
 //!
-//! It takes about 200 000 rays, and the same scene always gives the same answer.
+//! It takes about 300 000 rays, and the same scene always gives the same answer.
 //!
 //! | file | has |
 //! | --- | --- |
+//! | `sight.rs` | the decision: [`Sight`], which every front end uses |
 //! | `soup.rs` | all triangles in unit space, simplified where there are more than a million |
-//! | `rays.rs` | what lies in a direction |
+//! | `rays.rs` | what lies in a direction, at a bounded cost |
 //! | `survey.rs` | a place or a thing? |
+//! | `subject.rs` | what of it a view from outside is about |
 //! | `inside.rs`, `outside.rs` | the view of a place and of a thing |
-//! | `shines.rs` | whether anything shines |
-//! | `sun.rs`, `lamps.rs` | default lights |
+//! | `emission.rs`, `own_light.rs`, `shines.rs` | what the scene's own light does |
+//! | `sun.rs`, `lamps.rs`, `stage.rs` | default lights, and the ground of a studio |
 
 mod directions;
+mod emission;
 mod inside;
 mod lamps;
 mod outside;
+mod own_light;
 mod rays;
 mod shines;
+mod sight;
 mod soup;
+mod stage;
+mod subject;
 mod sun;
 mod survey;
 
-use std::sync::Arc;
+use std::cell::RefCell;
 
-use glam::Vec3;
-
-use crate::{Camera, Environment, EnvironmentMap, Light, Scene};
+use crate::{Camera, Light, Scene};
 use inside::Inside;
 use outside::View;
+use own_light::Standpoint;
 use rays::Rays;
 use soup::{Soup, Unit};
+use subject::Subject;
 use survey::Survey;
+
+pub use sight::{Note, Sight, SightOptions, Staging};
+pub use stage::{DefaultLight, Ground};
 
 /// Below this mean share of gaps around the points of a place it counts as closed: a window of a
 /// tenth of one wall lets in more.
 const CLOSED: f32 = 0.01;
+/// Where so much of a place is seen from outside, it lacks a wall, and is known from there.
+const OPEN_FRONT: f32 = 0.6;
+/// A camera from outside that is asked for looks through an opening that shows as much of a place.
+const OPENING: f32 = 0.3;
+/// A camera with surfaces in this share of all directions stands inside: before something flat it is less than half.
+const AROUND: f32 = 0.55;
+/// Directions that tell.
+const LOOKS: usize = 96;
 
 /// What rays found out about a scene, for a default camera and default lights. It borrows nothing:
 /// make it once where both are wanted.
@@ -52,6 +72,8 @@ pub struct Framing {
     soup: Soup,
     rays: Rays,
     survey: Survey,
+    /// The aspect that a view was last chosen for, and the view: it is asked for more than once.
+    chosen: RefCell<Option<(f32, Camera, Chosen)>>,
 }
 
 impl std::fmt::Debug for Framing {
@@ -68,10 +90,9 @@ impl Framing {
     /// Surveys a scene. A scene without triangles, which has not been validated, is no place.
     pub fn of(scene: &Scene) -> Self {
         let unit = Unit::of(scene.bounds());
-        let soup = Soup::of(scene, unit);
-        let rays = Rays::new(&soup);
-        let survey = Survey::new(&rays, unit.half);
-        Self { unit, soup, rays, survey }
+        let (soup, rays) = Rays::of(scene, unit);
+        let survey = Survey::new(&rays, &soup, unit.half);
+        Self { unit, soup, rays, survey, chosen: RefCell::new(None) }
     }
 
     /// Whether the scene is a place to stand in, such as a room or a hall (maybe with windows or an
@@ -86,44 +107,87 @@ impl Framing {
     }
 
     /// The view that shows the scene best in a picture of that aspect, its width over its height: a
-    /// place from inside, a thing from outside. Where a place lacks a wall, the view from there may
-    /// show more of it; then that is taken.
+    /// place from inside, a thing from outside. Where a place lacks a wall, it is seen from there.
     pub fn camera(&self, aspect: f32) -> Camera {
+        self.chosen(aspect).0
+    }
+
+    /// The same, and why.
+    fn chosen(&self, aspect: f32) -> (Camera, Chosen) {
         let aspect = sane(aspect);
-        let outside = outside::view(&self.rays, &self.soup, self.unit.half, aspect);
-        let Some(inside) = self.best_inside(aspect) else { return self.place(&outside) };
-        let share = inside::share(&self.rays, &self.survey.patches, &outside, aspect);
-        self.place(if share > inside.share { &outside } else { &inside.view })
-    }
-
-    /// A three-quarter view of the whole from outside, with a vertical field of view of 45 degrees,
-    /// as large as it fits into a picture of that aspect. It looks from where most fronts are seen.
-    pub fn outside(&self, aspect: f32) -> Camera {
-        self.place(&outside::view(&self.rays, &self.soup, self.unit.half, sane(aspect)))
-    }
-
-    /// A view along a place, from a free spot that shows the most of it; `None` where the scene is no
-    /// place.
-    ///
-    /// The eye is 1.6 m above the floor where the place has the size of a building, elsewhere at half
-    /// of the free height or width, whichever is less.
-    pub fn inside(&self, aspect: f32) -> Option<Camera> {
-        Some(self.place(&self.best_inside(sane(aspect))?.view))
-    }
-
-    fn best_inside(&self, aspect: f32) -> Option<Inside> {
-        inside::view(&self.rays, &self.survey, self.unit.scale_m, aspect)
-    }
-
-    /// Lights for the scene as if nothing shone in it, to suit a view by `camera`.
-    pub fn light(&self, camera: &Camera) -> DefaultLight {
-        let lamps = if self.is_enclosed() { self.lamps() } else { Vec::new() };
-        if !lamps.is_empty() {
-            return DefaultLight::Lamps(lamps);
+        if let Some((last, camera, chosen)) = &*self.chosen.borrow()
+            && last.to_bits() == aspect.to_bits()
+        {
+            return (camera.clone(), *chosen);
         }
+        let (camera, chosen) = self.choose(aspect);
+        *self.chosen.borrow_mut() = Some((aspect, camera.clone(), chosen));
+        (camera, chosen)
+    }
+
+    fn choose(&self, aspect: f32) -> (Camera, Chosen) {
+        if !self.is_place() {
+            let subject = Subject::of_thing(&self.soup);
+            let view = outside::view(&self.rays, &subject, aspect);
+            let chosen = if subject.is_part { Chosen::OnItsGround } else { Chosen::Outside };
+            return (self.place(&view), chosen);
+        }
+        let subject = Subject::of_place(&self.soup);
+        let (through, share) = outside::into(&self.rays, &subject, &self.survey.patches, aspect);
+        match inside::view(&self.rays, &self.survey, aspect) {
+            Some(Inside { view, share: within }) if share < OPEN_FRONT && share <= within => {
+                (self.place(&view), Chosen::Inside)
+            }
+            _ => (self.place(&through), Chosen::Opening),
+        }
+    }
+
+    /// A view of the whole from outside, with a vertical field of view of 45 degrees, as large as it
+    /// fits into a picture of that aspect. It looks from where most of the surface is seen, and into a
+    /// place where that is open.
+    pub fn outside(&self, aspect: f32) -> Camera {
+        let aspect = sane(aspect);
+        if !self.is_place() {
+            return self.chosen(aspect).0;
+        }
+        let subject = Subject::of_place(&self.soup);
+        let (view, share) = outside::into(&self.rays, &subject, &self.survey.patches, aspect);
+        if share >= OPENING {
+            return self.place(&view);
+        }
+        self.place(&outside::view(&self.rays, &subject, aspect))
+    }
+
+    /// A view along a place, from a free spot that shows the most of it; of a hollow thing the same of
+    /// what is inside. `None` where there is no room for a camera.
+    ///
+    /// The height of the eye over the floor follows from the free height and width: 1.6 m in a living
+    /// room of 3 m, about a third of a hall.
+    pub fn inside(&self, aspect: f32) -> Option<Camera> {
+        let survey = self.survey.from_within(&self.rays);
+        let inside = inside::view(&self.rays, &survey, sane(aspect))?;
+        Some(self.place(&inside.view))
+    }
+
+    /// Whether a camera has surfaces nearly all around.
+    fn surrounds(&self, camera: &Camera) -> bool {
         let eye = self.unit.unit_from_world(camera.position);
-        let towards_sun = sun::direction(&self.rays, &self.survey.patches, eye, camera.forward);
-        sun::day(towards_sun)
+        let around = directions::sphere(LOOKS).filter(|&way| self.rays.cast(eye, way).is_some());
+        around.count() as f32 >= AROUND * LOOKS as f32
+    }
+
+    /// Where a camera stands.
+    fn standpoint(&self, camera: &Camera) -> Standpoint {
+        if !self.is_place() {
+            return Standpoint::Outside;
+        }
+        let is_inside = self.surrounds(camera);
+        // Through walls that are modelled for the inside alone one looks into the room.
+        if self.is_enclosed() && (is_inside || self.survey.is_made_for_inside) {
+            Standpoint::ClosedRoom
+        } else {
+            Standpoint::OpenPlace
+        }
     }
 
     fn lamps(&self) -> Vec<Light> {
@@ -151,30 +215,17 @@ fn sane(aspect: f32) -> f32 {
     if aspect.is_finite() { aspect.clamp(0.05, 20.0) } else { 1.0 }
 }
 
-/// Light for a scene in which nothing shines; physical values in all cases.
-#[derive(Clone, Debug, PartialEq)]
-pub enum DefaultLight {
-    /// The sun and the [sky](crate::sky) of a clear day. In a place the sun stands where it lights
-    /// most of what is inside, otherwise to the left of the camera, 50 degrees high.
-    SunAndSky {
-        /// The sun.
-        sun: Light,
-        /// The sky, in cd/m².
-        sky: Arc<EnvironmentMap>,
-    },
-    /// A lamp below the ceiling of each closed room, eight at most: each gives the surfaces that it
-    /// reaches 300 lux in the mean, whatever the room's size.
-    Lamps(Vec<Light>),
-}
-
-impl std::fmt::Display for DefaultLight {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::SunAndSky { .. } => write!(f, "the sun and the sky of a clear day"),
-            Self::Lamps(lamps) if lamps.len() == 1 => write!(f, "a lamp of 300 lux"),
-            Self::Lamps(lamps) => write!(f, "{} lamps of 300 lux", lamps.len()),
-        }
-    }
+/// Why a camera stands where it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Chosen {
+    /// A place from within.
+    Inside,
+    /// A place through the side that is open.
+    Opening,
+    /// A thing.
+    Outside,
+    /// A thing without the ground or the dome around it.
+    OnItsGround,
 }
 
 impl Scene {
@@ -188,36 +239,10 @@ impl Scene {
         Framing::of(self).is_enclosed()
     }
 
-    /// Whether there is any light: a lamp, an environment, or a surface in use that emits or takes no
+    /// Whether there is any light, however little: a lamp, an environment, or a surface in use that emits or takes no
     /// light (all of them, in the last case).
     pub fn shines(&self) -> bool {
         shines::shines(self)
-    }
-
-    /// Lights a scene in which nothing [shines](Scene::shines), and says how: under the open sky by
-    /// the sun and sky of a clear day, in closed rooms by lamps of 300 lux. `None`, and no change, where
-    /// something shines.
-    ///
-    /// `camera` is the one that the scene will be seen by; `None` stands for the scene's first, or the
-    /// default one.
-    pub fn add_default_light(&mut self, camera: Option<&Camera>) -> Option<DefaultLight> {
-        if self.shines() {
-            return None;
-        }
-        let framing = Framing::of(self);
-        let camera = camera.or(self.cameras.first()).cloned();
-        let light = framing.light(&camera.unwrap_or_else(|| framing.camera(1.0)));
-        tracing::info!("nothing shines in the scene \"{}\": it is lit by {light}", self.name);
-        match &light {
-            DefaultLight::SunAndSky { sun, sky } => {
-                // Behind those that are there but dark: a rig knows its own by their places.
-                self.lights.push(sun.clone());
-                self.environment =
-                    Environment { radiance: Vec3::ONE, map: Some(sky.clone()), rotation_rad: 0.0 };
-            }
-            DefaultLight::Lamps(lamps) => self.lights.extend(lamps.iter().cloned()),
-        }
-        Some(light)
     }
 }
 

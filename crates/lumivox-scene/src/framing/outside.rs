@@ -1,12 +1,17 @@
 //! The view of a thing: from outside, all of it, as large as it fits.
+//!
+//! Of some eighty directions the one is taken that shows most of the surface: points all over it are
+//! looked at from the eye, and each that is seen counts by the root of the cosine that it is seen at.
+//! So a board is looked at along its thin axis, a cube from over a corner, what stands before a wall
+//! from the other side, and an open box through its opening.
 
-use std::f32::consts::{FRAC_PI_4, PI};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{Mat3, Vec3};
 
-use super::directions;
 use super::rays::Rays;
-use super::soup::Soup;
+use super::subject::Subject;
+use super::survey::Patch;
 use crate::Camera;
 
 /// The angle between the bottom and the top of the picture.
@@ -17,14 +22,22 @@ const FILL: f32 = 0.92;
 /// little from the right (+x) and from above.
 const AZIMUTH_RAD: f32 = 0.645;
 const ELEVATION_RAD: f32 = 0.412;
-/// Other heights, and what they are thought less of.
-const ELEVATIONS_RAD: [(f32, f32); 4] =
-    [(ELEVATION_RAD, 0.0), (0.17, 0.05), (0.87, 0.1), (-ELEVATION_RAD, 0.2)];
+/// Other heights, and what they are thought less of, as a share of the most that is seen.
+const ELEVATIONS_RAD: [(f32, f32); 5] =
+    [(ELEVATION_RAD, 0.0), (0.17, 0.05), (0.87, 0.1), (0.0, 0.05), (-ELEVATION_RAD, 0.2)];
+/// One looks level into an opening.
+const LEVEL_RAD: [(f32, f32); 5] =
+    [(0.0, 0.0), (0.17, 0.12), (ELEVATION_RAD, 0.15), (0.87, 0.2), (-ELEVATION_RAD, 0.35)];
+/// Straight from above and from below.
+const VERTICALS_RAD: [(f32, f32); 2] = [(FRAC_PI_2, 0.35), (-FRAC_PI_2, 0.5)];
+/// Azimuths around the usual one; the four along the axes come on top.
 const AZIMUTHS: usize = 12;
 /// What the opposite side is thought less of.
 const BEHIND: f32 = 0.1;
-/// Rays that judge a direction.
-const LOOKS: usize = 196;
+/// What is thinner along an axis than this share of its length is a board; looking along that axis is
+/// thought so little less of.
+const THIN: f32 = 0.05;
+const ALONG_THIN: f32 = 0.1;
 
 /// An eye in unit space.
 pub(super) struct View {
@@ -34,47 +47,74 @@ pub(super) struct View {
     pub(super) near: f32,
 }
 
-pub(super) fn view(rays: &Rays, soup: &Soup, half: Vec3, aspect: f32) -> View {
-    fit(soup, towards_eye(rays, half), aspect)
+/// A direction towards the eye, and what it is thought less of.
+struct Candidate {
+    towards_eye: Vec3,
+    less: f32,
 }
 
-/// A direction from which fronts are seen, not the backs of surfaces that are shown from one side
-/// only: an open box from where it is open, a picture from its front.
-fn towards_eye(rays: &Rays, half: Vec3) -> Vec3 {
-    let radius = half.length();
-    let mut judged = Vec::new();
-    for (elevation, less) in ELEVATIONS_RAD {
-        for step in 0..AZIMUTHS {
-            let turn = (step as f32 / AZIMUTHS as f32 * 2.0 + 1.0).rem_euclid(2.0) - 1.0;
-            let direction = polar(AZIMUTH_RAD + turn * PI, elevation);
-            let (u, v) = direction.any_orthonormal_pair();
-            let (mut fronts, mut backs) = (0.0, 0.0);
-            for place in directions::disc(LOOKS) {
-                let origin = (u * place.x + v * place.y + 2.0 * direction) * radius;
-                match rays.cast(origin, -direction) {
-                    Some(hit) if hit.is_visible() => fronts += 1.0,
-                    Some(_) => backs += 1.0,
-                    None => {}
-                }
-            }
-            judged.push((direction, fronts, backs, less + BEHIND * turn.abs()));
-        }
-    }
-    // Facing counts, size only where it nearly vanishes: seen from the edge, a sheet of paper is a
-    // line.
-    let most: f32 = judged.iter().map(|(_, fronts, backs, _)| fronts + backs).fold(1.0, f32::max);
-    let worth = |&(_, fronts, backs, less): &(Vec3, f32, f32, f32)| {
-        let seen: f32 = fronts + backs;
-        (fronts - backs) / seen.max(1.0) * (4.0 * seen / most).min(1.0) - less
-    };
-    let mut best = (Vec3::ZERO, f32::NEG_INFINITY);
-    for candidate in &judged {
+/// The view that shows most of a subject.
+pub(super) fn view(rays: &Rays, subject: &Subject, aspect: f32) -> View {
+    let seen = |view: &View| visible(rays, &subject.patches, view.position, |cosine| cosine.sqrt());
+    best(subject, &ELEVATIONS_RAD, aspect, seen)
+}
+
+/// The view from outside that shows most of a place, and the share of it that is seen.
+pub(super) fn into(rays: &Rays, subject: &Subject, place: &[Patch], aspect: f32) -> (View, f32) {
+    let seen = |view: &View| share(rays, place, view.position);
+    let view = best(subject, &LEVEL_RAD, aspect, seen);
+    let share = seen(&view);
+    (view, share)
+}
+
+fn best(
+    subject: &Subject,
+    elevations_rad: &[(f32, f32); 5],
+    aspect: f32,
+    seen: impl Fn(&View) -> f32,
+) -> View {
+    // Fitted to the box first, which is quick; all of the corners only decide about the last one.
+    let corners = subject.bounds.corners();
+    let near_corners = if subject.bounds.is_empty() { &corners[..0] } else { &corners[..] };
+    let judged: Vec<(Candidate, f32)> = candidates(elevations_rad, subject.bounds.size())
+        .map(|candidate| {
+            let share = seen(&fit(near_corners, candidate.towards_eye, aspect));
+            (candidate, share)
+        })
+        .collect();
+    let most = judged.iter().map(|(_, share)| *share).fold(f32::MIN_POSITIVE, f32::max);
+    let mut best = (usual(), f32::NEG_INFINITY);
+    for (candidate, share) in &judged {
+        let worth = share / most - candidate.less;
         // Strictly better: of equals, the first.
-        if worth(candidate) > best.1 {
-            best = (candidate.0, worth(candidate));
+        if worth > best.1 {
+            best = (candidate.towards_eye, worth);
         }
     }
-    best.0
+    fit(&subject.corners, best.0, aspect)
+}
+
+fn candidates(elevations_rad: &[(f32, f32); 5], size: Vec3) -> impl Iterator<Item = Candidate> {
+    let turns = (0..AZIMUTHS).map(|step| step as f32 / AZIMUTHS as f32 * 2.0);
+    let axes = [0.0, 0.5, 1.0, 1.5].map(|azimuth| azimuth - AZIMUTH_RAD / PI);
+    let level = turns.chain(axes).flat_map(move |turn| {
+        // From -1 to 1, half turns away from the usual side.
+        let turn = (turn + 1.0).rem_euclid(2.0) - 1.0;
+        elevations_rad.map(|(elevation, less)| {
+            (polar(AZIMUTH_RAD + turn * PI, elevation), less, BEHIND * turn.abs())
+        })
+    });
+    let vertical = VERTICALS_RAD.map(|(elevation, less)| (Vec3::Y * elevation.signum(), less, 0.0));
+    let thin = Vec3::AXES.into_iter().find(|axis| size.dot(*axis) <= THIN * size.max_element());
+    level.chain(vertical).map(move |(towards_eye, less, behind)| {
+        let is_along_thin = thin.is_some_and(|axis| axis.dot(towards_eye).abs() > 0.9999);
+        let less = if is_along_thin { ALONG_THIN * less } else { less };
+        Candidate { towards_eye, less: less + behind }
+    })
+}
+
+fn usual() -> Vec3 {
+    polar(AZIMUTH_RAD, ELEVATION_RAD)
 }
 
 fn polar(azimuth_rad: f32, elevation_rad: f32) -> Vec3 {
@@ -83,34 +123,56 @@ fn polar(azimuth_rad: f32, elevation_rad: f32) -> Vec3 {
     Vec3::new(sin * level, y, cos * level)
 }
 
-/// The nearest eye in a direction that sees every triangle.
+/// The share of some points that an eye sees.
+pub(super) fn share(rays: &Rays, patches: &[Patch], eye: Vec3) -> f32 {
+    visible(rays, patches, eye, |_| 1.0)
+}
+
+/// What is seen of some points from an eye: their weights, times a function of the cosine.
+fn visible(rays: &Rays, patches: &[Patch], eye: Vec3, worth: impl Fn(f32) -> f32) -> f32 {
+    let seen = patches.iter().map(|patch| {
+        let way = eye - patch.position;
+        let cosine = way.normalize().dot(patch.normal);
+        if cosine > 0.0 && rays.is_free(patch.position, way, 1.0) {
+            patch.weight * worth(cosine)
+        } else {
+            0.0
+        }
+    });
+    seen.sum()
+}
+
+/// The nearest eye in a direction that sees every corner.
 ///
 /// In the camera's axes (x right, y up, z backwards) a point p lies left of the frustum's right plane
 /// when `p.x + t * p.z <= eye.x + t * eye.z`, with t the tangent of half the field of view, and so on
 /// for the other planes. The largest left sides of all points thus bound the eye, and solving the two
 /// equations of opposite planes puts the scene in the middle between them.
-fn fit(soup: &Soup, towards_eye: Vec3, aspect: f32) -> View {
+fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> View {
     let camera = Camera::look_at(towards_eye, Vec3::ZERO, VERTICAL_FOV_RAD);
     let world_from_camera = Mat3::from_mat4(camera.world_from_camera());
     let camera_from_world = world_from_camera.transpose();
     let tan_y = (VERTICAL_FOV_RAD * 0.5).tan() * FILL;
     let tan_x = tan_y * aspect;
     let [mut right, mut left, mut top, mut bottom, mut nearest] = [f32::NEG_INFINITY; 5];
-    for corner in soup.corners() {
+    let mut farthest = f32::INFINITY;
+    for &corner in corners {
         let p = camera_from_world * corner;
         right = right.max(p.x + tan_x * p.z);
         left = left.max(-p.x + tan_x * p.z);
         top = top.max(p.y + tan_y * p.z);
         bottom = bottom.max(-p.y + tan_y * p.z);
         nearest = nearest.max(p.z);
+        farthest = farthest.min(p.z);
     }
     if !nearest.is_finite() {
-        [right, left, top, bottom, nearest] = [tan_x, tan_x, tan_y, tan_y, 0.0];
+        [right, left, top, bottom, nearest, farthest] = [tan_x, tan_x, tan_y, tan_y, 0.0, 0.0];
     }
     let away_x = (right + left) * 0.5 / tan_x;
     let away_y = (top + bottom) * 0.5 / tan_y;
-    // A line that is looked along has no width; keep a tenth of the scene's size away all the same.
-    let away = away_x.max(away_y).max(nearest + 0.1);
+    // A line that is looked along has no width; keep a tenth of its size away all the same.
+    let size = (right + left).max(top + bottom).max(nearest - farthest).max(f32::MIN_POSITIVE);
+    let away = away_x.max(away_y).max(nearest + 0.1 * size.min(1.0));
     let eye = Vec3::new((right - left) * 0.5, (top - bottom) * 0.5, away);
     View {
         position: world_from_camera * eye,

@@ -5,6 +5,8 @@
 //! longest edge is 1. A scene modelled in millimetres so meets the same numbers as one in
 //! kilometres, and no step has a tolerance in metres.
 
+use std::cell::Cell;
+
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, leaf_collapser};
@@ -12,7 +14,8 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::ray::{Ray, RayHit};
 use obvhs::rt_triangle::RtTriangle;
 
-use super::soup::{Sides, Soup};
+use super::soup::{Sides, Soup, Unit};
+use crate::Scene;
 
 /// Two surfaces nearer to each other than this count as one, with both their sides: walls of no
 /// thickness. Fifty times the rounding of a coordinate in unit space.
@@ -39,11 +42,6 @@ pub(super) struct Hit {
 }
 
 impl Hit {
-    /// Whether a picture shows the surface from here.
-    pub(super) fn is_visible(&self) -> bool {
-        self.is_front || self.is_double_sided
-    }
-
     /// A point just above the surface, for rays to start from.
     pub(super) fn lifted(&self) -> Vec3 {
         self.position + self.normal * LIFT
@@ -58,9 +56,39 @@ pub(super) struct Rays {
     part: Vec<u32>,
     /// For each instance.
     sides: Vec<Sides>,
+    /// Triangles that rays were tested against so far.
+    tests: Cell<u64>,
 }
 
+/// More boxes of triangles on the way of a ray than this are too many: well-shaped ones leave about ten.
+const MOST_BOXES: f32 = 96.0;
+/// Cells along the longest edge, below which it is not simplified further for that.
+const COARSEST: u32 = 32;
+
 impl Rays {
+    /// The triangles of a scene and rays against them, at a bounded cost.
+    ///
+    /// Slivers, as CAD writes them in fans of thousands around one corner, have boxes that overlap, and
+    /// no hierarchy of boxes keeps a ray from being tested against most. So the boxes on its way are
+    /// estimated first, and while they are too many, vertices are clustered in larger cells.
+    pub(super) fn of(scene: &Scene, unit: Unit) -> (Soup, Self) {
+        let mut soup = Soup::of(scene, unit);
+        let mut cells = Soup::FINEST;
+        while boxes_on_the_way(&soup, unit.half) > MOST_BOXES && cells > COARSEST {
+            cells /= 2;
+            soup = Soup::in_cells(scene, unit, cells);
+            tracing::debug!("slivers: simplified to {} triangles", soup.triangles.len());
+        }
+        let rays = Self::new(&soup);
+        (soup, rays)
+    }
+
+    /// Triangles that rays were tested against so far.
+    #[cfg(test)]
+    pub(super) fn tests(&self) -> u64 {
+        self.tests.get()
+    }
+
     /// Builds the hierarchy (Benthin et al. 2022, "PLOC++", by the crate `obvhs`). It takes about
     /// 110 bytes a triangle, and 230 while it is built.
     pub(super) fn new(soup: &Soup) -> Self {
@@ -82,7 +110,7 @@ impl Rays {
             triangles.push(RtTriangle::new(a, b, c));
             part.push(soup.part[index]);
         }
-        Self { bvh, triangles, part, sides: soup.sides.clone() }
+        Self { bvh, triangles, part, sides: soup.sides.clone(), tests: Cell::new(0) }
     }
 
     /// The first surface along a ray, whichever side of it.
@@ -107,7 +135,14 @@ impl Rays {
     /// Whether nothing lies between a point and what is `distance` away.
     pub(super) fn is_free(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        self.bvh.ray_traverse_miss(ray, |ray, index| self.triangles[index].intersect(ray))
+        self.bvh.ray_traverse_miss(ray, |ray, index| {
+            self.count_test();
+            self.triangles[index].intersect(ray)
+        })
+    }
+
+    fn count_test(&self) {
+        self.tests.set(self.tests.get() + 1);
     }
 
     /// Whether a triangle's front is towards the origin of a ray. `RtTriangle::ng` is the inverted
@@ -130,6 +165,7 @@ impl Rays {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, limit);
         let mut hit = RayHit::none();
         self.bvh.ray_traverse(ray, &mut hit, |ray, index| {
+            self.count_test();
             if counts(index) { self.triangles[index].intersect(ray) } else { f32::INFINITY }
         });
         let index = hit.primitive_id as usize;
@@ -145,6 +181,17 @@ impl Rays {
             normal: if is_front { normal } else { -normal },
         })
     }
+}
+
+/// How many boxes of triangles a ray through the scene's own box passes in the mean: the ratio of their
+/// areas (MacDonald and Booth 1990, "Heuristics for ray tracing using space subdivision", section 3).
+fn boxes_on_the_way(soup: &Soup, half: Vec3) -> f32 {
+    let area = |size: Vec3| 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+    let boxes = (0..soup.triangles.len()).map(|triangle| {
+        let [a, b, c] = soup.corners_of(triangle);
+        f64::from(area(a.max(b).max(c) - a.min(b).min(c)))
+    });
+    boxes.sum::<f64>() as f32 / area(2.0 * half).max(f32::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -179,7 +226,7 @@ mod tests {
             let rays = floors(&[(0.1, is_up, Sides::Front)]);
             let hit = rays.cast(FROM, Vec3::NEG_Y).unwrap();
             assert!((hit.distance - 0.3).abs() < 1e-6 && hit.is_front == is_up);
-            assert!(hit.normal.abs_diff_eq(Vec3::Y, 1e-6) && hit.is_visible() == is_up);
+            assert!(hit.normal.abs_diff_eq(Vec3::Y, 1e-6));
             assert!((hit.position.y - 0.1).abs() < 1e-6 && hit.lifted().y > 0.1);
             assert_eq!(rays.cast(FROM, Vec3::Y), None);
             assert_eq!(rays.cast(FROM, Vec3::X), None);

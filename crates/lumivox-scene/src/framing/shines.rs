@@ -6,15 +6,25 @@ use crate::{Environment, Light, LightKind, Material, Scene, Shading, Texture};
 const BLACK: u8 = 8;
 
 pub(super) fn shines(scene: &Scene) -> bool {
-    let used = || {
-        let materials = scene.shown().map(|instance| instance.material);
-        materials.filter_map(|index| scene.materials.get(index))
-    };
-    let mut unlit = used().map(|material| matches!(material.shading, Shading::Unlit(_)));
     scene.lights.iter().any(light_shines)
-        || environment_shines(&scene.environment)
-        || used().any(|material| emits(material, &scene.textures))
-        || (scene.triangle_count() > 0 && unlit.all(|is_unlit| is_unlit))
+        || surroundings_shine(scene)
+        || used(scene).any(|material| emits(material, &scene.textures))
+        || is_unlit(scene)
+}
+
+fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
+    let materials = scene.shown().map(|instance| instance.material);
+    materials.filter_map(|index| scene.materials.get(index))
+}
+
+/// Whether no surface takes any light, but all show their colour.
+pub(super) fn is_unlit(scene: &Scene) -> bool {
+    let mut unlit = used(scene).map(|material| matches!(material.shading, Shading::Unlit(_)));
+    scene.triangle_count() > 0 && unlit.all(|is_unlit| is_unlit)
+}
+
+pub(super) fn surroundings_shine(scene: &Scene) -> bool {
+    environment_shines(&scene.environment)
 }
 
 fn light_shines(light: &Light) -> bool {

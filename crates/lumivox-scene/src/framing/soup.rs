@@ -96,11 +96,11 @@ impl Soup {
     /// Above this many triangles, vertices are clustered.
     pub(super) const MOST: usize = 1_000_000;
     /// Cells along the longest edge at first.
-    const FINEST: u32 = 1024;
+    pub(super) const FINEST: u32 = 1024;
 
-    /// The corners of all triangles, each as often as it is used.
-    pub(super) fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
-        self.triangles.iter().flatten().map(|&index| self.positions[index as usize])
+    /// The corners of a triangle.
+    pub(super) fn corners_of(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|corner| self.positions[corner as usize])
     }
 
     pub(super) fn of(scene: &Scene, unit: Unit) -> Self {
@@ -108,22 +108,7 @@ impl Soup {
     }
 
     fn with_at_most(scene: &Scene, unit: Unit, most: usize) -> Self {
-        let into_unit = Mat4::from_scale(Vec3::splat(1.0 / unit.scale_m))
-            * Mat4::from_translation(-unit.center);
-        let part = |instance: &Instance| {
-            Some(Part {
-                mesh: scene.meshes.get(instance.mesh)?,
-                unit_from_local: into_unit * instance.world_from_local,
-                sides: scene.materials.get(instance.material).map_or(Sides::Front, sides),
-            })
-        };
-        let mut parts: Vec<Part<'_>> = scene.shown().filter_map(part).collect();
-        if parts.iter().all(|part| part.sides == Sides::Transparent) {
-            // Glass alone is what is to be seen.
-            for part in &mut parts {
-                part.sides = Sides::Both;
-            }
-        }
+        let parts = Self::parts(scene, unit);
         let count: usize = parts.iter().map(|part| part.mesh.triangle_count()).sum();
         if count <= most {
             return Self::exact(&parts);
@@ -138,6 +123,33 @@ impl Soup {
             cells /= 2;
         }
         Self::of_parts(&parts)
+    }
+
+    /// The same with vertices clustered in so many cells along the longest edge.
+    pub(super) fn in_cells(scene: &Scene, unit: Unit, cells: u32) -> Self {
+        let parts = Self::parts(scene, unit);
+        let soup = Self::clustered(&parts, unit, cells, Self::MOST);
+        soup.unwrap_or_else(|| Self::of_parts(&parts))
+    }
+
+    fn parts(scene: &Scene, unit: Unit) -> Vec<Part<'_>> {
+        let into_unit = Mat4::from_scale(Vec3::splat(1.0 / unit.scale_m))
+            * Mat4::from_translation(-unit.center);
+        let part = |instance: &Instance| {
+            Some(Part {
+                mesh: scene.meshes.get(instance.mesh)?,
+                unit_from_local: into_unit * instance.world_from_local,
+                sides: scene.materials.get(instance.material).map_or(Sides::Front, sides),
+            })
+        };
+        let mut parts: Vec<Part<'_>> = scene.subjects().filter_map(part).collect();
+        if parts.iter().all(|part| part.sides == Sides::Transparent) {
+            // Glass alone is what is to be seen.
+            for part in &mut parts {
+                part.sides = Sides::Both;
+            }
+        }
+        parts
     }
 
     fn of_parts(parts: &[Part<'_>]) -> Self {
@@ -254,7 +266,7 @@ mod tests {
             "{}",
             few.triangles.len()
         );
-        let survey = Survey::new(&Rays::new(&few), unit.half);
+        let survey = Survey::new(&Rays::new(&few), &few, unit.half);
         assert!(survey.is_place);
         assert!(survey.sky() < 1e-3, "{} of all directions leave the room", survey.sky());
     }
@@ -267,7 +279,7 @@ mod tests {
             let soup = Soup::with_at_most(&scene, unit, most);
             assert!(soup.triangles.len() <= most.max(1));
             // Rays find their way through whatever is left.
-            Survey::new(&Rays::new(&soup), unit.half);
+            Survey::new(&Rays::new(&soup), &soup, unit.half);
         }
     }
 

@@ -1,14 +1,12 @@
 //! Sun and sky for what lies in the open.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
+use super::directions;
 use super::rays::Rays;
 use super::survey::Patch;
-use super::{DefaultLight, directions};
-use crate::Light;
 use crate::sky::{Sky, SkySettings, sky};
+use crate::{EnvironmentMap, Light};
 
 /// The key light of things: so far to the left of the camera, and so high.
 const KEY_AZIMUTH_RAD: f32 = 0.87;
@@ -26,16 +24,13 @@ fn sky_width() -> u32 {
 }
 
 /// A clear day with the sun in that direction, which is above the horizon.
-pub(super) fn day(towards_sun: Vec3) -> DefaultLight {
+pub(super) fn day(towards_sun: Vec3) -> (Light, EnvironmentMap) {
     let settings =
         SkySettings { sun_direction: towards_sun, width: sky_width(), ..SkySettings::default() };
     let Ok(Sky { map, sun: Some(sun) }) = sky(&settings) else {
         unreachable!("a sun above the horizon has a sky")
     };
-    DefaultLight::SunAndSky {
-        sun: Light { name: "default sun".to_owned(), ..sun },
-        sky: Arc::new(map),
-    }
+    (Light { name: "default sun".to_owned(), ..sun }, map)
 }
 
 /// Towards the sun: where it lights most of a place, or to the left of and above the camera.

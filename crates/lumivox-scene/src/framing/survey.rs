@@ -8,15 +8,19 @@
 //!
 //! How large the share must be depends on what the scene shows from outside. Walls that are modelled
 //! from the inside alone show their backs there, and who made them wanted to be inside. Where the
-//! outside is modelled as well, hollow things (a helmet, a cup, a car) must be told from houses:
-//! cups are open, helmets are mostly filled, and shells that nothing leads into are taken for things
-//! unless they are nearly all hollow.
+//! outside is modelled as well, hollow things (a helmet, a cup, a car, a gear box) must be told from
+//! houses: cups are open, helmets are mostly filled, what nothing leads into is looked at from outside,
+//! and a car's inside is round where a house has floors and walls.
+//!
+//! In every case one must be able to stand in it: below most points of a place lies a floor, nearly
+//! level. Neither a teapot nor a robot has one.
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::directions;
 use super::rays::{Hit, Rays};
+use super::soup::Soup;
 
 const PROBES: usize = 2000;
 /// Directions that each point looks into.
@@ -47,9 +51,23 @@ const LONG: f32 = 0.45;
 const DEEP: f32 = 0.1;
 /// What furniture takes of the view in a room; in a car it is more.
 const FURNITURE: std::ops::Range<f32> = 0.02..0.2;
-/// Share of the body that must be hollow where nothing leads into it. Half of a ball's volume is its
-/// outer fifth.
-const SEALED: f32 = 0.6;
+/// A floor is at most about so steep: the cosine of 37 degrees.
+const LEVEL: f32 = 0.8;
+/// Share of the points of a place that must have a floor below them: where its walls were made to be
+/// seen from within, and where not. Below points of a ball's inside it is 0.49.
+const FLOORED: [f32; 2] = [0.65, 0.75];
+/// Floors, ceilings and walls are turned by less than 20 degrees: sine and cosine.
+const UPRIGHT: [f32; 2] = [0.34, 0.94];
+/// The share that these must have of what is seen from within, where the outside is modelled as well:
+/// of a ball's inside it is 0.4.
+const BUILT: f32 = 0.65;
+/// A furnished shell shows less than this share of its triangles outside.
+const DETAIL: f32 = 0.4;
+/// Triangles that tell, and how far above them rays start.
+const DETAILS: usize = 300;
+const LIFT: f32 = 1e-4;
+/// Points that look for floors and walls.
+const STANDS: usize = 200;
 
 /// A point of the air with surfaces around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +88,13 @@ pub(super) struct Patch {
     pub(super) weight: f32,
 }
 
+impl Patch {
+    /// Where a ray landed; its weight is one.
+    pub(super) fn of(hit: &Hit) -> Self {
+        Self { position: hit.lifted(), normal: hit.normal, weight: 1.0 }
+    }
+}
+
 /// What rays found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Survey {
@@ -79,6 +104,10 @@ pub(super) struct Survey {
     pub(super) interior: Vec<Probe>,
     /// What is seen from there.
     pub(super) patches: Vec<Patch>,
+    /// Whether walls show their backs outside: they were made to be seen from within.
+    pub(super) is_made_for_inside: bool,
+    /// The points of the air, the points of shells; for a look inside of what is no place.
+    hollow: Vec<Probe>,
 }
 
 /// Counts of points and what they see.
@@ -100,18 +129,36 @@ struct Shares {
 }
 
 impl Survey {
-    pub(super) fn new(rays: &Rays, half: Vec3) -> Self {
+    pub(super) fn new(rays: &Rays, soup: &Soup, half: Vec3) -> Self {
         let (shares, air, shell) = look_around(rays, half);
         tracing::debug!("survey of the scene: {shares:?}");
-        let interior = if shares.is_furnished_shell() {
-            shell
-        } else if shares.is_place() {
-            air
+        // What shows most of its detail outside, such as a lorry, was not made to be entered.
+        let is_furnished = shares.is_furnished_shell() && detail_outside(rays, soup) < DETAIL;
+        let interior = [(is_furnished, &shell), (shares.is_place(), &air)];
+        let interior = interior.into_iter().find(|(is_meant, _)| *is_meant);
+        let interior = interior.map(|(_, probes)| probes.clone()).unwrap_or_default();
+        let standing = Standing::of(rays, &interior);
+        tracing::debug!("standing in it: {standing:?}");
+        let is_made_for_inside = shares.outside_backs > 0.5;
+        let can_stand = if is_made_for_inside {
+            standing.floored >= FLOORED[0]
         } else {
-            Vec::new()
+            standing.floored >= FLOORED[1] && standing.built >= BUILT
         };
+        let interior = if can_stand { interior } else { Vec::new() };
         let patches = patches(rays, &interior);
-        Self { is_place: !patches.is_empty(), interior, patches }
+        let hollow = if air.is_empty() { shell } else { air };
+        Self { is_place: !patches.is_empty(), interior, patches, is_made_for_inside, hollow }
+    }
+
+    /// The same as if it were a place, if there is any room inside.
+    pub(super) fn from_within(&self, rays: &Rays) -> Self {
+        if self.is_place {
+            return self.clone();
+        }
+        let interior = self.hollow.clone();
+        let patches = patches(rays, &interior);
+        Self { is_place: !patches.is_empty(), interior, patches, ..self.clone() }
     }
 
     /// Mean share of the directions that look out of the place.
@@ -127,8 +174,9 @@ impl Shares {
         if self.outside_backs > 0.5 {
             return of_body(self.walled) >= 0.2;
         }
+        // What nothing leads into was not made to be entered.
         if self.sealed as f32 > 0.9 * self.roofed as f32 {
-            return of_body(self.roofed) >= SEALED;
+            return false;
         }
         let is_deep = self.sealed as f32 >= DEEP * self.roofed as f32;
         of_body(self.roofed) >= 0.1 && self.span >= LONG && is_deep
@@ -136,6 +184,34 @@ impl Shares {
 
     fn is_furnished_shell(self) -> bool {
         self.furnished as f32 >= 0.4 * self.body.max(1) as f32
+    }
+}
+
+/// Whether one can stand in a place.
+#[derive(Clone, Copy, Debug, Default)]
+struct Standing {
+    /// Share of the points with a nearly level floor below them.
+    floored: f32,
+    /// Share of floors, ceilings and upright walls in what is seen.
+    built: f32,
+}
+
+impl Standing {
+    fn of(rays: &Rays, interior: &[Probe]) -> Self {
+        let (mut floors, mut built, mut seen, mut count) = (0, 0, 0, 0);
+        for probe in interior.iter().step_by(interior.len().div_ceil(STANDS).max(1)) {
+            count += 1;
+            let floor = rays.cast(probe.position, Vec3::NEG_Y);
+            floors += usize::from(floor.is_some_and(|hit| hit.normal.y >= LEVEL));
+            for hit in directions::sphere(LOOKS).filter_map(|way| rays.cast(probe.position, way)) {
+                let [sine, cosine] = UPRIGHT;
+                let rise = hit.normal.y.abs();
+                seen += 1;
+                built += usize::from(rise <= sine || rise >= cosine);
+            }
+        }
+        let share = |part: usize, whole: usize| part as f32 / whole.max(1) as f32;
+        Self { floored: share(floors, count), built: share(built, seen) }
     }
 }
 
@@ -227,6 +303,24 @@ fn patches(rays: &Rays, interior: &[Probe]) -> Vec<Patch> {
         weight: of_part[&hit.part].sqrt().recip() / total,
     };
     hits.iter().map(patch).collect()
+}
+
+/// The share of the triangles of which a side is seen from outside.
+fn detail_outside(rays: &Rays, soup: &Soup) -> f32 {
+    let count = soup.triangles.len();
+    let (mut seen, mut all) = (0, 0);
+    for triangle in (0..count).step_by(count.div_ceil(DETAILS).max(1)) {
+        let [a, b, c] = soup.corners_of(triangle);
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+        let middle = (a + b + c) / 3.0;
+        all += 1;
+        let is_seen = directions::sphere(LOOKS).any(|way| {
+            let above = normal * normal.dot(way).signum() * LIFT;
+            normal.dot(way).abs() > 0.1 && rays.is_free(middle + above, way, f32::INFINITY)
+        });
+        seen += usize::from(is_seen);
+    }
+    seen as f32 / all.max(1) as f32
 }
 
 /// The longest stretch along an axis that holds nine tenths of the points.

@@ -85,6 +85,10 @@ pub struct Instance {
     /// It is as if it were not there: neither drawn nor voxelized, without shadow, outside of
     /// [`Scene::bounds`](super::Scene::bounds); only kept and saved (`KHR_node_visibility`). Default: no.
     pub is_hidden: bool,
+    /// It belongs to the surroundings, such as the ground of a studio: drawn, lit and voxelized where the
+    /// grid reaches, but outside of [`Scene::bounds`](super::Scene::bounds), so that neither the grid nor a
+    /// camera is fitted to it. Default: no.
+    pub is_backdrop: bool,
 }
 
 impl Default for Instance {
@@ -97,6 +101,7 @@ impl Default for Instance {
             is_static: true,
             is_voxelized: true,
             is_hidden: false,
+            is_backdrop: false,
         }
     }
 }

@@ -58,11 +58,21 @@ impl Scene {
         self.instances.iter().filter(|instance| !instance.is_hidden)
     }
 
-    /// The smallest box around all instances that are not hidden, in world space; [`Bounds::EMPTY`]
-    /// without triangles.
+    /// The instances that are not hidden and no backdrop: what the scene is about.
+    pub fn subjects(&self) -> impl Iterator<Item = &Instance> {
+        self.shown().filter(|instance| !instance.is_backdrop)
+    }
+
+    /// The smallest box around all instances that are neither hidden nor a backdrop, in world space;
+    /// [`Bounds::EMPTY`] without triangles. Where there is nothing but a backdrop, that is what counts.
     pub fn bounds(&self) -> Bounds {
+        let bounds = self.bounds_of(self.subjects());
+        if bounds.is_empty() { self.bounds_of(self.shown()) } else { bounds }
+    }
+
+    fn bounds_of<'a>(&self, instances: impl Iterator<Item = &'a Instance>) -> Bounds {
         let mut bounds = Bounds::EMPTY;
-        for instance in self.shown() {
+        for instance in instances {
             let Some(mesh) = self.meshes.get(instance.mesh) else { continue };
             for &index in &mesh.indices {
                 if let Some(&position) = mesh.positions.get(index as usize) {

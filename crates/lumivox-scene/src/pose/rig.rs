@@ -111,6 +111,8 @@ pub(crate) struct Placed {
     pub(crate) is_voxelized: bool,
     /// The file says that it is not to be seen.
     pub(crate) is_hidden: bool,
+    /// The file says that it belongs to the surroundings.
+    pub(crate) is_backdrop: bool,
 }
 
 impl Placed {
@@ -130,6 +132,7 @@ impl Placed {
             is_static: self.is_static,
             is_voxelized: self.is_voxelized,
             is_hidden: self.is_hidden,
+            is_backdrop: self.is_backdrop,
         }
     }
 }

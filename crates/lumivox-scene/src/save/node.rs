@@ -24,9 +24,13 @@ impl Writer<'_> {
             let mut node = placed(&instance.name, instance.world_from_local);
             node.set("mesh", json!(mesh));
             // What nothing moves is static unless it says otherwise, and animations are not saved.
-            let marks = [("static", instance.is_static), ("voxelized", instance.is_voxelized)];
-            let off = marks.into_iter().filter(|(_, mark)| !mark);
-            let own = off.map(|(name, mark)| (name.to_owned(), json!(mark))).collect();
+            let marks = [
+                ("static", instance.is_static, true),
+                ("voxelized", instance.is_voxelized, true),
+                ("backdrop", instance.is_backdrop, false),
+            ];
+            let unusual = marks.into_iter().filter(|(_, mark, usual)| mark != usual);
+            let own = unusual.map(|(name, mark, _)| (name.to_owned(), json!(mark))).collect();
             own_extras(&mut node.0, &own);
             if instance.is_hidden {
                 const EXTENSION: &str = "KHR_node_visibility";

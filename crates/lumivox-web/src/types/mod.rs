@@ -4,11 +4,15 @@ mod camera;
 mod light;
 mod parameter;
 
+use std::cell::OnceCell;
+
 use glam::Vec3;
 use lumivox_render::MemoryUse;
-use lumivox_scene::{Bounds, Scene};
+use lumivox_scene::{Bounds, Framing, Scene, Staging};
 use serde::{Deserialize, Serialize};
 use tsify::Tsify;
+
+use crate::error::WebError;
 
 pub use camera::Camera;
 pub use light::{Light, LightKind};
@@ -149,6 +153,10 @@ pub struct FrameReport {
     pub frame_ms: f64,
     /// Where the browser lets GPUs tell times, else empty.
     pub stages: Vec<StageMs>,
+    /// Why the picture is not what a camera would make of the scene: too dark, too bright, or black.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
     /// Samples of each pixel in the reference, where one is shown.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -177,6 +185,79 @@ fn middle() -> f32 {
 
 fn usual_samples() -> u32 {
     256
+}
+
+/// How a scene is seen that is loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Tsify)]
+#[serde(deny_unknown_fields, default)]
+pub struct SceneOptions {
+    /// What is put around it. Default: `auto`.
+    #[tsify(optional)]
+    pub surroundings: Surroundings,
+    /// Where from, instead of the scene's own camera or the view that shows it best.
+    #[tsify(optional)]
+    pub from: Option<Standpoint>,
+}
+
+impl SceneOptions {
+    /// The camera that is asked for.
+    ///
+    /// # Errors
+    /// When there is no room for it.
+    pub fn camera(
+        self,
+        scene: &Scene,
+        aspect: f32,
+        framing: &OnceCell<Framing>,
+    ) -> Result<Option<lumivox_scene::Camera>, WebError> {
+        let Some(from) = self.from else { return Ok(None) };
+        let framing = framing.get_or_init(|| Framing::of(scene));
+        let camera = match from {
+            Standpoint::Outside => Some(framing.outside(aspect)),
+            Standpoint::Inside => framing.inside(aspect),
+        };
+        let none = || {
+            WebError::value("the scene has no room inside for a camera; look at it from outside")
+        };
+        camera.ok_or_else(none).map(Some)
+    }
+}
+
+/// What is put around a scene: a studio, or the sun and the sky of a clear day, or nothing. `auto` lets lamps light
+/// closed rooms, sun and sky what lies in the open, and a studio everything else, where a scene's own light is not enough.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Tsify)]
+#[serde(rename_all = "lowercase")]
+pub enum Surroundings {
+    /// What suits the scene.
+    #[default]
+    Auto,
+    /// Soft boxes, a grey wall, a ground.
+    Studio,
+    /// A clear day.
+    Sky,
+    /// Nothing, even if it is dark.
+    None,
+}
+
+impl From<Surroundings> for Staging {
+    fn from(surroundings: Surroundings) -> Self {
+        match surroundings {
+            Surroundings::Auto => Self::Auto,
+            Surroundings::Studio => Self::Studio,
+            Surroundings::Sky => Self::Sky,
+            Surroundings::None => Self::None,
+        }
+    }
+}
+
+/// Where a scene is seen from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Tsify)]
+#[serde(rename_all = "lowercase")]
+pub enum Standpoint {
+    /// The whole of it.
+    Outside,
+    /// From within.
+    Inside,
 }
 
 /// What GPU memory is used for.

@@ -52,12 +52,14 @@ fn shadow_map_visibility(light: Light, position_in_world: vec3f, normal: vec3f) 
     if any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) {
         return 1.0;
     }
+    // A ground that reaches far behind the scene lies behind the map's far plane: what is in its way there is so here.
+    let depth = max(ndc.z, 0.0);
     let texel = 1.0 / vec2f(textureDimensions(shadow_maps));
     var visible = 0.0;
     for (var tap = 0; tap < 4; tap++) {
         let shift = vec2f(f32(tap & 1) - 0.5, f32(tap >> 1) - 0.5) * texel;
         visible += textureSampleCompareLevel(
-            shadow_maps, shadow_sampler, uv + shift, layer_index, ndc.z);
+            shadow_maps, shadow_sampler, uv + shift, layer_index, depth);
     }
     return 0.25 * visible;
 }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use lumivox_render::{Gpu, Picture, Renderer};
-use lumivox_scene::{Camera, Scene};
+use lumivox_render::{Gpu, Metering, Picture, Renderer};
+use lumivox_scene::{Camera, Note, Scene};
 use serde::Serialize;
 
 use super::clock::Seconds;
+use crate::commands::light::REMEDY;
 use crate::commands::settings::SettingsReport;
 use crate::report::{
     AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
@@ -28,8 +29,44 @@ pub struct Report {
     seconds: Seconds,
     /// In stops; for `auto` the one that was found. None for views that are not exposed.
     exposure: Option<f32>,
+    /// What was chosen for the scene, and what is wrong with its light.
+    notes: Vec<NoteReport>,
     settings: SettingsReport,
     adapter: AdapterReport,
+}
+
+/// What the user should know of a picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct NoteReport {
+    /// `camera`, `light` or `warning`.
+    about: &'static str,
+    text: String,
+    /// What overrules it; none for warnings, which say it themselves.
+    option: Option<&'static str>,
+}
+
+impl NoteReport {
+    /// All notes on a picture.
+    pub fn all(notes: &[Note], metering: Option<Metering>) -> Vec<Self> {
+        let warning = metering.and_then(|metering| metering.warning);
+        let warning = warning.map(|warning| Self {
+            about: "warning",
+            text: format!("{warning}: {REMEDY}"),
+            option: None,
+        });
+        let of = |note: &Note| Self {
+            about: note.about,
+            text: note.text.clone(),
+            option: Some(note.option),
+        };
+        notes.iter().map(of).chain(warning).collect()
+    }
+
+    /// A line for people.
+    pub fn line(&self) -> String {
+        let option = self.option.map(|option| format!(" ({option})")).unwrap_or_default();
+        format!("  {:<8} {}{option}\n", self.about, self.text)
+    }
 }
 
 /// What stands on the GPU after a picture.
@@ -94,9 +131,10 @@ impl Report {
         renderer: &Renderer,
         picture: &Picture,
         seconds: Seconds,
+        notes: &[Note],
     ) -> Self {
         let settings = renderer.settings();
-        let exposure = settings.view.is_light().then(|| settings.exposure.stops(&picture.hdr));
+        let metering = settings.view.is_light().then(|| settings.exposure.meter(&picture.hdr));
         Self {
             file: file.display().to_string(),
             size: picture.size.to_array(),
@@ -104,7 +142,8 @@ impl Report {
             camera: CameraReport::new(renderer.camera()),
             renderer: RendererReport::new(renderer),
             seconds,
-            exposure,
+            exposure: metering.map(|metering| metering.stops),
+            notes: NoteReport::all(notes, metering),
             settings: SettingsReport::new(settings),
             adapter: AdapterReport::new(&gpu.adapter_info),
         }
@@ -130,6 +169,7 @@ impl Report {
             counted(scene.lights, "light", "lights"),
             self.camera.name,
         );
+        text += &self.notes.iter().map(NoteReport::line).collect::<String>();
         text += &format!(
             "  voxels   {} with {} in {x} x {y} x {z} of {:.4} m\n",
             count((*voxels).into()),

@@ -2,13 +2,13 @@
 
 use std::time::Instant;
 
-use lumivox_render::{Exposure, Renderer};
+use lumivox_render::{Exposure, Metering, Renderer};
 use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::clock::Seconds;
-use super::report::{CameraReport, RendererReport};
+use super::report::{CameraReport, NoteReport, RendererReport};
 use super::{Stage, light};
 use crate::args::number::ExposureChoice;
 use crate::cli::RenderArgs;
@@ -58,6 +58,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
             renderer.set_exposure(shared);
         }
     }
+    let mut metering: Option<Metering> = None;
     for (done, &number) in missing.iter().enumerate() {
         let start = Instant::now();
         let time_s = moments.time_s(number);
@@ -77,14 +78,14 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         picture.write(&files.path(number))?;
 
         let settings = renderer.settings();
-        let exposure = settings.view.is_light().then(|| settings.exposure.stops(&picture.hdr));
+        metering = settings.view.is_light().then(|| settings.exposure.meter(&picture.hdr));
         let frame = Frame {
             number,
             file: files.name(number),
             bytes: std::fs::metadata(files.path(number))?.len(),
             time_s,
             camera: serde_json::to_value(CameraReport::new(&camera))?,
-            exposure,
+            exposure: metering.map(|metering| metering.stops),
             seconds: start.elapsed().as_secs_f64(),
         };
         index.add(frame, &files)?;
@@ -100,6 +101,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         pictures: moments.count,
         rendered: missing.len(),
         exposure: index.exposure,
+        notes: NoteReport::all(&stage.notes, metering),
         scene: SceneCounts::new(&stage.scene),
         renderer: renderer.as_ref().map(RendererReport::new),
         seconds: stage.clock.seconds,
@@ -248,6 +250,8 @@ struct Report {
     rendered: usize,
     /// In stops, where all pictures have the same.
     exposure: Option<f32>,
+    /// What was chosen for the scene, and what is wrong with the light of the last picture.
+    notes: Vec<NoteReport>,
     scene: SceneCounts,
     /// None where nothing was left to render.
     #[serde(flatten)]
@@ -279,6 +283,7 @@ impl Report {
             counted(scene.materials, "material", "materials"),
             counted(scene.lights, "light", "lights"),
         );
+        text += &self.notes.iter().map(NoteReport::line).collect::<String>();
         if let Some(renderer) = &self.renderer {
             let [x, y, z] = renderer.grid.dimensions;
             text += &format!(

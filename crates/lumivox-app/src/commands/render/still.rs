@@ -32,7 +32,8 @@ pub fn run(
     let seconds = stage.clock.stop();
     drop(stage.progress);
 
-    let report = Report::new(file, &stage.gpu, &stage.scene, &renderer, &picture, seconds);
+    let report =
+        Report::new(file, &stage.gpu, &stage.scene, &renderer, &picture, seconds, &stage.notes);
     if stage.args.json {
         return stage.host.print_json(&report);
     }

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 use lumivox_scene::Camera;
 
-use crate::args::camera::{self, CameraChoice, FRAMING, resolve};
+use crate::args::camera::{self, CameraChoice, FRAMING, INSIDE, OUTSIDE, resolve};
 use crate::console::arguments::{
     PLACE, angle, choice, commas, degrees, direction, number, refused, spaces, vector,
 };
@@ -42,8 +42,12 @@ pub const TABLE: &[Command] = &[
                 .iter()
                 .enumerate()
                 .map(|(number, camera)| format!("{number} \"{}\"", camera.name));
-            let lines: Vec<String> =
-                lines.chain([format!("  \"{FRAMING}\", the view that shows it best")]).collect();
+            let lines: Vec<String> = lines
+                .chain([
+                    format!("  \"{FRAMING}\", the view that shows it best"),
+                    format!("  \"{OUTSIDE}\" and \"{INSIDE}\", the same from there"),
+                ])
+                .collect();
             Ok(Reply::say(lines.join("\n")))
         },
         ..CAMERA
@@ -168,7 +172,11 @@ fn camera(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     }
     let size = console.explorer.size();
     let found = resolve(Some(&chosen), scene, size.x as f32 / size.y as f32).map_err(|error| {
-        let names = scene.cameras.iter().map(|camera| camera.name.as_str()).chain([FRAMING]);
+        let names = scene
+            .cameras
+            .iter()
+            .map(|camera| camera.name.as_str())
+            .chain([FRAMING, OUTSIDE, INSIDE]);
         let like = suggest::like(text, names).map(|like| format!("; did you mean \"{like}\"?"));
         Failure::input(format!("{error}{}", like.unwrap_or_default()))
     })?;

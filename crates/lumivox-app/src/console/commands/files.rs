@@ -63,7 +63,7 @@ pub const TABLE: &[Command] = &[
 ];
 
 /// Options that are completed.
-const OPTIONS: [&str; 16] = [
+const OPTIONS: [&str; 17] = [
     "--scene-in-file",
     "--up",
     "--unit",
@@ -78,6 +78,7 @@ const OPTIONS: [&str; 16] = [
     "--environment",
     "--environment-rotation",
     "--environment-intensity",
+    "--surroundings",
     "--no-default-light",
     "--camera",
 ];
@@ -246,8 +247,12 @@ fn light_options(light: &SourceArgs, option: &mut impl FnMut(&str, String)) {
         environment_intensity,
         sky,
         turbidity,
-        ..
+        surroundings,
+        no_default_light: _,
     } = light;
+    if let Some(staging) = surroundings {
+        option("--surroundings", staging.name().to_owned());
+    }
     if let Some(sun) = sun {
         let lux = match sun.kind {
             lumivox_scene::LightKind::Directional { illuminance_lux, .. } => illuminance_lux,

@@ -9,9 +9,12 @@ use std::time::{Duration, Instant};
 
 use glam::UVec2;
 use lumivox_explorer::Revoxelize;
-use lumivox_render::{Exposure, Picture, Progress, RenderSettings, View};
+use lumivox_render::{
+    Exposure, ExposureWarning, Metering, Picture, Progress, RenderSettings, View,
+};
 
 use super::{REST, Worker};
+use crate::commands::light::REMEDY;
 use crate::window::jobs::{self, ReferenceKey, Traced, Tracing};
 use crate::window::model::{Comparand, FrameTime, JobModel, KEPT_FRAMES, LogKind, Shown};
 
@@ -43,6 +46,8 @@ pub struct Pace {
     /// What a frame of full size takes.
     full_frame: Duration,
     stops: f32,
+    /// Why the last picture is not what a camera would make of the scene.
+    warned: Option<std::mem::Discriminant<ExposureWarning>>,
     measured: Option<Instant>,
     /// A picture of the present state was measured.
     is_current: bool,
@@ -57,6 +62,7 @@ impl Default for Pace {
             moved: None,
             full_frame: Duration::ZERO,
             stops: 0.0,
+            warned: None,
             measured: None,
             is_current: false,
             serial: 0,
@@ -291,8 +297,15 @@ impl Worker {
         let is_last = frames >= explorer.settings().frames;
         if explorer.settings().exposure.fixed_stops().is_some() || self.pace.is_due(frames, is_last)
         {
-            self.pace.stops = pollster::block_on(explorer.measure_stops())?;
+            let Metering { stops, warning } = pollster::block_on(explorer.meter())?;
+            self.pace.stops = stops;
             self.pace.measured = Some(Instant::now());
+            // Once for each reason: the first frames are as dark as the last.
+            let reason = warning.map(|warning| std::mem::discriminant(&warning));
+            if let Some(warning) = warning.filter(|_| reason != self.pace.warned) {
+                tracing::warn!("{warning}: {REMEDY}");
+            }
+            self.pace.warned = reason;
         }
         self.show_reference()?;
         self.pace.is_current = true;
@@ -347,7 +360,7 @@ impl Worker {
             let stops = if is_light(first) && is_light(view) {
                 self.pace.stops
             } else {
-                pollster::block_on(self.console.explorer.measure_stops())?
+                pollster::block_on(self.console.explorer.meter())?.stops
             };
             let shown = self.shown(stops)?;
             self.shared.change(|published| published.other = shown);

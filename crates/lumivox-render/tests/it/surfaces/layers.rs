@@ -36,6 +36,34 @@ fn coat(strength: f32, roughness: f32) -> Clearcoat {
     Clearcoat { strength, roughness, texture: None }
 }
 
+/// Varnished metal with a rough normal map, seen at a grazing angle in a sky of one: whatever a bent normal mirrors
+/// comes from above the surface, so that no pixel is black.
+#[test]
+fn bent_normals_leave_no_dark_rim() {
+    for angle in [1.2, 1.4, 1.5] {
+        let mirror = MetallicRoughness { metallic: 1.0, roughness: 0.2, ..Default::default() };
+        let material = Material {
+            clearcoat: coat(1.0, 0.05),
+            normal_texture: Some(TextureRef::new(0)),
+            ..metallic_roughness(mirror)
+        };
+        let mut scene = seen_under(angle, material);
+        // Bumps of up to 45 degrees, all ways.
+        scene.textures.push(texture(16, 16, |x, y| {
+            let bump = |n: u32| 128 + (((n * 7919) % 180) as i32 - 90);
+            [bump(x + 3 * y) as u8, bump(5 * x + 2 * y + 1) as u8, 220, 255]
+        }));
+        scene.environment.radiance = Vec3::ONE;
+        let asked = RenderSettings { bounces: 1, frames: 32, ..settings(View::Final) };
+        let picture = render(&scene, asked);
+        let dark = picture.hdr.iter().filter(|pixel| pixel[1] < 0.6).count();
+        let share = dark as f32 / picture.hdr.len() as f32;
+        println!("under {angle}: mean {}, {share} dark", mean(&picture));
+        assert!(share < 0.01, "{share} of the pixels are dark under {angle}");
+        assert!(mean(&picture).y > 0.85);
+    }
+}
+
 /// White paint under varnish in a sky of one: what the coat takes from below it reflects itself. On black paint it
 /// is seen alone; on a mirror both lobes are drawn in turns.
 #[test]

@@ -51,6 +51,30 @@ fn panes_blend_whatever_their_order() {
     }
 }
 
+/// A pane that is seen obliquely is as even in 16 frames as one that is seen straight.
+#[test]
+fn oblique_panes_are_as_even_as_straight_ones() {
+    let noise = |along: Vec3| {
+        let mut scene = scene();
+        add(&mut scene, quad(Vec3::Z, along * 1.5, Vec3::Y), blended(Vec3::X, 0.5));
+        add(&mut scene, pane(-1.0), glowing(Vec3::Z));
+        let picture = render(&scene, settings(View::Direct));
+        let expected = Vec3::new(0.5, 0.0, 0.5);
+        // The middle, which both cover.
+        let size = picture.size;
+        let middle = picture.hdr.iter().enumerate().filter(|(i, _)| {
+            let (x, y) = (*i as u32 % size.x, *i as u32 / size.x);
+            (10..22).contains(&x) && (4..28).contains(&y)
+        });
+        let errors: Vec<f32> = middle.map(|(_, p)| (p[0] - expected.x).powi(2)).collect();
+        (errors.iter().sum::<f32>() / errors.len() as f32).sqrt()
+    };
+    let (straight, oblique) = (noise(Vec3::X), noise(Vec3::new(0.8, 0.0, 0.6)));
+    println!("noise: {straight} straight, {oblique} oblique");
+    // Coins would leave 0.125.
+    assert!(oblique < 0.05 && oblique < 2.0 * straight.max(0.015), "{straight} {oblique}");
+}
+
 #[test]
 fn panes_of_one_mesh_are_drawn_independently() {
     let mut scene = scene();

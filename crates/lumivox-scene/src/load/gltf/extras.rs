@@ -50,6 +50,8 @@ pub(super) struct Marks {
     pub(super) is_static: Option<bool>,
     /// That it is not in the voxels.
     pub(super) is_kept_out_of_voxels: bool,
+    /// That it belongs to the surroundings.
+    pub(super) is_backdrop: bool,
 }
 
 impl Marks {
@@ -58,6 +60,7 @@ impl Marks {
         Self {
             is_static: own["static"].as_bool(),
             is_kept_out_of_voxels: own["voxelized"].as_bool() == Some(false),
+            is_backdrop: own["backdrop"].as_bool() == Some(true),
         }
     }
 }

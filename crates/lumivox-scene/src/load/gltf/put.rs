@@ -87,6 +87,7 @@ impl Loader<'_> {
                 is_static: !site.bends && !site.weighs && marks.is_static != Some(false),
                 is_voxelized: !marks.is_kept_out_of_voxels,
                 is_hidden: site.is_hidden,
+                is_backdrop: marks.is_backdrop,
             });
         }
         Ok(())
@@ -142,6 +143,7 @@ impl Loader<'_> {
                     is_static: !site.moves && !site.weighs && marks.is_static != Some(false),
                     is_voxelized: !marks.is_kept_out_of_voxels,
                     is_hidden: site.is_hidden,
+                    is_backdrop: marks.is_backdrop,
                 });
             }
         }

@@ -15,6 +15,7 @@ struct Resolved {
     is_static: bool,
     is_voxelized: bool,
     is_hidden: bool,
+    is_backdrop: bool,
 }
 
 fn resolve(scene: &Scene) -> Vec<Resolved> {
@@ -39,6 +40,7 @@ fn resolve(scene: &Scene) -> Vec<Resolved> {
             is_static: instance.is_static,
             is_voxelized: instance.is_voxelized,
             is_hidden: instance.is_hidden,
+            is_backdrop: instance.is_backdrop,
         }
     };
     scene.instances.iter().map(resolved).collect()

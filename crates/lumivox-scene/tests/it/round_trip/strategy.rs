@@ -277,15 +277,18 @@ fn transform() -> impl Strategy<Value = Mat4> {
 }
 
 fn instance(meshes: usize, materials: usize) -> impl Strategy<Value = Instance> {
-    (name(), 0..meshes, 0..materials, transform(), any::<[bool; 4]>()).prop_map(
-        |(name, mesh, material, world_from_local, [is_static, is_voxelized, a, b])| Instance {
-            name,
-            mesh,
-            material,
-            world_from_local,
-            is_static,
-            is_voxelized,
-            is_hidden: a && b,
+    (name(), 0..meshes, 0..materials, transform(), any::<[bool; 6]>()).prop_map(
+        |(name, mesh, material, world_from_local, [is_static, is_voxelized, a, b, c, d])| {
+            Instance {
+                name,
+                mesh,
+                material,
+                world_from_local,
+                is_static,
+                is_voxelized,
+                is_hidden: a && b,
+                is_backdrop: c && d,
+            }
         },
     )
 }

@@ -5,9 +5,11 @@ mod materials;
 #[cfg(test)]
 mod tests;
 
+use std::cell::OnceCell;
+
 use glam::Vec3;
 use lumivox_render::{MemoryEstimate, RenderSettings};
-use lumivox_scene::{AlphaMode, Framing, Material, Mesh, Scene};
+use lumivox_scene::{AlphaMode, Material, Mesh, Scene, Sight, SightOptions};
 use serde::Serialize;
 
 use crate::args::choices::VolumeChoice;
@@ -63,8 +65,10 @@ pub struct Report {
     cameras: Vec<CameraReport>,
     /// The camera that is used if none is named.
     default_camera: CameraReport,
-    /// What lights the scene where nothing in it shines; none where something does.
+    /// What lights the scene where its own light is not enough; none where it is.
     default_light: Option<String>,
+    /// What is chosen for it, and why.
+    sight: Vec<String>,
     animations: Vec<AnimationReport>,
     /// In main memory.
     vertex_bytes: u64,
@@ -120,13 +124,8 @@ impl Report {
         };
         let texels = scene.textures.iter().map(|t| u64::from(t.width) * u64::from(t.height));
         let aspect = settings.size.x as f32 / settings.size.y as f32;
-        let shines = scene.shines();
-        // One look at the scene serves both.
-        let framing = (scene.cameras.is_empty() || !shines).then(|| Framing::of(scene));
-        let first = scene.cameras.first().cloned();
-        let default_camera = first.or_else(|| framing.as_ref().map(|f| f.camera(aspect)));
-        let default_camera = default_camera.unwrap_or_default();
-        let default_light = framing.filter(|_| !shines).map(|f| f.light(&default_camera));
+        let options = SightOptions { aspect, ..SightOptions::default() };
+        let sight = Sight::of(scene, &options, &OnceCell::new());
         let animations = scene.animations().into_iter().map(|animation| AnimationReport {
             name: animation.name,
             duration_s: animation.duration_s,
@@ -164,8 +163,9 @@ impl Report {
             panorama: PanoramaReport::new(&scene.environment),
             lights: scene.lights.iter().map(LightReport::new).collect(),
             cameras: scene.cameras.iter().map(CameraReport::new).collect(),
-            default_camera: CameraReport::new(&default_camera),
-            default_light: default_light.map(|light| light.to_string()),
+            default_camera: CameraReport::new(&sight.camera),
+            default_light: sight.light.map(|light| light.to_string()),
+            sight: sight.notes.iter().map(ToString::to_string).collect(),
             animations: animations.collect(),
             vertex_bytes: scene.meshes.iter().map(bytes_of).sum(),
             texture_bytes: scene.textures.iter().map(|t| t.rgba8.len() as u64).sum(),
@@ -306,7 +306,7 @@ impl Report {
     fn lights_used(&self) -> String {
         let lights = count(self.counts.lights as u64);
         match &self.default_light {
-            Some(light) => format!("{lights}; nothing shines, used: {light}"),
+            Some(light) => format!("{lights}; too little light, added: {light}"),
             None => lights,
         }
     }

@@ -1,0 +1,216 @@
+//! What a scene's own light does where it is looked at.
+//!
+//! A picture needs light on what it shows. So rays go out from the eye, and where they land it is
+//! measured what arrives from the scene's lamps, its surroundings and what it emits. A helmet with a
+//! glowing visor gets next to nothing of its own light, and is dark; a room with a small lamp gets
+//! little, but everywhere.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use super::directions;
+use super::emission::{Emission, Emitter, luminance};
+use super::rays::{Hit, Rays};
+use super::soup::Unit;
+use super::survey::Patch;
+use crate::{Camera, Light, LightKind, Scene};
+
+/// Rays from the eye, across and down the picture.
+const LOOKS: [usize; 2] = [24, 14];
+/// Pieces of what emits that each point looks at.
+const EMITTERS: usize = 48;
+/// Directions in which each point looks for the surroundings.
+const OPENINGS: usize = 16;
+/// Lamps that are looked at; the strongest are first.
+const LAMPS: usize = 64;
+
+/// About what a full moon gives (Kyba, Mohar and Posch 2017, "How bright is moonlight?", Astronomy and
+/// Geophysics 58 (1)). What is seen from outside counts as dark below it.
+const MOONLIGHT_LUX: f32 = 0.25;
+/// With this a grey surface has the 0.002 cd/m² of EV100 -6, which a camera still shows: enough in a
+/// place whose own lamps shine.
+const STARLIGHT_LUX: f32 = 0.01;
+/// A point counts as lit that gets this share of the mean.
+const LIT: f32 = 0.125;
+/// Of the points that are seen, so many must be lit by lamps and surroundings; the rest is their shadow.
+const LAMPS_REACH: f32 = 0.3;
+/// The same where emission helps, which lights what is near: most of a place, nearly all of a thing.
+const EMISSION_REACHES_PLACE: f32 = 0.6;
+const EMISSION_REACHES_THING: f32 = 0.9;
+
+/// How a scene is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Standpoint {
+    /// From inside of a closed room: light stays there.
+    ClosedRoom,
+    /// From inside of a place with gaps.
+    OpenPlace,
+    Outside,
+}
+
+/// Illuminance of the points that are seen, lx.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct OwnLight {
+    /// By lamps and surroundings.
+    lamps: Vec<f32>,
+    /// By what emits.
+    emission: Vec<f32>,
+    /// Flux over area.
+    emission_mean_lux: f32,
+}
+
+impl OwnLight {
+    /// At some points.
+    pub(super) fn at(points: &[Patch], scene: &Scene, rays: &Rays, unit: Unit) -> Self {
+        let emission = Emission::of(scene, unit);
+        let mut lights: Vec<&Light> = scene.lights.iter().collect();
+        lights.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+        lights.truncate(LAMPS);
+        let environment = &scene.environment;
+        let map = environment.map.as_ref().map_or(Vec3::ONE, |map| map.mean_radiance());
+        let sky_lux = PI * luminance(environment.radiance * map);
+        let step = emission.emitters.len().div_ceil(EMITTERS).max(1);
+        let mut own = Self { emission_mean_lux: emission.mean_lux(), ..Self::default() };
+        for (number, point) in points.iter().enumerate() {
+            let by_lamps: f32 = lights.iter().map(|light| lux(rays, unit, light, point)).sum();
+            let by_sky = if sky_lux > 0.0 { sky_lux * openness(rays, point) } else { 0.0 };
+            own.lamps.push(by_lamps + by_sky);
+            // Each point looks at others than its neighbours do.
+            let looked_at = emission.emitters.iter().skip(number % step).step_by(step);
+            let (mut sum, mut count) = (0.0, 0);
+            for emitter in looked_at {
+                sum += lux_of(rays, unit, emitter, point);
+                count += 1;
+            }
+            own.emission.push(sum * emission.emitters.len() as f32 / count.max(1) as f32);
+        }
+        own
+    }
+
+    /// Whether it is enough to see the scene by.
+    pub(super) fn is_enough(&self, from: Standpoint) -> bool {
+        let is_lit_by = |lux: &[f32], least, reach| mean(lux) >= least && share(lux) >= reach;
+        match from {
+            Standpoint::ClosedRoom => self.lux(from) >= STARLIGHT_LUX,
+            Standpoint::OpenPlace => {
+                mean(&self.lamps) >= STARLIGHT_LUX
+                    || is_lit_by(&self.all(), STARLIGHT_LUX, EMISSION_REACHES_PLACE)
+            }
+            Standpoint::Outside => {
+                is_lit_by(&self.lamps, MOONLIGHT_LUX, LAMPS_REACH)
+                    || is_lit_by(&self.all(), MOONLIGHT_LUX, EMISSION_REACHES_THING)
+            }
+        }
+    }
+
+    /// Mean illuminance of what is seen, lx; in a closed room what is emitted counts wherever it goes.
+    pub(super) fn lux(&self, from: Standpoint) -> f32 {
+        match from {
+            Standpoint::ClosedRoom => mean(&self.lamps) + self.emission_mean_lux,
+            Standpoint::OpenPlace | Standpoint::Outside => mean(&self.all()),
+        }
+    }
+
+    fn all(&self) -> Vec<f32> {
+        self.lamps.iter().zip(&self.emission).map(|(a, b)| a + b).collect()
+    }
+}
+
+fn mean(lux: &[f32]) -> f32 {
+    lux.iter().sum::<f32>() / lux.len().max(1) as f32
+}
+
+/// The share of the points that count as lit.
+fn share(lux: &[f32]) -> f32 {
+    let least = LIT * mean(lux);
+    lux.iter().filter(|&&lux| lux >= least).count() as f32 / lux.len().max(1) as f32
+}
+
+/// What a picture shows, point by point, but for what may emit: that is bright itself.
+pub(super) fn seen(
+    scene: &Scene,
+    rays: &Rays,
+    unit: Unit,
+    camera: &Camera,
+    aspect: f32,
+) -> Vec<Patch> {
+    let emits: Vec<bool> = scene
+        .subjects()
+        .filter(|instance| scene.meshes.get(instance.mesh).is_some())
+        .map(|instance| scene.materials.get(instance.material))
+        .map(|material| material.is_some_and(|m| m.emissive.max_element() > 0.0))
+        .collect();
+    let is_dark = |hit: &&Hit| !emits.get(hit.part as usize).is_some_and(|&emits| emits);
+    let eye = unit.unit_from_world(camera.position);
+    let [across, down] = LOOKS;
+    let size = glam::UVec2::new((1e3 * aspect) as u32 + 1, 1000);
+    let mut hits = Vec::new();
+    for number in 0..across * down {
+        let place = Vec2::new((number % across) as f32 + 0.5, (number / across) as f32 + 0.5);
+        let pixel = place / Vec2::new(across as f32, down as f32) * size.as_vec2();
+        let (_, way) = camera.ray(pixel, size);
+        hits.extend(rays.cast_visible(eye, way));
+    }
+    let dark: Vec<Patch> = hits.iter().filter(is_dark).map(Patch::of).collect();
+    // Where all may emit, a texture says where.
+    if dark.is_empty() { hits.iter().map(Patch::of).collect() } else { dark }
+}
+
+fn strength(light: &Light) -> f32 {
+    match light.kind {
+        LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
+        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
+            intensity_cd
+        }
+    }
+}
+
+/// What a lamp gives a point.
+fn lux(rays: &Rays, unit: Unit, light: &Light, point: &Patch) -> f32 {
+    let strength = strength(light) * luminance(light.color);
+    if let LightKind::Directional { .. } = light.kind {
+        let towards = -light.direction;
+        let cosine = towards.dot(point.normal);
+        let arrives = cosine > 0.0 && rays.is_free(point.position, towards, f32::INFINITY);
+        return if arrives { strength * cosine } else { 0.0 };
+    }
+    let way = unit.unit_from_world(light.position) - point.position;
+    let distance = way.length();
+    let towards = way / distance;
+    let cosine = towards.dot(point.normal);
+    let is_in_cone = match light.kind {
+        LightKind::Spot { outer_angle_rad, .. } => {
+            light.direction.dot(-towards) >= outer_angle_rad.cos()
+        }
+        _ => true,
+    };
+    if cosine > 0.0 && is_in_cone && rays.is_free(point.position, way, 1.0) {
+        strength * cosine / (distance * unit.scale_m).powi(2)
+    } else {
+        0.0
+    }
+}
+
+/// What a piece of a surface gives a point.
+fn lux_of(rays: &Rays, unit: Unit, emitter: &Emitter, point: &Patch) -> f32 {
+    let from = point.position;
+    let way = emitter.position - from;
+    let squared = way.length_squared();
+    let cosine = way.dot(point.normal);
+    let sent = -way.dot(emitter.normal);
+    let sent = if emitter.is_double_sided { sent.abs() } else { sent };
+    // Up to just before the emitter, which would be in its own way.
+    if cosine <= 0.0 || sent <= 0.0 || !rays.is_free(from, way, 0.999) {
+        return 0.0;
+    }
+    emitter.intensity_cd * cosine * sent / (squared * squared * unit.scale_m * unit.scale_m)
+}
+
+/// The cosine-weighted share of the hemisphere over a point that is free.
+fn openness(rays: &Rays, point: &Patch) -> f32 {
+    // Points of the sphere around the tip of the normal have the cosine's density.
+    let ways = directions::sphere(OPENINGS).map(|way| point.normal * 1.0001 + way);
+    let free = ways.filter(|&way| rays.is_free(point.position, way, f32::INFINITY)).count();
+    free as f32 / OPENINGS as f32
+}

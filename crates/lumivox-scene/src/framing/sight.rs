@@ -1,0 +1,206 @@
+//! The first sight of a scene, decided in one place for all front ends.
+
+use std::cell::OnceCell;
+
+use super::emission::Emission;
+use super::own_light::{self, OwnLight};
+use super::subject::Subject;
+use super::survey::Patch;
+use super::{Chosen, DefaultLight, Framing};
+use crate::{Camera, Scene};
+
+/// What is put around a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Staging {
+    /// What suits the scene, where its own light is not enough: lamps in a closed room, sun and sky in
+    /// other places and over landscapes, else a studio.
+    #[default]
+    Auto,
+    /// A [studio](crate::studio), whatever the scene's own light.
+    Studio,
+    /// The sun and the [sky](crate::sky) of a clear day, whatever the scene's own light.
+    Sky,
+    /// Nothing: the scene is as its file has it, even if that is dark.
+    None,
+}
+
+impl Staging {
+    /// Every one.
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Studio, Self::Sky, Self::None];
+
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Studio => "studio",
+            Self::Sky => "sky",
+            Self::None => "none",
+        }
+    }
+}
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SightOptions {
+    /// Where it is seen from. Default: the scene's first camera, or else the view that shows it best.
+    pub camera: Option<Camera>,
+    /// Width over height of the picture that such a view is found for. Default: 16/9.
+    pub aspect: f32,
+    /// What is put around it. Default: what suits it.
+    pub staging: Staging,
+}
+
+impl Default for SightOptions {
+    fn default() -> Self {
+        Self { camera: None, aspect: 16.0 / 9.0, staging: Staging::Auto }
+    }
+}
+
+/// A choice that was made for the user, who wants to hear of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// What it is about: `camera` or `light`.
+    pub about: &'static str,
+    /// What was chosen and why, without a full stop.
+    pub text: String,
+    /// The option that overrules it, as the command line has it.
+    pub option: &'static str,
+}
+
+impl std::fmt::Display for Note {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({})", self.text, self.option)
+    }
+}
+
+/// Where a scene is seen from, and what lights it besides its own light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sight {
+    /// The eye.
+    pub camera: Camera,
+    /// What is to be added; [`Scene::stage`] has done so.
+    pub light: Option<DefaultLight>,
+    /// What was chosen, and why.
+    pub notes: Vec<Note>,
+}
+
+impl Sight {
+    /// Decides, and leaves the scene as it is. `framing` is made where it is needed, and may serve again as
+    /// long as the scene's triangles stay.
+    pub fn of(scene: &Scene, options: &SightOptions, framing: &OnceCell<Framing>) -> Self {
+        let survey = || framing.get_or_init(|| Framing::of(scene));
+        let mut notes = Vec::new();
+        let known = options.camera.clone().or_else(|| scene.cameras.first().cloned());
+        let camera = known.unwrap_or_else(|| {
+            let (camera, chosen) = survey().chosen(options.aspect);
+            notes.push(chosen.note());
+            camera
+        });
+        let light = match options.staging {
+            Staging::None => None,
+            Staging::Studio => Some(survey().studio_for(scene, &camera)),
+            Staging::Sky => Some(survey().day(&camera)),
+            Staging::Auto if scene.is_lit_by_design() => None,
+            Staging::Auto => {
+                let (light, note) = survey().light_where_needed(scene, &camera, options.aspect);
+                notes.push(note);
+                light
+            }
+        };
+        Self { camera, light, notes }
+    }
+}
+
+impl Chosen {
+    fn note(self) -> Note {
+        let (text, option) = match self {
+            Self::Inside => ("from inside, where most of the place is seen", "--camera outside"),
+            Self::Opening => ("from outside, through the side that is open", "--camera inside"),
+            Self::Outside => ("from outside, where most of it is seen", "--camera inside"),
+            Self::OnItsGround => {
+                ("from outside, fitted to what stands on the ground", "--camera inside")
+            }
+        };
+        Note { about: "camera", text: text.to_owned(), option }
+    }
+}
+
+impl Framing {
+    /// A studio in which a scene is seen to glow if it does.
+    fn studio_for(&self, scene: &Scene, camera: &Camera) -> DefaultLight {
+        self.studio(camera, Emission::of(scene, self.unit).luminance())
+    }
+
+    /// What lights a scene whose own light is not enough where a camera sees it.
+    fn light_where_needed(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        aspect: f32,
+    ) -> (Option<DefaultLight>, Note) {
+        let standpoint = self.standpoint(camera);
+        let at = |points: &[Patch]| OwnLight::at(points, scene, &self.rays, self.unit);
+        let mut own = at(&own_light::seen(scene, &self.rays, self.unit, camera, aspect));
+        // A place is more than what is seen of it, and so is what was composed with a camera of its own:
+        // one of its rooms may be meant to be dark.
+        let whole = if self.is_place() {
+            self.survey.patches.clone()
+        } else if scene.cameras.contains(camera) {
+            Subject::of_thing(&self.soup).patches
+        } else {
+            Vec::new()
+        };
+        if !own.is_enough(standpoint) && at(&whole).is_enough(standpoint) {
+            own = at(&whole);
+        }
+        let about = "light";
+        if own.is_enough(standpoint) {
+            let text =
+                format!("its own, {} lux on what is seen", three_digits(own.lux(standpoint)));
+            return (None, Note { about, text, option: "--surroundings studio or sky adds some" });
+        }
+        let light = self.light(camera, Emission::of(scene, self.unit).luminance());
+        let option = match light {
+            DefaultLight::SunAndSky { .. } => "--surroundings studio or none",
+            DefaultLight::Studio { .. } => "--surroundings sky or none",
+            DefaultLight::Lamps(_) => "--surroundings none",
+        };
+        let own = match own.lux(standpoint) {
+            none if none <= 0.0 => "it has none of its own".to_owned(),
+            some => {
+                format!("its own gives what is seen {} lux, and not all of it", three_digits(some))
+            }
+        };
+        (Some(light.clone()), Note { about, text: format!("{light}: {own}"), option })
+    }
+}
+
+/// Three digits of a number.
+pub(super) fn three_digits(value: f32) -> String {
+    let digits = (2.0 - value.abs().max(1e-6).log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.digits$}")
+}
+
+impl Scene {
+    /// Decides how a scene is seen, and adds the light that it lacks: see [`Sight`].
+    pub fn stage(&mut self, options: &SightOptions) -> Sight {
+        let sight = Sight::of(self, options, &OnceCell::new());
+        self.light_up(&sight);
+        sight
+    }
+
+    /// Adds what was decided for it.
+    pub fn light_up(&mut self, sight: &Sight) {
+        if let Some(light) = &sight.light {
+            tracing::info!("the scene \"{}\" is lit by {light}", self.name);
+            light.light_up(self);
+        }
+    }
+
+    /// Whether its maker has seen to its light: surroundings shine, nothing takes light, or lamps fall
+    /// off as those of a look that is not physical.
+    fn is_lit_by_design(&self) -> bool {
+        let is_styled = self.lights.iter().any(|light| light.attenuation.is_some());
+        is_styled || super::shines::surroundings_shine(self) || super::shines::is_unlit(self)
+    }
+}

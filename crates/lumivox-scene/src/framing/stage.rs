@@ -1,0 +1,234 @@
+//! Light for what has too little of its own, and the ground that it stands on.
+
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use super::sight::three_digits;
+use super::soup::Unit;
+use super::{Framing, OPENING, outside, sun};
+use crate::studio::Studio;
+use crate::{Camera, Environment, EnvironmentMap, Instance, Light, Material, Mesh, Scene};
+
+/// A ground reaches so many times the size of the scene: from a camera that shows all of it, its edge
+/// lies within two degrees of the horizon.
+const REACH: f32 = 30.0;
+/// The dimmest studio has a tenth of a lux.
+const DIMMEST: f32 = 1e-4;
+/// A ground lies so far below the scene, as a share of its size: what is flat on the ground must not
+/// share its plane.
+const BELOW: f32 = 1e-3;
+/// What lies under the scene and so far around it is in the voxels, where the grid reaches.
+const AROUND: f32 = 0.1;
+/// Corners of the ground's edge.
+const EDGE: usize = 48;
+/// Rays that look for a ground, along each side of the scene.
+const PLUMBS: usize = 16;
+/// A landscape covers so much of its bounds, seen from above, and shows its back below.
+const COVERED: f32 = 0.8;
+/// It is at least so high and at most so high, as shares of its width.
+const RELIEF: std::ops::RangeInclusive<f32> = 0.01..=0.6;
+
+/// Light for a scene that has too little of its own; physical values in all cases.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DefaultLight {
+    /// The sun and the [sky](crate::sky) of a clear day. In a place the sun stands where it lights
+    /// most of what is inside, otherwise to the left of the camera, 50 degrees high.
+    SunAndSky {
+        /// The sun.
+        sun: Light,
+        /// The sky, in cd/m².
+        sky: Arc<EnvironmentMap>,
+        /// What a thing stands on; places have their own.
+        ground: Option<Ground>,
+    },
+    /// The [studio](crate::studio) of photographers.
+    Studio {
+        /// What is around, in cd/m².
+        studio: Arc<Studio>,
+        /// What its luminances are multiplied by: 1, or less where the scene emits little, so that it is seen to
+        /// glow.
+        dimmed: f32,
+        /// Its turn about the vertical, rad: the main light stands to the left of the camera.
+        rotation_rad: f32,
+        /// What the thing stands on.
+        ground: Ground,
+    },
+    /// A lamp below the ceiling of each closed room, eight at most: each gives the surfaces that it
+    /// reaches 300 lux in the mean, whatever the room's size.
+    Lamps(Vec<Light>),
+}
+
+/// A level, matt ground, a backdrop ([`Instance::is_backdrop`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    /// Its middle, m.
+    pub center: Vec3,
+    /// How far it reaches, m.
+    pub radius_m: f32,
+    /// Half the edges (along x and z) of its part in the voxels, m.
+    pub half_m: Vec2,
+    /// Its surface.
+    pub material: Material,
+}
+
+impl std::fmt::Display for DefaultLight {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::SunAndSky { .. } => write!(f, "the sun and the sky of a clear day"),
+            Self::Studio { studio, dimmed, .. } => {
+                write!(f, "a studio of {} lux", three_digits(studio.ground_lux * dimmed))?;
+                if *dimmed < 1.0 { write!(f, ", so dim that it is seen to glow") } else { Ok(()) }
+            }
+            Self::Lamps(lamps) if lamps.len() == 1 => write!(f, "a lamp of 300 lux"),
+            Self::Lamps(lamps) => write!(f, "{} lamps of 300 lux", lamps.len()),
+        }
+    }
+}
+
+impl DefaultLight {
+    /// Puts it into a scene. Lights that are there stay; surroundings are replaced.
+    pub fn light_up(&self, scene: &mut Scene) {
+        match self {
+            Self::SunAndSky { sun, sky, ground } => {
+                // Behind those that are there but dark: a rig knows its own by their places.
+                scene.lights.push(sun.clone());
+                let map = Some(Arc::clone(sky));
+                scene.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
+                ground.iter().for_each(|ground| ground.put_into(scene));
+            }
+            Self::Studio { studio, dimmed, rotation_rad, ground } => {
+                let (map, rotation_rad) = (Some(Arc::new(studio.map.clone())), *rotation_rad);
+                let radiance = Vec3::splat(*dimmed);
+                scene.environment = Environment { radiance, map, rotation_rad };
+                ground.put_into(scene);
+            }
+            Self::Lamps(lamps) => scene.lights.extend(lamps.iter().cloned()),
+        }
+    }
+}
+
+impl Ground {
+    fn of(unit: Unit, material: Material) -> Self {
+        let half = unit.half;
+        let center = unit.world_from_unit(Vec3::new(0.0, -half.y - BELOW, 0.0));
+        let half_m = (Vec2::new(half.x, half.z) + AROUND) * unit.scale_m;
+        Self { center, radius_m: REACH * unit.scale_m, half_m, material }
+    }
+
+    /// Two pieces, the outer one a little lower: the voxels need not know of what lies far outside of
+    /// their grid.
+    fn put_into(&self, scene: &mut Scene) {
+        let name = &self.material.name;
+        let far =
+            Self { center: self.center - Vec3::Y * (self.radius_m * BELOW * 1e-2), ..self.clone() };
+        scene.materials.push(self.material.clone());
+        for (mesh, is_voxelized) in [(self.near_piece(), true), (far.whole(), false)] {
+            scene.meshes.push(Mesh { name: name.clone(), ..mesh });
+            scene.instances.push(Instance {
+                name: name.clone(),
+                mesh: scene.meshes.len() - 1,
+                material: scene.materials.len() - 1,
+                is_voxelized,
+                is_backdrop: true,
+                ..Instance::default()
+            });
+        }
+    }
+
+    fn near_piece(&self) -> Mesh {
+        let Vec2 { x, y: z } = self.half_m;
+        self.fan([(x, z), (x, -z), (-x, -z), (-x, z)].map(Vec2::from).into_iter())
+    }
+
+    fn whole(&self) -> Mesh {
+        let corner = |number: usize| {
+            let (sin, cos) = (number as f32 / EDGE as f32 * TAU).sin_cos();
+            Vec2::new(cos, -sin) * self.radius_m
+        };
+        self.fan((0..EDGE).map(corner))
+    }
+
+    /// Corners around the middle, counter-clockwise seen from above.
+    fn fan(&self, corners: impl ExactSizeIterator<Item = Vec2>) -> Mesh {
+        let count = corners.len() as u32;
+        let mut mesh = Mesh::default();
+        mesh.positions.push(self.center);
+        mesh.positions.extend(corners.map(|at| self.center + Vec3::new(at.x, 0.0, at.y)));
+        for number in 0..count {
+            mesh.indices.extend([0, 1 + number, 1 + (number + 1) % count]);
+        }
+        let vertices = mesh.positions.len();
+        mesh.normals = vec![Vec3::Y; vertices];
+        mesh.uvs = vec![Vec2::ZERO; vertices];
+        mesh.tangents = vec![Vec3::X.extend(1.0); vertices];
+        mesh
+    }
+}
+
+impl Framing {
+    /// Lights for the scene as if it had none, to suit a view by `camera`: lamps in a closed room, sun
+    /// and sky in other places and over landscapes, else a studio. What emits has `emission` cd/m² in the
+    /// mean; 0 where nothing does.
+    pub fn light(&self, camera: &Camera, emission: f32) -> DefaultLight {
+        if self.standpoint(camera) == super::Standpoint::ClosedRoom {
+            let lamps = self.lamps();
+            if !lamps.is_empty() {
+                return DefaultLight::Lamps(lamps);
+            }
+        }
+        let eye = self.unit.unit_from_world(camera.position);
+        let is_day = if self.is_place() {
+            outside::share(&self.rays, &self.survey.patches, eye) < OPENING
+                || self.surrounds(camera)
+        } else {
+            self.is_landscape()
+        };
+        if is_day { self.day(camera) } else { self.studio(camera, emission) }
+    }
+
+    /// Sun and sky, and a ground below things.
+    pub fn day(&self, camera: &Camera) -> DefaultLight {
+        let eye = self.unit.unit_from_world(camera.position);
+        let patches = &self.survey.patches;
+        let towards_sun = sun::direction(&self.rays, patches, eye, camera.forward);
+        let (sun, sky) = sun::day(towards_sun);
+        let ground = Material::diffuse(
+            "ground",
+            Vec3::splat(crate::sky::SkySettings::default().ground_albedo),
+        );
+        let ground = (!self.is_place()).then(|| Ground::of(self.unit, ground));
+        DefaultLight::SunAndSky { sun, sky: Arc::new(sky), ground }
+    }
+
+    /// A studio. Where something emits, it is so bright at most that white on its ground is as bright as
+    /// that: files mostly say that a lamp has 1 cd/m², which nobody would see to glow beside bright walls.
+    pub fn studio(&self, camera: &Camera, emission: f32) -> DefaultLight {
+        let studio = Studio::new();
+        let white = studio.ground_lux / std::f32::consts::PI;
+        let dimmed = if emission > 0.0 { (emission / white).clamp(DIMMEST, 1.0) } else { 1.0 };
+        let ground = Ground::of(self.unit, studio.ground());
+        let rotation_rad = f32::atan2(-camera.forward.x, -camera.forward.z);
+        DefaultLight::Studio { studio: Arc::new(studio), dimmed, rotation_rad, ground }
+    }
+
+    /// Whether it is ground in the open: a sheet that covers its bounds seen from above, not quite
+    /// flat, of which the back is seen from below.
+    fn is_landscape(&self) -> bool {
+        let half = self.unit.half;
+        if !RELIEF.contains(&(half.y / half.x.max(half.z))) {
+            return false;
+        }
+        let (mut covered, mut backs) = (0, 0);
+        for number in 0..PLUMBS * PLUMBS {
+            let at = |step: usize| (step as f32 + 0.5) / PLUMBS as f32 * 2.0 - 1.0;
+            let (x, z) = (at(number % PLUMBS) * half.x, at(number / PLUMBS) * half.z);
+            let from = |height: f32, way: Vec3| self.rays.cast(Vec3::new(x, height, z), way);
+            covered += usize::from(from(1.0, Vec3::NEG_Y).is_some());
+            backs += usize::from(from(-1.0, Vec3::Y).is_some_and(|hit| !hit.is_front));
+        }
+        let least = COVERED * (PLUMBS * PLUMBS) as f32;
+        covered as f32 >= least && backs as f32 >= least
+    }
+}
