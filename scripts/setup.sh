@@ -13,7 +13,9 @@
 
 : "${root:?set root to the repository root before sourcing setup.sh}"
 
-say() { printf '%s\n' "$*" >&2; }
+# Where nobody can be told anything, work goes on.
+if ! true >&2; then exec 2>/dev/null; fi
+say() { printf '%s\n' "$*" >&2 || true; }
 
 die() {
     say "error: $1"
@@ -187,22 +189,28 @@ read_progress() {
                 if [[ $line == *Finished* ]]; then is_built=1; fi
             elif [[ -n ${line// /} ]]; then
                 erase_progress
-                printf '%s\n' "$line"
+                tell '%s\n' "$line"
             fi
         done <<<"$chunk"
     done
     erase_progress
-    if [[ -n $first && -n $is_built ]]; then printf '%s: done in %s.\n' "$title" "$(clock $((SECONDS - start)))"; fi
+    if [[ -n $first && -n $is_built ]]; then tell '%s: done in %s.\n' "$title" "$(clock $((SECONDS - start)))"; fi
 }
 
-erase_progress() { if [[ -t 2 ]]; then printf '\r\e[K'; fi; }
+# As printf, whether or not there is room for it.
+tell() {
+    # shellcheck disable=SC2059 # the format is the caller's
+    printf "$@" || true
+}
+
+erase_progress() { if [[ -t 2 ]]; then tell '\r\e[K'; fi; }
 
 # print_progress DONE TOTAL: one line of `read_progress`, whose variables it uses.
 print_progress() {
     local done=$1 total=$2 now=$((SECONDS - start)) left=''
     if [[ -z $first ]]; then
         first=$done
-        printf '%s (crates to build: %s).\n' "$title" "$((total - done))"
+        tell '%s (crates to build: %s).\n' "$title" "$((total - done))"
     fi
     # Small crates come first and the largest last: the time goes about with the square of the share that is done.
     local share=$((1000 * (done - first) / (total - first + 1)))
@@ -211,9 +219,9 @@ print_progress() {
         left=", about $(clock "$left") left"
     fi
     if [[ -t 2 ]]; then
-        printf '\r\e[K%s: %s of %s crates, %s%s' "$title" "$done" "$total" "$(clock "$now")" "$left"
+        tell '\r\e[K%s: %s of %s crates, %s%s' "$title" "$done" "$total" "$(clock "$now")" "$left"
     elif ((now >= next)); then
-        if ((now > 0)); then printf '%s: %s of %s crates, %s%s\n' "$title" "$done" "$total" "$(clock "$now")" "$left"; fi
+        if ((now > 0)); then tell '%s: %s of %s crates, %s%s\n' "$title" "$done" "$total" "$(clock "$now")" "$left"; fi
         next=$((now + 20))
     fi
 }

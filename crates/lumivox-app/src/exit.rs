@@ -12,6 +12,7 @@ use lumivox_scene::SceneError;
 
 use crate::args::Refused;
 use crate::host::Host;
+use crate::shown;
 
 /// What the exit code says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +29,8 @@ pub enum Exit {
     Gpu = 4,
     /// The output cannot be written.
     Output = 5,
+    /// Ctrl-C ended it: 128 and the number of the signal, as shells have it.
+    Stopped = 130,
 }
 
 /// The exit codes, for the help.
@@ -36,9 +39,10 @@ Exit codes:
   0  all went well
   1  the GPU failed, or Lumivox has a defect
   2  the command line cannot be understood
-  3  bad input: a scene that cannot be read, or a value out of range
+  3  bad input: a scene that cannot be read, or a value out of range, wherever it stands
   4  no suitable GPU, no display for a window, or more asked for than the GPU can hold
-  5  the output cannot be written";
+  5  the output cannot be written, or another process is writing it
+  130  stopped by Ctrl-C; what a sequence, a reference or a measurement had by then is kept";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
@@ -62,6 +66,11 @@ impl Failure {
     /// No display for a window.
     pub fn display(message: impl Into<String>) -> Self {
         Self { exit: Exit::Gpu, message: message.into() }
+    }
+
+    /// The user's wish to stop; the message says what is there.
+    pub fn stopped(message: impl Into<String>) -> Self {
+        Self { exit: Exit::Stopped, message: message.into() }
     }
 
     /// An output that cannot be written.
@@ -158,6 +167,7 @@ fn of_render_error(error: &RenderError) -> Exit {
         | RenderError::Limit { .. }
         | RenderError::OutOfMemory { .. } => Exit::Gpu,
         RenderError::Setting { .. }
+        | RenderError::NothingToVoxelize { .. }
         | RenderError::UnknownFormat { .. }
         | RenderError::Reference { .. } => Exit::Input,
         RenderError::Write { .. } => Exit::Output,
@@ -188,6 +198,11 @@ pub fn with_clap(error: &clap::Error, host: &Host) -> Exit {
         }
         (true, false) => host.print(&error.render().to_string()),
     };
+    of_clap(error)
+}
+
+/// The exit code for a command line that is wrong, or asks for help.
+pub fn of_clap(error: &clap::Error) -> Exit {
     let refused = std::error::Error::source(error).and_then(|e| e.downcast_ref::<Refused>());
     match (error.use_stderr(), refused) {
         (false, _) => Exit::Ok,
@@ -198,23 +213,27 @@ pub fn with_clap(error: &clap::Error, host: &Host) -> Exit {
 
 /// Prints an error: what happened, then its causes, a line each.
 pub fn with_error(error: &anyhow::Error, host: &Host) -> Exit {
+    let code = of_error(error);
+    // Nothing went wrong where the user wished it to end.
+    let start = if code == Exit::Stopped { "" } else { "error: " };
     let mut text = String::new();
     let mut said = String::new();
     for cause in error.chain() {
         let line = one_line(&cause.to_string());
         // Messages of the crates below tell their causes themselves.
         if text.is_empty() {
-            text = format!("error: {line}\n");
+            text = format!("{start}{line}\n");
         } else if !said.contains(&line) {
             text += &format!("  because: {line}\n");
         }
         said = line;
     }
     host.complain(&text);
-    of_error(error)
+    code
 }
 
-fn one_line(text: &str) -> String {
+/// Text on one line.
+pub fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -230,7 +249,7 @@ pub fn guard(work: impl FnOnce() -> Exit + std::panic::UnwindSafe) -> Exit {
              message and the command line.\n",
             one_line(reason)
         );
-        let _ = std::io::stderr().write_all(text.as_bytes());
+        let _ = std::io::stderr().write_all(shown::text(&text).as_bytes());
     }));
     std::panic::catch_unwind(work).unwrap_or(Exit::Internal)
 }

@@ -13,7 +13,8 @@ use lumivox_render::{Gpu, GpuOptions, RenderError};
 use serde::Serialize;
 
 use crate::cli::GpuArgs;
-use crate::exit::Failure;
+use crate::exit::{Exit, Failure};
+use crate::shown;
 
 /// The streams, bars and GPU of a run. Clones share them.
 #[derive(Clone)]
@@ -90,11 +91,15 @@ impl Host {
         &self.bars
     }
 
-    /// Writes a command's whole output to stdout.
+    /// Writes a command's whole output to stdout, with what terminals obey escaped.
     ///
     /// # Errors
     /// A [`Failure`] of output; a reader that has gone away early is none.
     pub(crate) fn print(&self, text: &str) -> anyhow::Result<()> {
+        self.print_as_it_is(&shown::text(text))
+    }
+
+    fn print_as_it_is(&self, text: &str) -> anyhow::Result<()> {
         match self.bars.suspend(|| self.write(text)) {
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
                 Err(Failure::output(format!("cannot write to stdout: {error}")).into())
@@ -108,7 +113,8 @@ impl Host {
     /// # Errors
     /// As [`Self::print`].
     pub(crate) fn print_json(&self, report: &impl Serialize) -> anyhow::Result<()> {
-        self.print(&format!("{}\n", serde_json::to_string_pretty(report)?))
+        let text = serde_json::to_string_pretty(report)?;
+        self.print_as_it_is(&format!("{}\n", shown::json(&text)))
     }
 
     fn write(&self, text: &str) -> io::Result<()> {
@@ -119,8 +125,9 @@ impl Host {
         }
     }
 
-    /// Writes to stderr. There is nobody to tell when that fails.
+    /// Writes to stderr, with what terminals obey escaped. There is nobody to tell when that fails.
     pub(crate) fn complain(&self, text: &str) {
+        let text = shown::text(text);
         let _ = match &self.embedded {
             Some(shared) => lock(&shared.errors).write_all(text.as_bytes()),
             None => io::stderr().write_all(text.as_bytes()),
@@ -178,7 +185,8 @@ impl Host {
         Ok(gpu)
     }
 
-    /// Makes the first Ctrl-C a wish to stop, and the second the end.
+    /// Makes the first Ctrl-C a wish to stop, and the second the end. Who asks for it looks at the wish often, and then
+    /// ends with [`Failure::stopped`].
     ///
     /// # Errors
     /// When the system takes no handler.
@@ -189,8 +197,7 @@ impl Host {
             let seen = is_stopped.clone();
             ctrlc::set_handler(move || {
                 if seen.swap(true, Ordering::Relaxed) {
-                    // The code that shells expect of a program that was interrupted.
-                    std::process::exit(130);
+                    std::process::exit(Exit::Stopped as i32);
                 }
             })?;
         }

@@ -38,6 +38,7 @@ mod commands;
 mod console;
 mod exit;
 mod host;
+mod lock;
 mod log;
 mod motion;
 mod opening;
@@ -45,6 +46,7 @@ mod progress;
 mod quality;
 mod report;
 mod sequence;
+mod shown;
 #[cfg(feature = "window")]
 mod window;
 
@@ -58,9 +60,15 @@ pub use host::{Embedded, Host, OpenGpu};
 
 /// Runs a command line; its first word is the program's name.
 pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
-    let cli = match Cli::try_parse_from(args) {
+    let args: Vec<OsString> = args.into_iter().collect();
+    let cli = match Cli::try_parse_from(&args) {
         Ok(cli) => cli,
-        Err(error) => return exit::with_clap(&error, host),
+        Err(error) => {
+            // Names of files that a shell filled in may hold anything, and messages repeat them: as they are shown.
+            let shown = args.iter().map(|arg| shown::line(&arg.to_string_lossy()).into_owned());
+            let error = Cli::try_parse_from(shown).err().unwrap_or(error);
+            return exit::with_clap(&error, host);
+        }
     };
     let tells_warnings = matches!(cli.command, Some(Command::Info(_)));
     let _log = log::start(cli.verbose, tells_warnings, host);

@@ -11,6 +11,7 @@ use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
 use tracing_subscriber::registry::LookupSpan;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
+use crate::exit::one_line;
 use crate::host::Host;
 
 /// Starts the log: of the process, or of this thread until the guard is dropped. The process's
@@ -49,7 +50,7 @@ pub fn start(verbosity: u8, tells_warnings: bool, host: &Host) -> Option<Default
     None
 }
 
-/// `warning: message`; from debug on with the module that speaks.
+/// `warning: message`, on one line whatever names are in it; from debug on with the module that speaks.
 struct OneLine;
 
 impl<S, N> FormatEvent<S, N> for OneLine
@@ -70,8 +71,9 @@ where
             Level::INFO => write!(writer, "info: ")?,
             level => write!(writer, "{} ({}): ", level.as_str().to_lowercase(), metadata.target())?,
         }
-        context.field_format().format_fields(writer.by_ref(), event)?;
-        writeln!(writer)
+        let mut text = String::new();
+        context.field_format().format_fields(Writer::new(&mut text), event)?;
+        writeln!(writer, "{}", one_line(&text))
     }
 }
 

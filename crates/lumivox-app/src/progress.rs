@@ -3,6 +3,8 @@
 //! The work itself blocks for long, in drivers and loaders. So a thread of its own keeps what is
 //! shown up to date, and the work only tells it how far it is.
 
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -27,6 +29,7 @@ const GUESS_AFTER: Duration = Duration::from_millis(500);
 pub struct Progress {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
+    stop: Arc<AtomicBool>,
 }
 
 #[derive(Debug)]
@@ -62,7 +65,7 @@ impl Progress {
         let (seen, host) = (shared.clone(), host.clone());
         // Without a thread (the system may refuse one) the work goes on, unseen.
         let thread = std::thread::Builder::new().spawn(move || show(&seen, &host)).ok();
-        Self { shared, thread }
+        Self { shared, thread, stop: Arc::default() }
     }
 
     /// Shows nothing by itself: who has a [`Watch`] looks at it.
@@ -76,7 +79,26 @@ impl Progress {
             is_over: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
-        Self { shared, thread: None }
+        Self { shared, thread: None, stop: Arc::default() }
+    }
+
+    /// From now on Ctrl-C is a wish to stop, which the work must look at: see [`Host::stop_on_interrupt`].
+    ///
+    /// # Errors
+    /// When the system takes no handler.
+    pub fn stop_on_interrupt(&mut self, host: &Host) -> anyhow::Result<()> {
+        self.stop = host.stop_on_interrupt()?;
+        Ok(())
+    }
+
+    /// Whether the user wishes the work to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// The same for work that asks whether to go on.
+    pub fn goes_on(&self) -> ControlFlow<()> {
+        if self.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Looks at it from elsewhere.

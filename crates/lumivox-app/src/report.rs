@@ -6,6 +6,8 @@ use lumivox_render::{MemoryUse, describe};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
+use crate::shown;
+
 /// Rows of cells that stand below each other. The first column is left-aligned, the others right or
 /// left.
 #[derive(Clone, Debug, Default)]
@@ -41,9 +43,9 @@ impl Table {
         text
     }
 
-    /// Adds a row.
+    /// Adds a row. Names in it stay on its line.
     pub fn row<const N: usize>(&mut self, cells: [String; N]) {
-        self.rows.push(cells.into());
+        self.rows.push(cells.map(|cell| shown::line(&cell).into_owned()).into());
     }
 
     /// The table, each line indented by two spaces.

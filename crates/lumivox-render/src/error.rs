@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use lumivox::GiError;
 use lumivox::gpu::ShaderError;
+use lumivox_scene::Scene;
 
 /// An error of the renderer. Every message says what was asked, what stands in the way and what
 /// would help.
@@ -55,15 +56,27 @@ pub enum RenderError {
         remedy: String,
     },
     /// The device has too little memory.
-    #[error(
-        "{what} needs {needed_mib} MiB of GPU memory, which the device does not have; {remedy}"
-    )]
+    #[error("{what} needs {}; {remedy}", shortage(*needed_mib, *available_mib))]
     OutOfMemory {
         /// The thing that does not fit.
         what: String,
-        /// How much it needs, in MiB.
-        needed_mib: u64,
+        /// How much it needs, in MiB; `None` where that shows only while it grows.
+        needed_mib: Option<u64>,
+        /// How much the device has left, in MiB; `None` where its driver does not tell, as that of no GPU does.
+        available_mib: Option<u64>,
         /// What would help.
+        remedy: String,
+    },
+    /// Nothing of a scene becomes a voxel.
+    #[error(
+        "the scene \"{scene}\" has no triangle that is large enough to be seen in a grid around all {triangles}; {remedy}"
+    )]
+    NothingToVoxelize {
+        /// The scene's name.
+        scene: String,
+        /// How many triangles it has.
+        triangles: u64,
+        /// Why that is, and what would help.
         remedy: String,
     },
     /// A setting lies outside its range.
@@ -110,4 +123,62 @@ pub enum RenderError {
     /// A shader failed to link or to validate: a defect of this crate.
     #[error(transparent)]
     Shader(#[from] ShaderError),
+}
+
+impl RenderError {
+    /// An error of the library with the scene that it was met in: what the library cannot know is why there is nothing
+    /// to voxelize.
+    pub fn of_scene(error: GiError, scene: &Scene) -> Self {
+        let GiError::NothingToVoxelize { triangles, .. } = error else { return Self::Gi(error) };
+        let remedy = match scene.outlier() {
+            Some(outlier) => format!("{outlier}: move or remove it"),
+            None => "check the units and scales of the export".to_owned(),
+        };
+        Self::NothingToVoxelize { scene: scene.name.clone(), triangles, remedy }
+    }
+}
+
+/// What is needed, and what there is.
+fn shortage(needed_mib: Option<u64>, available_mib: Option<u64>) -> String {
+    let needed =
+        needed_mib.map_or("more GPU memory".to_owned(), |mib| format!("{mib} MiB of GPU memory"));
+    match (available_mib, needed_mib) {
+        (Some(available), Some(_)) => format!(
+            "{needed}, but {available} MiB are free (a software driver takes those of the machine)"
+        ),
+        (Some(available), None) => format!(
+            "{needed} than the {available} MiB that are free (a software driver takes those of the machine)"
+        ),
+        (None, Some(_)) => {
+            format!("{needed}, more than the driver gave; it does not tell how much it has")
+        }
+        (None, None) => {
+            format!("{needed} than the driver gave, which does not tell how much it has")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shortage_tells_what_there_is() {
+        let text = |needed_mib, available_mib| {
+            let (what, remedy) = ("a picture".to_owned(), "ask for less".to_owned());
+            RenderError::OutOfMemory { what, needed_mib, available_mib, remedy }.to_string()
+        };
+        assert_eq!(
+            text(Some(900), Some(700)),
+            "a picture needs 900 MiB of GPU memory, but 700 MiB are free (a software driver takes \
+             those of the machine); ask for less"
+        );
+        assert_eq!(
+            text(Some(900), None),
+            "a picture needs 900 MiB of GPU memory, more than the driver gave; it does not tell how \
+             much it has; ask for less"
+        );
+        assert!(text(None, Some(700)).contains("more GPU memory than the 700 MiB that are free"));
+        assert!(text(None, None).contains("more GPU memory than the driver gave, which"));
+    }
 }

@@ -93,13 +93,13 @@ impl MemoryEstimate {
         // Software drivers hand out memory that they do not have, and the system then ends the process.
         let is_short = |available| self.bytes() > available;
         if gpu.is_software() && available_memory().is_some_and(is_short) {
-            return Err(self.too_large());
+            return Err(self.too_large(gpu));
         }
         Ok(())
     }
 
     /// The error that says so.
-    pub(crate) fn too_large(&self) -> RenderError {
+    pub(crate) fn too_large(&self, gpu: &Gpu) -> RenderError {
         let mib = |bytes: u64| bytes.div_ceil(1 << 20);
         let mut parts: Vec<&MemoryUse> = self.parts.iter().collect();
         parts.sort_by_key(|part| std::cmp::Reverse(part.bytes));
@@ -115,11 +115,8 @@ impl MemoryEstimate {
             "vertices and indices" | "instances" => "simplify the scene",
             _ => self.voxel_remedy,
         };
-        RenderError::OutOfMemory {
-            what: format!("the scene \"{}\" ({})", self.name, largest.join(", ")),
-            needed_mib: mib(self.bytes()),
-            remedy: remedy.to_owned(),
-        }
+        let what = format!("the scene \"{}\" ({})", self.name, largest.join(", "));
+        gpu.out_of_memory(what, Some(self.bytes()), remedy)
     }
 }
 
@@ -302,7 +299,11 @@ mod tests {
         let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
         let settings = RenderSettings { resolution: 1024, ..RenderSettings::default() };
         let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
-        let text = estimate.too_large().to_string();
+        let gpu = gpu();
+        let text = estimate.too_large(&gpu).to_string();
+        if gpu.is_software() {
+            assert!(text.contains(" MiB are free"), "{text}");
+        }
         for needle in ["\"cornell\"", "voxel volume", "MiB", "lower the voxels' resolution"] {
             assert!(text.contains(needle), "{text}");
         }

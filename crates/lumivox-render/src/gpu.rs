@@ -7,6 +7,7 @@ use lumivox::gpu::Pipelines;
 
 use crate::RenderError;
 use crate::faults::Faults;
+use crate::memory::available_memory;
 
 /// The APIs that lumivox runs on. OpenGL is left out: it lacks what WebGPU's default limits promise,
 /// and probing for it prints errors on machines without a display.
@@ -97,6 +98,23 @@ impl Gpu {
     /// [`RenderError::Device`] with the first failure.
     pub fn check(&self, doing: &'static str) -> Result<(), RenderError> {
         self.faults.take().map_or(Ok(()), |reason| Err(RenderError::Device { doing, reason }))
+    }
+
+    /// The error for what does not fit into the device's memory: so many bytes, if that is known. Only of software
+    /// drivers is known what there is, since their memory is the machine's own.
+    pub(crate) fn out_of_memory(
+        &self,
+        what: impl Into<String>,
+        needed: Option<u64>,
+        remedy: &str,
+    ) -> RenderError {
+        let available = if self.is_software() { available_memory() } else { None };
+        RenderError::OutOfMemory {
+            what: what.into(),
+            needed_mib: needed.map(|bytes| bytes.div_ceil(1 << 20)),
+            available_mib: available.map(|bytes| bytes >> 20),
+            remedy: remedy.to_owned(),
+        }
     }
 
     /// An instance of the APIs that devices are looked for in, to make surfaces with.

@@ -55,7 +55,7 @@ fn structs_lie_in_memory_alike() {
         library,
         "render::gbuffer_pass",
         "RasterView",
-        RasterView { clip_from_world, position_in_world, frame, jitter, padding }
+        RasterView { clip_from_world, position_in_world, frame, jitter }
     );
     assert_layout!(library, "render::shadow_maps", "ShadowView", ShadowView { clip_from_world });
     assert_layout!(

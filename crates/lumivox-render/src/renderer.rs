@@ -6,6 +6,8 @@ mod passes;
 mod prepare;
 mod screen;
 
+use std::ops::ControlFlow;
+
 use lumivox::gpu::{Recorder, StageTime, Timing};
 use lumivox::{EnvironmentMap, Gi, Grid, Lights, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
@@ -92,6 +94,7 @@ impl Renderer {
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
         let mut vxct = VxctLook::new(gpu, scene, bounds, unit);
+        let given = scene;
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         let shown_bounds = scene.bounds;
         scene.bounds = bounds.union(shown_bounds);
@@ -105,7 +108,8 @@ impl Renderer {
         compile(gpu, progress).await?;
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
-        let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await?;
+        let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await;
+        let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, given))?;
         times.add(voxelized.times);
         gpu.check("voxelizing")?;
         progress(Progress { stage: "voxelize", done: 1, total: 1 });
@@ -167,16 +171,45 @@ impl Renderer {
         &mut self,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Picture, RenderError> {
+        let mut go_on = |step| {
+            progress(step);
+            ControlFlow::Continue(())
+        };
+        self.render_frames(&mut go_on).await?;
+        self.complete_overlay().await?;
+        self.finish().await
+    }
+
+    /// The same until `progress` breaks it off between two frames: then there is no picture, and the frames so far stay.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render_until(
+        &mut self,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Picture>, RenderError> {
+        self.render_frames(progress).await?;
+        if self.frame_count() < self.settings.frames {
+            return Ok(None);
+        }
+        self.complete_overlay().await?;
+        self.finish().await.map(Some)
+    }
+
+    async fn render_frames(
+        &mut self,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
         let total = self.settings.frames;
-        progress(Progress { stage: "render", done: self.frame_count().min(total), total });
-        while self.frame_count() < total {
+        let step = |done: u32| Progress { stage: "render", done: done.min(total), total };
+        let mut wish = progress(step(self.frame_count()));
+        while self.frame_count() < total && wish.is_continue() {
             self.render_frame().await?;
             // One frame in flight: progress is then the truth, and memory for commands stays small.
             self.gpu.wait("rendering a frame")?;
-            progress(Progress { stage: "render", done: self.frame_count(), total });
+            wish = progress(step(self.frame_count()));
         }
-        self.complete_overlay().await?;
-        self.finish().await
+        Ok(())
     }
 
     /// Renders one frame more into the mean.

@@ -54,10 +54,9 @@ impl Targets {
     ) -> Result<Self, RenderError> {
         let tint = if is_tinted { TINT_BYTES_PER_PIXEL } else { 0 };
         let needed = u64::from(size.x) * u64::from(size.y) * (BYTES_PER_PIXEL + tint);
-        let too_large = || RenderError::OutOfMemory {
-            what: format!("a picture of {}x{}", size.x, size.y),
-            needed_mib: needed >> 20,
-            remedy: "ask for a smaller picture".to_owned(),
+        let too_large = || {
+            let what = format!("a picture of {}x{}", size.x, size.y);
+            gpu.out_of_memory(what, Some(needed), "ask for a smaller picture")
         };
         // Software drivers hand out memory that they do not have, and the system then ends the process.
         if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {

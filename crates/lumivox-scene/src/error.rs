@@ -58,7 +58,7 @@ pub enum SceneError {
     /// A file that the scene names lies where scenes may not reach.
     #[error(
         "{}: {part} names \"{uri}\": {reason}; scenes may only name files in their own folder \
-         and below, copy it there",
+         and below: copy it there, or allow others to a scene that you trust (--allow-outside)",
         file.display()
     )]
     RefusedUri {
@@ -98,10 +98,21 @@ pub enum SceneError {
         expected: String,
     },
 
+    /// The file is glTF of another version.
+    #[error("{}: is glTF {version}, but only glTF 2.0 is read; {remedy}", file.display())]
+    Version {
+        /// The scene's file.
+        file: PathBuf,
+        /// Its version.
+        version: String,
+        /// What would help.
+        remedy: &'static str,
+    },
+
     /// The file says that it cannot be shown without an extension that is not supported.
     #[error(
-        "{}: requires the glTF extension {}, which is not supported; re-export without it \
-         (supported: {})",
+        "{}: requires the glTF extension {}, which is not supported; re-export without it, or see \
+         what is left without it (--ignore-required); supported: {}",
         file.display(), extensions.join(", "), supported.join(", ")
     )]
     RequiredExtension {
@@ -113,12 +124,12 @@ pub enum SceneError {
         supported: Vec<&'static str>,
     },
 
-    /// An image cannot be decoded.
-    #[error("{}: {image} cannot be used: {reason}; convert it to PNG or JPEG", file.display())]
+    /// A texture cannot be encoded.
+    #[error("{}: {image} cannot be saved as PNG: {reason}; replace it", file.display())]
     Image {
-        /// The scene's file.
+        /// The file to be written.
         file: PathBuf,
-        /// The image.
+        /// The texture.
         image: String,
         /// What is wrong with it.
         reason: String,

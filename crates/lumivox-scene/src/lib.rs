@@ -40,7 +40,8 @@ pub use environment::{sky, studio};
 pub use error::SceneError;
 pub use framing::{DefaultLight, Framing, Ground, Note, Sight, SightOptions, Staging};
 pub use load::{
-    EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, extensions_in_words,
+    EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, check_regular,
+    extensions_in_words, read_regular,
 };
 pub use model::{
     AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,
@@ -53,3 +54,4 @@ pub use pose::{AnimationChoice, AnimationInfo, Rig};
 /// The name under which a file's `extras` hold what glTF has no words for.
 const EXTRAS: &str = "lumivox";
 pub use save::write_atomically;
+pub use validate::Outlier;

@@ -1,8 +1,12 @@
 //! The promises of a scene, checked.
 
+mod outlier;
+
 use std::path::{Path, PathBuf};
 
 use glam::{Mat4, Vec3};
+
+pub use outlier::Outlier;
 
 use crate::{
     Attenuation, Bounds, Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene,

@@ -4,6 +4,7 @@
 //! Nobody else on the network is answered. Browsers are told to ask again each time, so that a page is never older than its
 //! build.
 
+use std::io::Write as _;
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
 
@@ -34,7 +35,8 @@ async fn main() -> anyhow::Result<()> {
         format!("port {port} of this machine cannot be used; choose another with --port, or 0 for any free one")
     })?;
     // The one line on stdout: whoever started this reads it.
-    println!("http://localhost:{}/", listener.local_addr()?.port());
+    writeln!(std::io::stdout(), "http://localhost:{}/", listener.local_addr()?.port())
+        .context("the address cannot be printed")?;
     let no_cache = HeaderValue::from_static("no-cache");
     let files = Router::new()
         .fallback_service(ServeDir::new(folder))

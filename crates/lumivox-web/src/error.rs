@@ -70,6 +70,7 @@ impl From<RenderError> for WebError {
             | RenderError::OutOfMemory { .. }
             | RenderError::Gi(GiError::Limit { .. } | GiError::Budget { .. }) => Code::Limit,
             RenderError::Setting { .. } => Code::Value,
+            RenderError::NothingToVoxelize { .. } => Code::Scene,
             _ => Code::Device,
         };
         Self::new(code, error.to_string())
@@ -101,8 +102,12 @@ impl From<ParameterError> for WebError {
 /// Where a message tells an option of the command line, a page is told the setting: they have the same names, with `_`
 /// for `-`.
 fn in_words_of_a_page(message: &str) -> String {
+    // A page has no such options: it reads no disk, and shows what is left without them.
+    let message = [" (--allow-outside)", " (--ignore-required)"]
+        .iter()
+        .fold(message.to_owned(), |message, option| message.replace(option, ""));
     let mut words = String::with_capacity(message.len());
-    let mut rest = message;
+    let mut rest = message.as_str();
     while let Some(at) = rest.find("--") {
         let (before, option) = rest.split_at(at);
         words.push_str(before);
@@ -143,6 +148,7 @@ mod tests {
             ("raise --shadow-resolution, or --x", "raise shadow_resolution, or x"),
             ("a -- b, c--d and 2--3", "a -- b, c--d and 2--3"),
             ("--frames", "frames"),
+            ("allow others (--allow-outside)", "allow others"),
             ("", ""),
         ] {
             assert_eq!(in_words_of_a_page(message), expected);

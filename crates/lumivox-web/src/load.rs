@@ -175,6 +175,8 @@ fn parse(files: &Files, listener: &Listener) -> Result<Scene, WebError> {
     let mut options = LoadOptions {
         files: Some(files),
         budget: BUDGET,
+        // Nobody who drops a file on a page can set options; its notes say what may be wrong.
+        ignore_required: true,
         progress: Some(&mut tell),
         ..LoadOptions::default()
     };

@@ -56,12 +56,13 @@ pub enum GiError {
     },
     /// There is nothing to voxelize: no triangle, or none with an area.
     #[error(
-        "the geometry has no triangle with an area inside the grid ({triangles} given, {skipped} degenerate or not finite); give at least one"
+        "the geometry has no triangle with an area inside the grid ({triangles} given, {skipped} of no area at the grid's scale, or not finite); give at least one"
     )]
     NothingToVoxelize {
         /// Triangles that were given.
         triangles: u64,
-        /// Of those, the ones without an area or with coordinates that are not finite.
+        /// Of those, the ones without an area, which is rounded at the scale of a voxel, or with coordinates that are
+        /// not finite.
         skipped: u64,
     },
     /// A shader failed to link or to validate: a defect of this crate or of a shader added by the caller.

@@ -37,8 +37,8 @@ pub struct ConeArgs {
     /// Diffuse cones a pixel and frame: 6, 9 or 12 [default: 6; preset high: 12]
     ///
     /// More: less noise and bias, at proportional cost.
-    #[arg(long, value_name = "CONES", value_parser = ["6", "9", "12"], hide_possible_values = true)]
-    cones: Option<String>,
+    #[arg(long, value_name = "CONES", value_parser = diffuse_cones, allow_negative_numbers = true)]
+    cones: Option<u32>,
 
     /// Trace one pixel of each 2x2 block [default: off; preset fast: on]
     ///
@@ -140,6 +140,16 @@ pub struct ConeArgs {
     level_gain: Option<f32>,
 }
 
+fn diffuse_cones(text: &str) -> Result<u32, super::Refused> {
+    let cones = super::number::whole(0..=u32::MAX)(text);
+    let refused = || super::Refused::OutOfRange("it must be 6, 9 or 12".to_owned());
+    match cones {
+        Ok(cones @ (6 | 9 | 12)) => Ok(cones),
+        Ok(_) | Err(super::Refused::OutOfRange(_)) => Err(refused()),
+        Err(malformed) => Err(malformed),
+    }
+}
+
 fn clearance(text: &str) -> Result<f32, super::Refused> {
     match super::number::one(text)? {
         0.0 => Ok(0.0),
@@ -172,12 +182,7 @@ impl ConeArgs {
             _ => preset.resolution,
         };
         TraceSettings {
-            diffuse_cones: match self.cones.as_deref() {
-                Some("6") => 6,
-                Some("9") => 9,
-                Some("12") => 12,
-                _ => preset.diffuse_cones,
-            },
+            diffuse_cones: self.cones.unwrap_or(preset.diffuse_cones),
             voxel_per_diameter: self.voxel_per_diameter.unwrap_or(preset.voxel_per_diameter),
             clearance: self.clearance.unwrap_or(preset.clearance),
             normal_offset_voxels: self.normal_offset.unwrap_or(preset.normal_offset_voxels),

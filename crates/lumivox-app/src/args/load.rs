@@ -29,6 +29,10 @@ pub fn unit(text: &str) -> Result<f32, Refused> {
 pub fn bytes(text: &str) -> Result<u64, Refused> {
     const FORM: &str = "expected a size, such as 512MiB, 2GiB or 4GB";
     let text = text.trim();
+    let (text, sign) = match text.strip_prefix('-') {
+        Some(text) => (text, -1.0),
+        None => (text, 1.0),
+    };
     let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     let (value, unit) = text.split_at(digits);
     let value: f64 = value.parse().map_err(|_| Refused::Malformed(FORM.to_owned()))?;
@@ -44,7 +48,7 @@ pub fn bytes(text: &str) -> Result<u64, Refused> {
         "tib" => 1 << 40,
         _ => return Err(Refused::Malformed(FORM.to_owned())),
     };
-    let bytes = value * factor as f64;
+    let bytes = sign * value * factor as f64;
     if (f64::from(1 << 10)..=(1_u64 << 50) as f64).contains(&bytes) {
         return Ok(bytes as u64);
     }
@@ -74,10 +78,10 @@ mod tests {
         assert_eq!(bytes("1.5 MiB"), Ok(3 << 19));
         assert_eq!(bytes("4GB"), Ok(4_000_000_000));
         assert_eq!(bytes("65536"), Ok(65_536));
-        for text in ["0", "1023", "2000TiB", "99999999999999999999999999"] {
+        for text in ["0", "1023", "2000TiB", "99999999999999999999999999", "-1GiB", "-5"] {
             assert!(matches!(bytes(text), Err(Refused::OutOfRange(_))), "{text}");
         }
-        for text in ["", "GiB", "-1GiB", "2 G", "1e9", "2GiBs", "nan"] {
+        for text in ["", "GiB", "-GiB", "--1", "2 G", "1e9", "2GiBs", "nan"] {
             assert!(matches!(bytes(text), Err(Refused::Malformed(_))), "{text}");
         }
     }

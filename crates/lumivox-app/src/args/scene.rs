@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use glam::Vec3;
-use lumivox_scene::{LoadOptions, LoadProgress, Scene, SceneError, builtin};
+use lumivox_scene::{LoadOptions, LoadProgress, Scene, SceneError, builtin, check_regular};
 
 use crate::cli::LoadArgs;
 use crate::exit::Failure;
@@ -54,14 +54,14 @@ impl SceneSource {
                 let known = builtin::names().to_vec();
                 Err(SceneError::UnknownBuiltin { name: name.clone(), known }.into())
             }
-            Self::File(file) => match std::fs::metadata(file) {
-                Ok(metadata) if metadata.is_dir() => Err(Failure::input(format!(
+            Self::File(file) => match check_regular(file) {
+                Ok(_) => Ok(()),
+                Err(_) if file.is_dir() => Err(Failure::input(format!(
                     "{}: is a folder; give a {} file",
                     file.display(),
                     lumivox_scene::extensions_in_words()
                 ))
                 .into()),
-                Ok(_) => Ok(()),
                 Err(_) if self.is_builtin_without_prefix() => {
                     let file = file.display();
                     Err(Failure::input(format!(

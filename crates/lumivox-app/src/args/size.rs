@@ -14,7 +14,8 @@ pub fn size(text: &str) -> Result<UVec2, Refused> {
         || Refused::Malformed("expected WIDTHxHEIGHT in pixels, such as 640x360".to_owned());
     let (width, height) = text.trim().split_once(['x', 'X']).ok_or_else(malformed)?;
     let edge = |text: &str| {
-        if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+        let digits = text.strip_prefix('-').unwrap_or(text);
+        if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
             return Err(malformed());
         }
         text.parse().ok().filter(|edge| (1..=LONGEST_EDGE).contains(edge)).ok_or_else(|| {
@@ -32,10 +33,10 @@ mod tests {
     fn sizes_are_two_numbers_of_pixels() {
         assert_eq!(size("640x360"), Ok(UVec2::new(640, 360)));
         assert_eq!(size("1X32768"), Ok(UVec2::new(1, 32_768)));
-        for text in ["0x0", "0x5", "5x0", "100000x100000", "99999999999999x1", "32769x1"] {
+        for text in ["0x0", "0x5", "5x0", "100000x100000", "99999999999999x1", "32769x1", "-1x5"] {
             assert!(matches!(size(text), Err(Refused::OutOfRange(_))), "{text}");
         }
-        for text in ["", "x", "640", "640x", "-1x5", "640x360x2", "1.5x2", "640 x 360", "axb"] {
+        for text in ["", "x", "640", "640x", "-x5", "640x360x2", "1.5x2", "640 x 360", "axb"] {
             assert!(matches!(size(text), Err(Refused::Malformed(_))), "{text}");
         }
     }

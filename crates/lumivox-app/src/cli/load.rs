@@ -41,6 +41,7 @@ impl LoadArgs {
     pub fn options(&self) -> LoadOptions<'static> {
         LoadOptions {
             allow_outside: self.allow_outside,
+            ignore_required: self.ignore_required,
             scene: self.scene_in_file.clone(),
             up: self.up,
             unit_m: self.unit,
@@ -59,6 +60,7 @@ impl LoadArgs {
         let given = [
             (self.scene_in_file.is_some(), "--scene-in-file"),
             (self.allow_outside, "--allow-outside"),
+            (self.ignore_required, "--ignore-required"),
             (self.up != UpAxis::Y, "--up"),
             (self.unit.to_bits() != 1.0_f32.to_bits(), "--unit"),
             (self.crease.is_some(), "--crease"),
@@ -120,15 +122,24 @@ pub struct LoadArgs {
     #[arg(long)]
     pub allow_outside: bool,
 
+    /// Show a glTF file as far as it goes whose required extensions are not supported [default: off]
+    ///
+    /// What they would change is told in a warning, and may be anything. Extensions that only refine
+    /// the picture, such as variants of materials, need no leave.
+    #[arg(long)]
+    pub ignore_required: bool,
+
     /// Memory for all textures, finest levels, as a number with MiB, GiB, MB or GB
     ///
     /// Textures that need more are shrunk by halves until they fit, with a warning. 1 KiB and up.
     #[arg(long, value_name = "SIZE", value_parser = load::bytes, default_value = "4GiB")]
+    #[arg(allow_hyphen_values = true)]
     pub texture_memory: u64,
 
     /// Memory for all vertices and indices, as a number with MiB, GiB, MB or GB
     ///
     /// What needs more is refused before it is allocated. 1 KiB and up.
     #[arg(long, value_name = "SIZE", value_parser = load::bytes, default_value = "8GiB")]
+    #[arg(allow_hyphen_values = true)]
     pub geometry_memory: u64,
 }

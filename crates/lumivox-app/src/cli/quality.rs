@@ -47,7 +47,7 @@ pub struct QualityArgs {
     ///
     /// Turned scenes are measured at the middle one alone.
     #[arg(long, value_name = "VOXELS", value_delimiter = ',', value_parser = number::resolution)]
-    #[arg(default_value = "64,128,256", help_heading = "Measurement")]
+    #[arg(default_value = "64,128,256", allow_hyphen_values = true, help_heading = "Measurement")]
     pub resolutions: Vec<u32>,
 
     /// Width and height in pixels, each from 1 to 16384

@@ -20,7 +20,8 @@ pub struct ReferenceArgs {
     /// The layers of an OpenEXR file: radiance in cd/m2 (R, G, B); direct; `one_bounce` and `full`, irradiance in
     /// lux by what emits and what lamps light directly, and by all light but that straight from lamps;
     /// occlusion, albedo, normal, depth; and variance, of the mean of each pixel. A file of that name is
-    /// replaced once the picture is complete, never half. Ctrl-C writes what is there so far.
+    /// replaced once the picture is complete, never half. Ctrl-C finishes the batch of 16 samples, writes what is there
+    /// and ends with the exit code 130; a second one ends at once.
     #[arg(short, long, value_name = "FILE", help_heading = "Picture")]
     pub output: PathBuf,
 
@@ -60,8 +61,9 @@ pub struct ReferenceArgs {
 
     /// A file that keeps the sums on the way, written every half minute and at the end [default: none]
     ///
-    /// With --resume a later run goes on from there. After a multiple of 16 samples it comes to the same bits
-    /// as if it had never stopped, else to the same but for rounding.
+    /// With --resume a later run goes on from there, to the same bits and the same noise as if it had never stopped:
+    /// also after Ctrl-C; but where --samples was reached that were no multiple of 16, only to the same but for
+    /// rounding. While a run keeps its sums there, no other may.
     #[arg(long, value_name = "FILE", help_heading = "Paths")]
     pub checkpoint: Option<PathBuf>,
 

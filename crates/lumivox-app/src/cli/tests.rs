@@ -7,6 +7,7 @@ use lumivox_render::{
 };
 
 use super::*;
+use crate::Exit;
 use crate::commands::settings::{self, expose_for_look};
 
 fn commands() -> Vec<Definition> {
@@ -103,9 +104,56 @@ fn every_choice_is_explained() {
     }
 }
 
+/// One code for a value out of range, below zero too, where a word could be taken for another option.
+#[test]
+fn numbers_out_of_range_are_bad_input_everywhere() {
+    let told = |command: &Definition, option: &str, value: &str| {
+        let words = ["lumivox", command.get_name(), option, value];
+        // What is required besides is missed after the values were looked at.
+        let error = Cli::try_parse_from(words).err()?;
+        let is_of_value = matches!(
+            error.kind(),
+            clap::error::ErrorKind::ValueValidation
+                | clap::error::ErrorKind::InvalidValue
+                | clap::error::ErrorKind::UnknownArgument
+        );
+        is_of_value.then(|| exit::of_clap(&error))
+    };
+    let (mut numbers, mut wrong) = (0, Vec::new());
+    for command in commands() {
+        for argument in arguments(&command).filter(|a| a.get_action().takes_values()) {
+            let Some(option) = argument.get_long().map(|long| format!("--{long}")) else {
+                continue;
+            };
+            let is_number = told(&command, &option, "8") != Some(Exit::Usage)
+                && told(&command, &option, "x") == Some(Exit::Usage);
+            if !is_number {
+                continue;
+            }
+            numbers += 1;
+            for value in ["-99999999999999999999", "99999999999999999999"] {
+                if told(&command, &option, value) == Some(Exit::Usage) {
+                    wrong.push(format!("{} {option} {value}", command.get_name()));
+                }
+            }
+        }
+    }
+    assert!(numbers > 100, "{numbers}");
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
 #[test]
 fn the_exit_codes_are_told() {
-    for line in ["0  all", "1  the GPU", "2  the command", "3  bad", "4  no", "5  the output"] {
+    let codes = [
+        "0  all",
+        "1  the GPU",
+        "2  the command",
+        "3  bad",
+        "4  no",
+        "5  the output",
+        "130  stopped",
+    ];
+    for line in codes {
         assert!(Cli::command().render_long_help().to_string().contains(line), "{line}");
     }
 }

@@ -28,7 +28,7 @@ pub struct VolumesArgs {
     ///
     /// What does not fit the GPU is told as such.
     #[arg(long, value_name = "VOXELS", value_delimiter = ',', value_parser = number::resolution)]
-    #[arg(default_value = "64,128,256", help_heading = "Measurement")]
+    #[arg(default_value = "64,128,256", allow_hyphen_values = true, help_heading = "Measurement")]
     pub resolutions: Vec<u32>,
 
     /// Keep one radiance a voxel instead of one for each of six directions [default: off]

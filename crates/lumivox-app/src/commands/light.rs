@@ -7,7 +7,7 @@ use glam::Vec3;
 use lumivox_scene::sky::{SkySettings, sky};
 use lumivox_scene::{
     Camera, Environment, EnvironmentMap, Framing, Light, LightKind, Note, Scene, SceneError, Sight,
-    SightOptions, Staging,
+    SightOptions, Staging, check_regular,
 };
 use serde_json::{Value, json};
 
@@ -28,10 +28,10 @@ pub const REMEDY: &str = "light it otherwise with --surroundings studio or sky, 
 /// [`SceneError::Read`].
 pub fn check(args: &SourceArgs) -> Result<(), SceneError> {
     let Some(Surroundings::File(file)) = &args.environment else { return Ok(()) };
-    let read = std::fs::metadata(file).and_then(|metadata| {
-        if metadata.is_file() { Ok(()) } else { Err(std::io::Error::other("not a regular file")) }
-    });
-    read.map_err(|source| SceneError::Read { file: file.clone(), source })
+    match check_regular(file) {
+        Ok(_) => Ok(()),
+        Err(source) => Err(SceneError::Read { file: file.clone(), source }),
+    }
 }
 
 /// Lights a scene as the command line says.

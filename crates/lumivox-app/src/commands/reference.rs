@@ -2,14 +2,13 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use lumivox_render::reference::{
-    PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
+    BATCH, PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
 };
 use lumivox_render::{Exposure, Gpu, ImageFormat, Picture, ToneMap};
-use lumivox_scene::write_atomically;
+use lumivox_scene::{read_regular, write_atomically};
 use serde::Serialize;
 
 use super::light;
@@ -18,6 +17,7 @@ use crate::args::output;
 use crate::cli::ReferenceArgs;
 use crate::exit::Failure;
 use crate::host::Host;
+use crate::lock::Lock;
 use crate::progress::Progress;
 use crate::report::{AdapterReport, SceneCounts};
 
@@ -35,8 +35,10 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     }
     args.scene.scene.check()?;
     light::check(&args.sources)?;
+    let checkpoint = args.checkpoint.as_deref();
+    let _lock = checkpoint.map(|file| Lock::take(file, "keeps its sums there")).transpose()?;
     let start = Instant::now();
-    let progress = Progress::start(host, "loading");
+    let mut progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let (scene, camera) = stage(
         &args.scene.scene,
@@ -63,9 +65,9 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
         resume(&mut tracer, file)?;
     }
     let resumed = tracer.samples();
-    let is_stopped = host.stop_on_interrupt()?;
-    tracing::info!("tracing; Ctrl-C writes what is there");
-    trace(&mut tracer, args, &progress, &is_stopped)?;
+    progress.stop_on_interrupt(host)?;
+    tracing::info!("tracing; Ctrl-C writes what is there after the batch of {BATCH} samples");
+    trace(&mut tracer, args, &progress)?;
 
     progress.set("writing", 0, 1);
     let layers = tracer.layers();
@@ -84,26 +86,40 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
         seconds,
         adapter: AdapterReport::new(&gpu.adapter_info),
     };
-    if args.json { host.print_json(&report) } else { host.print(&report.text()) }
+    if args.json { host.print_json(&report) } else { host.print(&report.text()) }?;
+    if report.is_complete { Ok(()) } else { Err(stopped(args, report.samples).into()) }
 }
 
-/// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint.
-fn trace(
-    tracer: &mut PathTracer,
-    args: &ReferenceArgs,
-    progress: &Progress,
-    is_stopped: &AtomicBool,
-) -> anyhow::Result<()> {
+/// What a stopped run leaves.
+fn stopped(args: &ReferenceArgs, samples: u32) -> Failure {
+    let goes_on = match &args.checkpoint {
+        Some(file) => format!("the same command with --resume goes on from {}", file.display()),
+        None => "with a --checkpoint it could be gone on with".to_owned(),
+    };
+    Failure::stopped(format!(
+        "stopped after {samples} of {} samples, which {} has; {goes_on}",
+        args.samples,
+        args.output.display()
+    ))
+}
+
+/// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint. Batches are finished: a run that
+/// goes on later then has the bits, and the estimate of its noise, of one that was never stopped.
+fn trace(tracer: &mut PathTracer, args: &ReferenceArgs, progress: &Progress) -> anyhow::Result<()> {
     let mut written = Instant::now();
+    let mut is_told = false;
     let mut hear = |step: ReferenceProgress| {
         progress.set_within("sample", step.samples as u32, step.total, step.samples.fract());
-        if is_stopped.load(Ordering::Relaxed) && step.samples >= 1.0 {
-            return ControlFlow::Break(());
+        if progress.is_stopped() && !std::mem::replace(&mut is_told, true) {
+            tracing::warn!(
+                "stopping after this batch of {BATCH} samples; Ctrl-C again stops at once, without it"
+            );
         }
         ControlFlow::Continue(())
     };
     loop {
         let goes_on = pollster::block_on(tracer.render_batch(&mut hear))?;
+        let goes_on = goes_on && !progress.is_stopped();
         if let Some(file) = &args.checkpoint
             && (!goes_on || written.elapsed() >= CHECKPOINT_EVERY)
         {
@@ -126,7 +142,7 @@ fn keep(tracer: &PathTracer, file: &Path) -> anyhow::Result<()> {
 }
 
 fn resume(tracer: &mut PathTracer, file: &Path) -> anyhow::Result<()> {
-    let checkpoint = match std::fs::read(file) {
+    let checkpoint = match read_regular(file) {
         Ok(checkpoint) => checkpoint,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) => {

@@ -21,6 +21,7 @@ use crate::host::Host;
 use crate::progress::Progress;
 use crate::quality::{MemoryPoint, memory_against_resolution};
 use crate::report::{AdapterReport, SceneCounts, Table, bytes, count};
+use crate::shown;
 
 /// Frames that are timed, after one that is not.
 const FRAMES: u32 = 2;
@@ -284,7 +285,7 @@ impl Report {
                 ms(row.trace_ms),
             ]);
         }
-        let mut text = format!("{}\n\n{}", self.scene.name, table.text());
+        let mut text = format!("{}\n\n{}", shown::line(&self.scene.name), table.text());
         for row in &self.rows {
             if let (Some(passes), Some(deferred)) = (row.lock_passes, row.deferred) {
                 text += &format!(

@@ -1,7 +1,8 @@
 //! Lines of the console's language, split into commands and words.
 //!
 //! Words are separated by white space. Single quotes keep everything between them as it is; within double quotes `\"`
-//! and `\\` stand for the mark and the backslash. Elsewhere a backslash is itself, so that paths of Windows need no
+//! and `\\` stand for the mark and the backslash, and `\u{1b}` for the character of that number, so that names that
+//! terminals would obey, or that have several lines, can be written down. Elsewhere a backslash is itself, so that paths of Windows need no
 //! quotes. A semicolon or a line feed ends a command; a `#` at the start of a word begins a comment, which goes to the
 //! end of the line.
 //!
@@ -30,6 +31,12 @@ impl fmt::Display for LineError {
 }
 
 impl std::error::Error for LineError {}
+
+/// What a terminal obeys instead of showing it: control characters, separators of lines and paragraphs, and the marks
+/// that turn the direction of writing.
+pub fn is_obeyed(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
 
 /// A word as it stands in a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,8 +99,19 @@ pub fn text<'a>(line: &'a str, words: &[Word]) -> &'a str {
     line.get(first.range.start..last.range.end).unwrap_or_default()
 }
 
-/// A word as it must stand in a line to be read as it is.
+/// A word as it must stand in a line to be read as it is. All of it can be shown.
 pub fn quote(word: &str) -> String {
+    if word.contains(is_obeyed) {
+        let mut quoted = String::from("\"");
+        for c in word.chars() {
+            match c {
+                '"' | '\\' => quoted.extend(['\\', c]),
+                c if is_obeyed(c) => quoted.push_str(&format!("\\u{{{:x}}}", c as u32)),
+                c => quoted.push(c),
+            }
+        }
+        return quoted + "\"";
+    }
     let is_plain = |c: char| !c.is_whitespace() && !matches!(c, '"' | '\'' | ';' | '#');
     if !word.is_empty() && word.chars().all(is_plain) {
         return word.to_owned();
@@ -103,6 +121,15 @@ pub fn quote(word: &str) -> String {
     }
     let escaped = word.replace('\\', "\\\\").replace('"', "\\\"");
     format!("\"{escaped}\"")
+}
+
+/// The character that `u{1b}` at the start of a text stands for, and how many characters say so.
+fn numbered(text: &str) -> Option<(char, usize)> {
+    let (digits, _) = text.strip_prefix("u{")?.split_once('}')?;
+    let is_number =
+        (1..=6).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let number = u32::from_str_radix(digits, 16).ok().filter(|_| is_number)?;
+    Some((char::from_u32(number)?, digits.len() + 3))
 }
 
 fn word(
@@ -120,11 +147,16 @@ fn word(
             (Some((mark, _)), c) if mark == c => open = None,
             (Some(('"', _)), '\\') => {
                 rest.next();
-                let Some(&(_, escaped @ ('"' | '\\'))) = rest.peek() else {
+                if let Some((escaped, length)) = numbered(&line[at + 1..]) {
+                    text.push(escaped);
+                    // All of them but the last, which is taken below.
+                    rest.nth(length - 2);
+                } else if let Some(&(_, escaped @ ('"' | '\\'))) = rest.peek() {
+                    text.push(escaped);
+                } else {
                     text.push('\\');
                     continue;
-                };
-                text.push(escaped);
+                }
             }
             (_, c) => text.push(c),
         }

@@ -51,7 +51,7 @@ use crate::exit::Failure;
 use crate::opening::{Opening, Ready};
 pub use command::{COMMANDS, Command, Group, Takes};
 pub use commands::program;
-pub use line::{quote, split};
+pub use line::{is_obeyed, quote, split};
 pub use lumivox_explorer::suggest;
 pub use names::Names;
 pub use queue::{Line, Queue, script};

@@ -12,7 +12,7 @@ started it, and in scripts without a window (`lumivox run`). This page is printe
 holds it to the program.
 
 A line is a command and its arguments, separated by blanks. `'...'` and `\"...\"` keep blanks together; `\\\"` and `\\\\` within
-double quotes stand for themselves. `;` separates commands, and a `#` at the start of a word begins a comment. In the usages
+double quotes stand for themselves, and `\\u{1b}` for the character of that number. `;` separates commands, and a `#` at the start of a word begins a comment. In the usages
 below, `[...]` may be left out, `|` separates choices, and `...` may be repeated. Words in capitals stand for something
 of that kind. A switch without a value toggles; `on`, `true`, `yes` and `1` are the same, and so are `off`, `false`, `no`
 and `0`. A wrong name or value is an error that says what would have been right, and changes nothing.

@@ -78,12 +78,20 @@ fn quoted_words_are_read_as_they_were() {
         "'",
         "\"",
         "a\nb",
+        "\x1b[31m\"red\"\\",
+        "\u{9b}\u{202e}\\u{1b}",
+        "\\u{1b} '",
         "é ü",
     ] {
         let line = format!("x {} y", quote(word));
         assert_eq!(words(&line), [["x", word, "y"]], "{line}");
     }
     assert_eq!(quote("scenes/a.glb"), "scenes/a.glb");
+    // Whatever a file calls its parts, lines that name them can be printed.
+    assert_eq!(quote("\x1b[2J\n"), "\"\\u{1b}[2J\\u{a}\"");
+    for kept in ["\\u{}", "\\u{110000}", "\\u{d800}", "\\u{1b", "\\u1b", "\\n", "\\u{+1b}"] {
+        assert_eq!(words(&format!("\"{kept}\"")), [[kept]], "{kept}");
+    }
 }
 
 #[test]

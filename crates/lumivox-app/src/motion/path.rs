@@ -15,7 +15,7 @@ use std::io::Read as _;
 use std::path::{Path as FilePath, PathBuf};
 
 use glam::{DVec3, Vec3};
-use lumivox_scene::{Camera, Scene};
+use lumivox_scene::{Camera, Scene, check_regular};
 use serde::{Deserialize, Serialize};
 
 use super::spline::{Pace, Spline};
@@ -78,10 +78,7 @@ impl PathFile {
                 "cannot read the camera path: {error}; check the path and its permissions"
             ))
         };
-        let metadata = std::fs::metadata(file).map_err(unreadable)?;
-        if !metadata.is_file() {
-            return Err(fail("is no file; give a JSON file of camera keys".to_owned()).into());
-        }
+        check_regular(file).map_err(unreadable)?;
         let mut text = Vec::new();
         let opened = std::fs::File::open(file).map_err(unreadable)?;
         opened.take(MOST_BYTES + 1).read_to_end(&mut text).map_err(unreadable)?;

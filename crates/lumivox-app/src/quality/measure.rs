@@ -1,7 +1,6 @@
 //! A scene's errors: its reference, traced or read, and renderings held against it.
 
 use std::cell::OnceCell;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use glam::Vec3;
@@ -99,14 +98,27 @@ pub fn reference(
     }
     let mut hear = |step: ReferenceProgress| {
         progress.set_within("path sample", step.samples as u32, step.total, step.samples.fract());
-        ControlFlow::Continue(())
+        progress.goes_on()
     };
     pollster::block_on(tracer.render(&mut hear))?;
+    check_wish(progress)?;
     let layers = tracer.layers();
     if let Some(file) = file {
         layers.write_exr(file)?;
     }
     Ok(Truth::new(layers))
+}
+
+/// Ends what the user wishes to stop.
+///
+/// # Errors
+/// A [`Failure`] that says so.
+pub fn check_wish(progress: &Progress) -> Result<(), Failure> {
+    if progress.is_stopped() {
+        Err(Failure::stopped("stopped; nothing was written"))
+    } else {
+        Ok(())
+    }
 }
 
 impl Truth {
@@ -216,6 +228,7 @@ impl Measured {
         }
         let rooms = truth.rooms.get().and_then(Option::as_ref);
         for index in 0..offsets {
+            check_wish(subject.progress)?;
             let settings = RenderSettings {
                 grid_offset: offset(settings.grid_offset, index),
                 ..settings.clone()

@@ -6,6 +6,7 @@ use lumivox_render::ImageFormat;
 
 use crate::args::output;
 use crate::exit::Failure;
+use crate::lock::Lock;
 
 /// Digits of the numbers in a folder.
 const LEAST_DIGITS: usize = 4;
@@ -150,6 +151,14 @@ impl FrameFiles {
     pub fn index(&self) -> PathBuf {
         let stem = format!("{}index", self.prefix);
         self.folder.join(Path::new(&stem).with_extension("json"))
+    }
+
+    /// Locks the sequence for this process.
+    ///
+    /// # Errors
+    /// A [`Failure`] of output when another process renders it.
+    pub fn lock(&self) -> Result<Lock, Failure> {
+        Lock::take(&self.index(), "renders this sequence")
     }
 
     /// All pictures' files in one name.

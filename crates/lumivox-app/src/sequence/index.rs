@@ -10,7 +10,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use lumivox_scene::write_atomically;
+use lumivox_scene::{read_regular, write_atomically};
 
 use super::FrameFiles;
 use crate::exit::Failure;
@@ -157,7 +157,7 @@ fn read(file: &Path) -> anyhow::Result<Option<Index>> {
             file.display()
         ))
     };
-    match std::fs::read(file) {
+    match read_regular(file) {
         Ok(text) => match serde_json::from_slice(&text) {
             Ok(index) => Ok(Some(index)),
             Err(error) => Err(fail(error.to_string()).into()),

@@ -103,7 +103,10 @@ impl Config {
     pub fn load(is_fresh: bool) -> Self {
         let file = directories::ProjectDirs::from("", "", "lumivox")
             .map(|folders| folders.config_dir().join("window.json"));
-        let text = file.as_ref().map(std::fs::read_to_string);
+        let text = file.as_ref().map(|file| {
+            let bytes = lumivox_scene::read_regular(file)?;
+            String::from_utf8(bytes).map_err(std::io::Error::other)
+        });
         let mut config = match text {
             Some(Ok(text)) => Self::read(&text, file.as_ref()),
             Some(Err(error)) if error.kind() != std::io::ErrorKind::NotFound => Self {
@@ -277,6 +280,7 @@ mod tests {
             "environment-rotation",
             "fresh",
             "geometry-memory",
+            "ignore-required",
             "no-default-light",
             "portable",
             "preset",

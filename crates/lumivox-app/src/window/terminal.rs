@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::console::Names;
 use crate::console::prompt::Prompt;
 use crate::host::Host;
+use crate::shown;
 
 /// A terminal whose lines come over a channel.
 #[derive(Debug)]
@@ -125,6 +126,7 @@ impl Terminal {
 
     /// Prints a line, or several, clear of what is being typed.
     pub fn print(&mut self, text: &str) {
+        let text = shown::text(text);
         let done = match &mut self.printer {
             Printer::Beside(print) => print(format!("{text}\n")),
             Printer::Plain => false,

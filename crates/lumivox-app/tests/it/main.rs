@@ -12,6 +12,7 @@ mod cli;
 mod common;
 mod compare;
 mod console;
+mod hostile;
 mod process;
 mod reference;
 mod scene_files;

@@ -4,6 +4,16 @@ use std::fs;
 use std::process::Stdio;
 
 use crate::common::{CORNER, GPU, INPUT, OUTPUT, USAGE, command, folder, glb, names, process};
+#[cfg(unix)]
+use crate::common::{STOPPED, interrupt};
+
+/// Another program, in a folder.
+#[cfg(target_os = "linux")]
+fn command_through(program: &str, folder: &std::path::Path) -> std::process::Command {
+    let mut command = std::process::Command::new(program);
+    command.current_dir(folder).env_remove("RUST_LOG");
+    command
+}
 
 /// Small enough for a software driver.
 const SMALL: [&str; 6] = ["--size", "16x9", "--frames", "1", "--resolution", "16"];
@@ -80,6 +90,112 @@ fn without_a_gpu_it_says_what_to_do() {
     let text = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(GPU), "{text}");
     assert!(text.contains("no GPU adapter") && text.contains("driver"), "{text}");
+}
+
+/// Who says nothing because nobody can hear it does not fail for that.
+#[cfg(target_os = "linux")]
+#[test]
+fn messages_that_cannot_be_written_are_no_failure() {
+    let folder = folder();
+    fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
+    let render = ["render", "corner.glb", "-o", "a.png", "-v"];
+    let render: Vec<&str> = render.into_iter().chain(SMALL).collect();
+    for stderr in ["2>/dev/full", "2>&-"] {
+        for (words, code) in [
+            (&["scenes"][..], 0),
+            (&render, 0),
+            (&["info", "missing.glb"], INPUT),
+            (&["paint"], USAGE),
+            (&["render", "corner.glb", "-o", "a.png", "--frames", "0"], INPUT),
+        ] {
+            let status = command_through("sh", folder.path())
+                .args(["-c", &format!("exec \"$0\" \"$@\" >/dev/null {stderr}")])
+                .arg(env!("CARGO_BIN_EXE_lumivox"))
+                .args(words)
+                .status()
+                .unwrap();
+            assert_eq!(status.code(), Some(code), "{words:?} {stderr}");
+        }
+    }
+}
+
+/// The script that builds and starts the program; cargo is a stand-in here that says what it says while it builds.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_launcher_goes_on_when_nobody_can_hear_it() {
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+    let folder = folder();
+    let (tools, built) = (folder.path().join("tools"), folder.path().join("target/release"));
+    fs::create_dir(&tools).unwrap();
+    fs::create_dir_all(&built).unwrap();
+    symlink(env!("CARGO_BIN_EXE_lumivox"), built.join("lumivox")).unwrap();
+    let cargo = tools.join("cargo");
+    let script = "#!/bin/sh\nif [ \"$1\" = --version ]; then echo 'cargo 1.999.0'; exit; fi\n\
+                  printf '    Building [=> ] 3/9: a\\r    Finished release\\nwarning: a\\n' >&2\n";
+    fs::write(&cargo, script).unwrap();
+    fs::set_permissions(&cargo, fs::Permissions::from_mode(0o755)).unwrap();
+    let path = format!("{}:{}", tools.display(), std::env::var("PATH").unwrap());
+    let launcher = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lumivox");
+    for stderr in ["2>/dev/full", "2>&-", "2>/dev/null"] {
+        let status = command_through("sh", folder.path())
+            .args(["-c", &format!("exec \"$0\" scenes >/dev/null {stderr}"), launcher])
+            .env("PATH", &path)
+            .env("CARGO_TARGET_DIR", folder.path().join("target"))
+            .env("LUMIVOX_SKIP_DRIVER_CHECK", "1")
+            .status()
+            .unwrap();
+        assert_eq!(status.code(), Some(0), "{stderr}");
+    }
+}
+
+/// Mesa's layer, which asks a desktop for its favourite GPU, prints an "error:" where there is none.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_desktop_nothing_complains() {
+    let folder = folder();
+    let mut command = command(folder.path(), &["info"]);
+    for name in
+        ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY", "NODEVICE_SELECT"]
+    {
+        command.env_remove(name);
+    }
+    let output = command.output().unwrap();
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+    assert_eq!(output.status.code(), Some(0));
+}
+
+/// Ctrl-C ends it between two measurements, with an exit code of its own; those that there are stay.
+#[cfg(unix)]
+#[test]
+fn measurements_that_are_stopped_can_be_gone_on_with() {
+    use std::io::{BufRead as _, BufReader, Read as _};
+    let folder = folder();
+    let line = "quality page cornell --cache cache --presets fast,balanced,high --resolutions 16,24 \
+                --size 16x12 --samples 32 --frames 1 --offsets 1";
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let mut child = command(folder.path(), &words)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    while !said.contains("3 of ") {
+        assert!(stderr.read_line(&mut said).unwrap() > 0, "it ended early: {said}");
+    }
+    interrupt(&child);
+    stderr.read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(STOPPED), "{said}");
+    assert!(said.contains("measurements; cache has them, and the same command goes on"), "{said}");
+    let kept = fs::read(folder.path().join("cache/measurements.json")).unwrap();
+    let kept: serde_json::Value = serde_json::from_slice(&kept).unwrap();
+    let count = kept["entries"].as_object().unwrap().len();
+    assert!(count >= 2 && said.contains(&format!("stopped after {count} of ")), "{said}");
+    assert_eq!(names(&folder.path().join("cache")), ["cornell.exr", "measurements.json"]);
+    let run = process(folder.path(), &words, "").expect_ok();
+    assert!(!run.stderr.contains("warning: 1 of "), "{}", run.stderr);
+    assert!(run.stderr.contains(&format!("warning: {} of ", count + 1)), "{}", run.stderr);
 }
 
 /// The environment variable of the log is the process's.

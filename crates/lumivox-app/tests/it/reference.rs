@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{
-    CORNER, INPUT, OUTPUT, Run, USAGE, command, expect_error, folder, glb, lumivox, names,
-};
+use crate::common::{CORNER, INPUT, OUTPUT, USAGE, expect_error, folder, glb, lumivox, names};
+#[cfg(unix)]
+use crate::common::{Run, STOPPED, command};
 
 /// Small enough for a software driver.
 const SMALL: &str = "reference builtin:cornell --size 32x18";
@@ -142,16 +142,15 @@ fn mistakes_are_told() {
     }
 }
 
-/// Ctrl-C is a wish to stop: what is there is written, and can be gone on with.
+/// Starts a run, and presses Ctrl-C once it traces.
 #[cfg(unix)]
-#[test]
-fn an_interrupted_run_writes_what_is_there() {
+fn interrupted(folder: &Path, line: &str) -> Run {
     use std::io::{BufRead as _, BufReader, Read as _};
-    use std::process::{Command, Stdio};
+    use std::process::Stdio;
 
-    let folder = folder();
-    let line = format!("{SMALL} -v -o a.exr --samples 16777216 --checkpoint sums --json");
-    let mut child = command(folder.path(), &line.split_whitespace().collect::<Vec<_>>())
+    use crate::common::interrupt;
+
+    let mut child = command(folder, &line.split_whitespace().collect::<Vec<_>>())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -161,19 +160,54 @@ fn an_interrupted_run_writes_what_is_there() {
     while !said.contains("Ctrl-C writes what is there") {
         assert!(stderr.read_line(&mut said).unwrap() > 0, "it ended early: {said}");
     }
-    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(kill.success());
+    interrupt(&child);
     let mut stdout = String::new();
     child.stdout.take().unwrap().read_to_string(&mut stdout).unwrap();
     stderr.read_to_string(&mut said).unwrap();
     let code = child.wait().unwrap().code().unwrap_or(-1);
-    let report = Run { code, stdout, stderr: said }.expect_ok().json();
-    let samples = report["samples"].as_u64().unwrap();
-    assert!((1..1 << 20).contains(&samples), "{samples} samples");
-    assert_eq!(report["is_complete"], false);
-    assert_eq!(names(folder.path()), ["a.exr", "sums"]);
-    let line = format!("{SMALL} -o b.exr --samples 1 --checkpoint sums --resume --json");
-    let report = lumivox(folder.path(), &line).expect_ok().json();
-    assert_eq!(report["samples_before"].as_u64(), Some(samples));
-    assert!(read(folder.path(), "a.exr") == read(folder.path(), "b.exr"), "the files differ");
+    Run { code, stdout, stderr: said }
+}
+
+/// Ctrl-C is a wish to stop: the batch is finished, what is there is written, and a run that goes on has the bits and the
+/// noise of one that was never stopped.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_can_be_gone_on_with_as_if_it_had_not_been() {
+    let folder = folder();
+    let path = folder.path();
+    let many = format!("{SMALL} -v -o a.exr --samples 16777216 --checkpoint sums --json");
+    let run = interrupted(path, &many);
+    assert_eq!(run.code, STOPPED, "{}", run.stderr);
+    let samples = run.json()["samples"].as_u64().unwrap();
+    assert!(samples >= 16 && samples.is_multiple_of(16), "{samples} samples");
+    assert_eq!(run.json()["is_complete"], false);
+    let told = format!("stopped after {samples} of 16777216 samples, which a.exr has");
+    assert!(run.stderr.contains(&told) && run.stderr.contains("--resume"), "{}", run.stderr);
+    assert!(!run.stderr.contains("error: "), "{}", run.stderr);
+    assert_eq!(names(path), ["a.exr", "sums"]);
+
+    let more = samples + 32;
+    let line = format!("{SMALL} -o b.exr --samples {more} --checkpoint sums --resume --json");
+    let resumed = lumivox(path, &line).expect_ok().json();
+    assert_eq!(resumed["samples_before"].as_u64(), Some(samples));
+    let line = format!("{SMALL} -o whole.exr --samples {more} --json");
+    let whole = lumivox(path, &line).expect_ok().json();
+    assert_eq!(resumed["noise_percent"], whole["noise_percent"]);
+    assert!(read(path, "b.exr") == read(path, "whole.exr"), "the files differ");
+}
+
+/// The sums are those of one run.
+#[test]
+fn two_runs_do_not_share_a_checkpoint() {
+    let folder = folder();
+    let path = folder.path();
+    let line = format!("{SMALL} -o a.exr --samples 1 --checkpoint sums");
+    let lock = fs::File::create(path.join(".sums.lock")).unwrap();
+    lock.lock().unwrap();
+    let needles = ["sums", "another process keeps its sums there"];
+    expect_error(path, &line, OUTPUT, &needles);
+    // As when that process dies: its file stays, and the lock does not.
+    drop(lock);
+    lumivox(path, &line).expect_ok();
+    assert_eq!(names(path), ["a.exr", "sums"]);
 }

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::common::{INPUT, OUTPUT, USAGE, command, expect_error, folder, lumivox, names};
+use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, lumivox, names};
+#[cfg(unix)]
+use crate::common::{Run, STOPPED, command, interrupt};
 
 /// Small enough for a software driver.
 const SMALL: &str = "--size 32x18 --frames 1 --resolution 16 --shadow-resolution 64";
@@ -109,29 +111,83 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_killed_leaves_a_sequence_to_go_on_with() {
-    use std::process::Stdio;
-    use std::time::{Duration, Instant};
-
     let folder = folder();
-    let line = format!("render builtin:cornell -o turn {SMALL} --orbit 360 --time 0..4 --fps 10");
-    let mut child = command(folder.path(), &line.split_whitespace().collect::<Vec<_>>())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let turn = folder.path().join("turn");
-    let start = Instant::now();
-    while !turn.join("0002.png").exists() && start.elapsed() < Duration::from_mins(2) {
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    let mut child = started(folder.path(), "0002.png");
     child.kill().unwrap();
     child.wait().unwrap();
+    let turn = folder.path().join("turn");
     let frames = index(&turn, "index.json")["frames"].as_array().unwrap().len();
     assert!((2..40).contains(&frames), "{frames} were done");
-    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
+    let report = lumivox(folder.path(), &format!("{FORTY} --json")).expect_ok().json();
     assert_eq!(report["pictures"], 40);
     assert_eq!(report["rendered"], 40 - frames);
     assert_eq!(index(&turn, "index.json")["frames"].as_array().unwrap().len(), 40);
+}
+
+/// Starts a sequence of forty pictures in `turn`, and waits until one of them is there.
+#[cfg(unix)]
+fn started(folder: &Path, picture: &str) -> std::process::Child {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+
+    let child = command(folder, &FORTY.split_whitespace().collect::<Vec<_>>())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while !folder.join("turn").join(picture).exists() && start.elapsed() < Duration::from_mins(2) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child
+}
+
+/// So many that none of the tests lets them all be rendered before it does something.
+#[cfg(unix)]
+const FORTY: &str = "render builtin:cornell -o turn --size 32x18 --frames 1 --resolution 16 \
+                     --shadow-resolution 64 --orbit 360 --time 0..4 --fps 10";
+
+/// Ctrl-C leaves whole pictures, an index that lists them, nothing else, and an exit code of its own.
+#[cfg(unix)]
+#[test]
+fn a_sequence_that_is_stopped_can_be_gone_on_with() {
+    let folder = folder();
+    let child = started(folder.path(), "0002.png");
+    interrupt(&child);
+    let run: Run = child.wait_with_output().unwrap().into();
+    assert_eq!(run.code, STOPPED, "{}", run.stderr);
+    assert!(!run.stderr.contains("error: ") && run.stdout.is_empty(), "{}", run.stderr);
+    let turn = folder.path().join("turn");
+    let frames = index(&turn, "index.json")["frames"].as_array().unwrap().len();
+    let told = format!("stopped: {frames} of 40 pictures are there; the same command goes on");
+    assert!(run.stderr.contains(&told), "{}", run.stderr);
+    let mut expected: Vec<String> = (0..frames).map(|number| format!("{number:04}.png")).collect();
+    expected.push("index.json".to_owned());
+    assert_eq!(names(&turn), expected);
+    let report = lumivox(folder.path(), &format!("{FORTY} --json")).expect_ok().json();
+    assert_eq!(report["rendered"], 40 - frames);
+}
+
+/// Each would overwrite the index of the other.
+#[cfg(unix)]
+#[test]
+fn a_second_process_is_refused_until_the_first_has_ended() {
+    let folder = folder();
+    let mut child = started(folder.path(), "0000.png");
+    let run = lumivox(folder.path(), FORTY);
+    assert_eq!(run.code, OUTPUT, "{}", run.stderr);
+    let needle = "turn/index.json: another process renders this sequence; wait until it has ended";
+    assert!(run.stderr.contains(needle), "{}", run.stderr);
+    // Another sequence in the folder has nothing to do with it.
+    let other = FORTY.replace("-o turn", "-o turn/b_##.png").replace("0..4", "0..0.2");
+    lumivox(folder.path(), &other).expect_ok();
+    // What a process that died leaves is no lock.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let lock = folder.path().join("turn/.index.json.lock");
+    assert!(lock.exists());
+    lumivox(folder.path(), FORTY).expect_ok();
+    assert!(!lock.exists());
 }
 
 #[test]

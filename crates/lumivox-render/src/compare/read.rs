@@ -7,6 +7,7 @@ use std::path::Path;
 use glam::UVec2;
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageFormat, ImageReader};
+use lumivox_scene::read_regular;
 
 use super::{CompareError, LinearPicture};
 use crate::srgb::srgb_decode;
@@ -55,7 +56,7 @@ impl PictureFile {
     /// [`CompareError::Read`] when the file cannot be read, is of another kind, is broken, or has more
     /// than 2^27 pixels; [`CompareError::Layer`] when it has layers, but none of that name.
     pub fn read(file: &Path, layer: Option<&str>) -> Result<Self, CompareError> {
-        let bytes = std::fs::read(file)
+        let bytes = read_regular(file)
             .map_err(|error| Fault::new(error.to_string(), "check the path and its permissions"));
         bytes.and_then(|bytes| decode(&bytes, layer)).map_err(|fault| match fault {
             Fault::Content { reason, remedy } => {

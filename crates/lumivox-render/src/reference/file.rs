@@ -15,7 +15,7 @@ use exr::prelude::{
     ReadLayers as _, Text, WritableImage as _, read,
 };
 use glam::UVec2;
-use lumivox_scene::write_atomically;
+use lumivox_scene::{check_regular, write_atomically};
 
 use super::ReferenceLayers;
 use crate::RenderError;
@@ -110,6 +110,7 @@ impl ReferenceLayers {
     /// [`RenderError::Reference`] when the file cannot be read or lacks a layer.
     pub fn read_exr(path: &Path) -> Result<Self, RenderError> {
         let fail = |reason: String| RenderError::Reference { file: path.to_owned(), reason };
+        check_regular(path).map_err(|error| fail(error.to_string()))?;
         let image = read()
             .no_deep_data()
             .largest_resolution_level()

@@ -56,7 +56,7 @@ use upload::Uploaded;
 use crate::{Gpu, RenderError};
 
 /// Samples that are spread evenly together, and that the GPU sums up in f32 before they are added in f64.
-pub(crate) const BATCH: u32 = 16;
+pub const BATCH: u32 = 16;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
 

@@ -156,12 +156,11 @@ impl Uploaded {
         if scope.pop().await.is_some() {
             let bytes = size_of_val(triangles.triangles.as_slice())
                 + size_of_val(triangles.vertices.as_slice())
-                + size_of_val(triangles.nodes.as_slice());
-            return Err(RenderError::OutOfMemory {
-                what: "the path tracer's copy of the scene".to_owned(),
-                needed_mib: bytes as u64 >> 20,
-                remedy: "load the scene with smaller textures (--texture-memory)".to_owned(),
-            });
+                + size_of_val(triangles.nodes.as_slice())
+                + scene.textures.iter().map(|texture| texture.rgba8.len()).sum::<usize>();
+            let what = "the path tracer's copy of the scene";
+            let remedy = "load the scene with smaller textures (--texture-memory)";
+            return Err(gpu.out_of_memory(what, Some(bytes as u64), remedy));
         }
         gpu.check("uploading the scene for the path tracer")?;
         Ok(Self {

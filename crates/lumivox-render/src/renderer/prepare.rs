@@ -31,7 +31,7 @@ pub(super) async fn upload(
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let uploaded = GpuScene::new(gpu, scene, lighting, radiance_unit);
     if scope.pop().await.is_some() {
-        return Err(estimate.too_large());
+        return Err(estimate.too_large(gpu));
     }
     gpu.check("uploading the scene")?;
     uploaded
@@ -67,18 +67,14 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
         let (kind, bytes, remedy) = match config.volume {
             VolumeKind::Dense => (
                 "a dense volume",
-                dense_volume_bytes(&config.grid, config.directionality),
+                Some(dense_volume_bytes(&config.grid, config.directionality)),
                 "lower the resolution, or store the voxels in an octree (--volume octree)",
             ),
             VolumeKind::Octree(_) => {
-                ("an octree", 0, "free memory for it, or lower the resolution")
+                ("an octree", None, "free memory for it, or lower the resolution")
             }
         };
-        return Err(RenderError::OutOfMemory {
-            what: format!("{kind} of {x} x {y} x {z} voxels"),
-            needed_mib: bytes.div_ceil(1 << 20).max(1),
-            remedy: remedy.to_owned(),
-        });
+        return Err(gpu.out_of_memory(format!("{kind} of {x} x {y} x {z} voxels"), bytes, remedy));
     }
     if let Some(error) = refused {
         let doing = "making the voxels' volume";

@@ -10,7 +10,7 @@ use std::path::Path;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
 use super::{exr, hdr};
-use crate::{EnvironmentMap, SceneError};
+use crate::{EnvironmentMap, SceneError, read_regular};
 
 /// The most texels of a map: 16 384 x 8192, 1.5 GiB.
 const MOST_TEXELS: u64 = 1 << 27;
@@ -55,7 +55,9 @@ impl EnvironmentMap {
     /// whatever the bytes.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
-        from_bytes(path, &read(path)?)
+        let bytes = read_regular(path)
+            .map_err(|source| SceneError::Read { file: path.to_owned(), source })?;
+        from_bytes(path, &bytes)
     }
 
     /// The same for a file in memory; `name` is what its path would be, for messages and the map's name.
@@ -93,15 +95,6 @@ fn from_bytes(path: &Path, bytes: &[u8]) -> Result<EnvironmentMap, SceneError> {
         tracing::warn!("{}: {warning}", path.display());
     }
     Ok(map)
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
-    let fault = |source| SceneError::Read { file: path.to_owned(), source };
-    // A pipe or a device might never end.
-    if !std::fs::metadata(path).map_err(fault)?.is_file() {
-        return Err(fault(std::io::Error::other("not a regular file")));
-    }
-    std::fs::read(path).map_err(fault)
 }
 
 fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {

@@ -164,7 +164,7 @@ impl Framing {
     /// The height of the eye over the floor follows from the free height and width: 1.6 m in a living
     /// room of 3 m, about a third of a hall.
     pub fn inside(&self, aspect: f32) -> Option<Camera> {
-        let survey = self.survey.from_within(&self.rays);
+        let survey = self.survey.seen_from_within(&self.rays);
         let inside = inside::view(&self.rays, &survey, sane(aspect))?;
         Some(self.place(&inside.view))
     }

@@ -55,7 +55,7 @@ struct Candidate {
 
 /// The view that shows most of a subject.
 pub(super) fn view(rays: &Rays, subject: &Subject, aspect: f32) -> View {
-    let seen = |view: &View| visible(rays, &subject.patches, view.position, |cosine| cosine.sqrt());
+    let seen = |view: &View| visible(rays, &subject.patches, view.position, f32::sqrt);
     best(subject, &ELEVATIONS_RAD, aspect, seen)
 }
 

@@ -184,7 +184,7 @@ impl Rays {
 }
 
 /// How many boxes of triangles a ray through the scene's own box passes in the mean: the ratio of their
-/// areas (MacDonald and Booth 1990, "Heuristics for ray tracing using space subdivision", section 3).
+/// areas (`MacDonald` and Booth 1990, "Heuristics for ray tracing using space subdivision", section 3).
 fn boxes_on_the_way(soup: &Soup, half: Vec3) -> f32 {
     let area = |size: Vec3| 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
     let boxes = (0..soup.triangles.len()).map(|triangle| {

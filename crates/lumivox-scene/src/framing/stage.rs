@@ -96,7 +96,9 @@ impl DefaultLight {
                 scene.lights.push(sun.clone());
                 let map = Some(Arc::clone(sky));
                 scene.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
-                ground.iter().for_each(|ground| ground.put_into(scene));
+                if let Some(ground) = ground {
+                    ground.put_into(scene);
+                }
             }
             Self::Studio { studio, dimmed, rotation_rad, ground } => {
                 let (map, rotation_rad) = (Some(Arc::new(studio.map.clone())), *rotation_rad);

@@ -45,19 +45,19 @@ impl Subject {
         let pieces = Pieces::of(soup);
         let left_out = pieces.surroundings();
         let is_meant = |triangle: usize| !left_out[pieces.of_triangle[triangle] as usize];
-        Self::of(soup, (0..soup.triangles.len()).filter(|&i| is_meant(i)).collect())
+        Self::of(soup, &(0..soup.triangles.len()).filter(|&i| is_meant(i)).collect::<Vec<_>>())
     }
 
     /// Of a place: everything.
     pub(super) fn of_place(soup: &Soup) -> Self {
-        Self::of(soup, (0..soup.triangles.len()).collect())
+        Self::of(soup, &(0..soup.triangles.len()).collect::<Vec<_>>())
     }
 
-    fn of(soup: &Soup, meant: Vec<usize>) -> Self {
+    fn of(soup: &Soup, meant: &[usize]) -> Self {
         let corners: Vec<Vec3> = meant.iter().flat_map(|&i| soup.corners_of(i)).collect();
         Self {
             bounds: Bounds::from_points(corners.iter().copied()),
-            patches: patches(soup, &meant),
+            patches: patches(soup, meant),
             is_part: meant.len() < soup.triangles.len(),
             corners,
         }

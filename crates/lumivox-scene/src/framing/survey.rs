@@ -152,7 +152,7 @@ impl Survey {
     }
 
     /// The same as if it were a place, if there is any room inside.
-    pub(super) fn from_within(&self, rays: &Rays) -> Self {
+    pub(super) fn seen_from_within(&self, rays: &Rays) -> Self {
         if self.is_place {
             return self.clone();
         }

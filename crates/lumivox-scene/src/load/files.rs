@@ -1,27 +1,31 @@
 //! What a scene's file names: data URIs, and files in its own folder.
 //!
 //! A scene comes from anywhere, so it may not make this program read anything else of the disk:
-//! unless the user allows more, only relative paths that go down are followed. The check is on the
-//! words of the path; links in the folder are its owner's affair.
+//! unless the user allows more, only relative paths that go down are followed, and only to files whose
+//! real place, with all links followed, is in the scene's folder as well. Links that stay inside are
+//! followed; so is one that the folder itself is reached by.
 
 use std::borrow::Cow;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::source::{self, FileSource};
-use crate::SceneError;
+use crate::{SceneError, check_regular, read_regular};
 
 /// Which files a scene may name, and where they are read from.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub(super) struct Reach<'a> {
-    /// All that the user may read, or those in the scene's own folder and below.
+    /// All that the user may read, or those in `folders` and below.
     pub(super) anywhere: bool,
+    /// The scene's own folder, and for some formats another one.
+    pub(super) folders: &'a [PathBuf],
     /// Asked instead of the disk.
     pub(super) source: Option<&'a dyn FileSource>,
 }
 
 impl<'a> Reach<'a> {
     /// Reads a file that is a file: a pipe or a device might never end.
-    pub(super) fn read(self, path: &Path) -> std::io::Result<Cow<'a, [u8]>> {
+    pub(super) fn read(self, path: &Path) -> io::Result<Cow<'a, [u8]>> {
         match self.source {
             Some(source) => source.read(&source::key(path)),
             None => read_regular(path).map(Cow::Owned),
@@ -33,6 +37,38 @@ impl<'a> Reach<'a> {
             Some(source) => source.read(&source::key(path)).is_ok(),
             None => path.is_file(),
         }
+    }
+
+    /// Why what is at a path of the disk is no file; `None` where there is nothing.
+    pub(super) fn obstacle(self, path: &Path) -> Option<io::Error> {
+        let fault = if self.source.is_some() { None } else { check_regular(path).err() };
+        fault.filter(|error| error.kind() != io::ErrorKind::NotFound)
+    }
+
+    /// Whether a file may be read that a scene names: not where links lead out of the folders.
+    pub(super) fn admit(self, path: &Path) -> Result<(), String> {
+        if self.anywhere || self.source.is_some() {
+            return Ok(());
+        }
+        let real = match path.canonicalize() {
+            Ok(real) => real,
+            // Who reads it says so.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            Err(error) => return Err(format!("its real place is not known: {error}")),
+        };
+        let mut folders = self.folders.iter().filter_map(|folder| folder.canonicalize().ok());
+        if folders.any(|folder| real.starts_with(folder)) {
+            return Ok(());
+        }
+        Err(format!("a link leads out of the scene's folder, to {}", real.display()))
+    }
+}
+
+/// The folder of a file.
+pub(super) fn folder_of(file: &Path) -> PathBuf {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
     }
 }
 
@@ -55,7 +91,7 @@ pub(super) fn locate_uri(
         return read_uri(file, part, uri, reach).map(Located::Data);
     }
     let path = decode_percent(uri).map_err(|reason| refused(file, part, uri, reason))?;
-    resolve(file, part, &path, reach).map(Located::File)
+    admitted(file, part, &path, reach).map(Located::File)
 }
 
 /// Reads what `uri`, named by `part` of the scene in `file`, stands for (RFC 3986: percent signs
@@ -84,7 +120,7 @@ pub(super) fn read_path(
     path: &str,
     reach: Reach<'_>,
 ) -> Result<Vec<u8>, SceneError> {
-    let path = resolve(file, part, path, reach)?;
+    let path = admitted(file, part, path, reach)?;
     reach.read(&path).map(Cow::into_owned).map_err(|source| SceneError::ReadExternal {
         file: file.to_owned(),
         part: part.to_owned(),
@@ -93,14 +129,16 @@ pub(super) fn read_path(
     })
 }
 
-/// Where the file `path`, named by `part` of the scene in `file`, lies.
-pub(super) fn resolve(
-    file: &Path,
-    part: &str,
-    path: &str,
-    reach: Reach<'_>,
-) -> Result<PathBuf, SceneError> {
-    let checked = check_path(path, reach).map_err(|reason| refused(file, part, path, reason))?;
+/// Where the file `path`, named by `part` of the scene in `file`, lies, if it may be read.
+fn admitted(file: &Path, part: &str, path: &str, reach: Reach<'_>) -> Result<PathBuf, SceneError> {
+    let found =
+        resolve(file, path, reach.anywhere).and_then(|found| reach.admit(&found).map(|()| found));
+    found.map_err(|reason| refused(file, part, path, reason))
+}
+
+/// Where `path`, named by `file`, lies by its words; or why it may not be followed.
+pub(super) fn resolve(file: &Path, path: &str, anywhere: bool) -> Result<PathBuf, String> {
+    let checked = check_path(path, anywhere)?;
     Ok(file.parent().unwrap_or(Path::new("")).join(checked))
 }
 
@@ -113,14 +151,6 @@ fn refused(file: &Path, part: &str, uri: &str, reason: String) -> SceneError {
     }
 }
 
-/// Reads a file that is a file: a pipe or a device might never end.
-pub(super) fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("not a regular file"));
-    }
-    std::fs::read(path)
-}
-
 /// The start of a text that may be long.
 pub(crate) fn shorten(text: &str) -> String {
     const LONGEST: usize = 80;
@@ -130,14 +160,14 @@ pub(crate) fn shorten(text: &str) -> String {
     text.chars().take(LONGEST).chain("...".chars()).collect()
 }
 
-fn check_path(path: &str, reach: Reach<'_>) -> Result<PathBuf, String> {
+fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
     if path.is_empty() {
         return Err("the path is empty".to_owned());
     }
     if path.contains('\0') {
         return Err("the path contains a zero byte".to_owned());
     }
-    if !reach.anywhere {
+    if !anywhere {
         // Schemes and Windows' drives alike.
         if let Some((scheme, _)) = path.split_once(':') {
             return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
@@ -229,7 +259,7 @@ mod tests {
 
     #[test]
     fn paths_stay_in_the_folder() {
-        let relative_path = |uri: &str| check_path(&decode_percent(uri)?, Reach::default());
+        let relative_path = |uri: &str| check_path(&decode_percent(uri)?, false);
         assert_eq!(relative_path("a/b%20c.png").unwrap(), PathBuf::from("a/b c.png"));
         assert_eq!(relative_path("./a..b.bin").unwrap(), PathBuf::from("./a..b.bin"));
         for bad in [
@@ -252,10 +282,9 @@ mod tests {
             assert!(relative_path(bad).is_err(), "{bad}");
         }
         assert_eq!(relative_path("a\\b.png").unwrap(), PathBuf::from("a/b.png"));
-        let anywhere = Reach { anywhere: true, ..Reach::default() };
-        assert!(check_path("../a.bin", anywhere).is_ok());
-        assert!(check_path("/a/b.bin", anywhere).is_ok());
-        assert!(check_path("", anywhere).is_err());
+        assert!(check_path("../a.bin", true).is_ok());
+        assert!(check_path("/a/b.bin", true).is_ok());
+        assert!(check_path("", true).is_err());
     }
 
     #[test]

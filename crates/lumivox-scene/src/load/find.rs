@@ -21,19 +21,18 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
         return Err(format!("\"{}\" is too long for a path", readable(name)));
     }
     let text = decode(name);
-    let mut reason = None;
+    let (mut reason, mut unreadable) = (None, None);
     for &base in beside {
-        match files::resolve(base, "", &text, reach) {
-            Ok(path) if reach.is_file(&path) => return Ok(path),
+        match files::resolve(base, &text, reach.anywhere) {
             Ok(path) => {
-                let folder = base.parent().unwrap_or(Path::new(""));
-                let below = path.strip_prefix(folder).unwrap_or(&path);
-                if let Some(found) = ignoring_case(folder, below, reach) {
+                let exact = reach.is_file(&path).then(|| path.clone());
+                let found = exact.or_else(|| ignoring_case(base, &path, reach));
+                if let Some(found) = admitted(found, reach, &mut reason) {
                     return Ok(found);
                 }
+                unreadable = unreadable.or_else(|| reach.obstacle(&path));
             }
-            Err(crate::SceneError::RefusedUri { reason: why, .. }) => reason = Some(why),
-            Err(error) => reason = Some(error.to_string()),
+            Err(why) => reason = Some(why),
         }
     }
     // Also for paths that go elsewhere: what is left of them stays below the folder.
@@ -41,23 +40,38 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
     for first in 0..words.len() {
         let rest = words[first..].join("/");
         for &base in beside {
-            let folder = base.parent().unwrap_or(Path::new(""));
             // Drives and ".." are refused.
-            let Ok(path) = files::resolve(base, "", &rest, Reach::default()) else { continue };
-            let below = path.strip_prefix(folder).unwrap_or(&path);
-            if let Some(found) = ignoring_case(folder, below, reach) {
+            let Ok(path) = files::resolve(base, &rest, false) else { continue };
+            let found = ignoring_case(base, &path, reach);
+            if let Some(found) = admitted(found, reach, &mut reason) {
                 return Ok(found);
             }
         }
     }
     let name = readable(name);
-    Err(match reason {
-        Some(reason) => format!(
+    Err(match (reason, unreadable) {
+        (None, Some(obstacle)) => format!("\"{name}\" cannot be read: {obstacle}"),
+        (Some(reason), _) => format!(
             "\"{name}\" is not read, for {reason}, and no such file lies beside the scene; copy it \
-             there or allow files outside of the scene's folder"
+             there, or allow files outside of the scene's folder (--allow-outside)"
         ),
-        None => format!("\"{name}\" does not exist; put it beside the scene"),
+        (None, None) => format!("\"{name}\" does not exist; put it beside the scene"),
     })
+}
+
+/// What was found, if it may be read; else `refused` gets the reason.
+fn admitted(
+    found: Option<PathBuf>,
+    reach: Reach<'_>,
+    refused: &mut Option<String>,
+) -> Option<PathBuf> {
+    let found = found?;
+    let reason = reach.admit(&found).err();
+    if reason.is_none() {
+        return Some(found);
+    }
+    *refused = reason;
+    None
 }
 
 /// Text of UTF-8, or else of Latin-1, as older programs wrote.
@@ -68,8 +82,10 @@ fn decode(name: &[u8]) -> String {
     }
 }
 
-/// The file at `below` in `folder`, in upper or lower case.
-fn ignoring_case(folder: &Path, below: &Path, reach: Reach<'_>) -> Option<PathBuf> {
+/// The file at `path`, whose words below the folder of `base` may be in upper or lower case.
+fn ignoring_case(base: &Path, path: &Path, reach: Reach<'_>) -> Option<PathBuf> {
+    let folder = base.parent().unwrap_or(Path::new(""));
+    let below = path.strip_prefix(folder).unwrap_or(path);
     if let Some(source) = reach.source {
         return source.find_ignoring_case(&key(&folder.join(below))).map(PathBuf::from);
     }
@@ -102,6 +118,10 @@ fn ignoring_case(folder: &Path, below: &Path, reach: Reach<'_>) -> Option<PathBu
 mod tests {
     use super::*;
 
+    fn reach(folders: &[PathBuf]) -> Reach<'_> {
+        Reach { anywhere: false, folders, source: None }
+    }
+
     #[test]
     fn names_of_other_systems_are_found() {
         let folder = tempfile::tempdir().unwrap();
@@ -112,7 +132,8 @@ mod tests {
         std::fs::write(&wood, "wood").unwrap();
         let stone = folder.path().join("stone.png");
         std::fs::write(&stone, "stone").unwrap();
-        let find = |name: &[u8]| find(&[&scene], name, Reach::default());
+        let folders = [folder.path().to_owned()];
+        let find = |name: &[u8]| find(&[&scene], name, reach(&folders));
         for name in [
             "Textures/Wood Planks.PNG",
             "textures\\wood planks.png",
@@ -137,16 +158,16 @@ mod tests {
         let secret = folder.path().join("secret.png");
         std::fs::write(&secret, "secret").unwrap();
         let scene = below.join("scene.obj");
-        let refused = find(&[&scene], b"../secret.png", Reach::default()).unwrap_err();
+        let folders = [below];
+        let refused = find(&[&scene], b"../secret.png", reach(&folders)).unwrap_err();
         assert!(refused.contains("leaves the scene's folder"), "{refused}");
         assert!(refused.contains("allow files outside"), "{refused}");
-        let allowed =
-            find(&[&scene], b"../secret.png", Reach { anywhere: true, ..Reach::default() })
-                .unwrap();
+        let anywhere = Reach { anywhere: true, ..reach(&folders) };
+        let allowed = find(&[&scene], b"../secret.png", anywhere).unwrap();
         assert_eq!(allowed.canonicalize().unwrap(), secret.canonicalize().unwrap());
         for name in [&b".."[..], b"", b".", b"a/..", b"c:", b"a\0b", b"caf\xe9.png", &[b'/'; 5000]]
         {
-            assert!(find(&[&scene], name, Reach::default()).is_err(), "{name:?}");
+            assert!(find(&[&scene], name, reach(&folders)).is_err(), "{name:?}");
         }
     }
 }

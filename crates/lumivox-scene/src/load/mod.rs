@@ -14,6 +14,7 @@ mod normals;
 mod obj;
 mod ply;
 mod polygon;
+mod regular;
 mod source;
 mod stand_in;
 mod stl;
@@ -24,12 +25,13 @@ mod textures;
 mod units;
 mod vxct;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::{Scene, SceneError};
 pub use extensions::{EXTENSIONS, extensions_in_words};
 use files::Reach;
 pub(crate) use files::shorten;
+pub use regular::{check_regular, read_regular};
 pub use source::FileSource;
 
 pub use units::UpAxis;
@@ -40,6 +42,10 @@ pub struct LoadOptions<'a> {
     /// Whether the scene may name files outside of its own folder (of VXCT's scenes in a folder `scenes`:
     /// of the folder above). Default: no.
     pub allow_outside: bool,
+    /// Whether a file is loaded that requires a glTF extension which is not supported and may change
+    /// what is shown; a warning names it then. Extensions that only refine the picture need no leave.
+    /// Default: no.
+    pub ignore_required: bool,
     /// Which of a file's scenes to load (glTF, VXCT), by name or number. Default: the one that the file
     /// marks, else the first.
     pub scene: Option<String>,
@@ -66,6 +72,7 @@ impl Default for LoadOptions<'_> {
     fn default() -> Self {
         Self {
             allow_outside: false,
+            ignore_required: false,
             scene: None,
             up: UpAxis::Y,
             unit_m: 1.0,
@@ -106,8 +113,12 @@ pub struct LoadProgress {
 }
 
 impl<'a> LoadOptions<'a> {
-    fn reach(&self) -> Reach<'a> {
-        Reach { anywhere: self.allow_outside, source: self.files }
+    /// What a scene may name that has these folders.
+    fn reach<'f>(&self, folders: &'f [PathBuf]) -> Reach<'f>
+    where
+        'a: 'f,
+    {
+        Reach { anywhere: self.allow_outside, folders, source: self.files }
     }
 
     fn tell(&mut self, stage: &'static str, done: u64, total: u64) {
@@ -121,6 +132,7 @@ impl std::fmt::Debug for LoadOptions<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("LoadOptions")
             .field("allow_outside", &self.allow_outside)
+            .field("ignore_required", &self.ignore_required)
             .field("scene", &self.scene)
             .field("up", &self.up)
             .field("unit_m", &self.unit_m)
@@ -171,6 +183,7 @@ impl Scene {
         let memory = source::Memory { name, bytes, others: options.files };
         let mut options = LoadOptions {
             allow_outside: options.allow_outside,
+            ignore_required: options.ignore_required,
             scene: options.scene.clone(),
             up: options.up,
             unit_m: options.unit_m,
@@ -196,6 +209,11 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
         _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
     };
     units::apply(&mut scene, path, options)?;
+    if let Some(outlier) = scene.outlier() {
+        let warning =
+            format!("{outlier}: next to it that is smaller than a voxel; move or remove it");
+        scene.notes.warnings.push(warning);
+    }
     for warning in &scene.notes.warnings {
         tracing::warn!("{}: {warning}", path.display());
     }
@@ -213,7 +231,7 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
 }
 
 /// Warnings, each once.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Notes {
     warnings: Vec<String>,
 }

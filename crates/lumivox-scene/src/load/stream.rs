@@ -3,11 +3,11 @@
 //! A scan can be larger than half of the memory: no reader here holds its file, only the piece that
 //! it is at, so that the peak is about what the scene itself takes.
 
-use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::Path;
 
 use super::LoadOptions;
+use super::regular::open_regular;
 use super::source::key;
 use crate::SceneError;
 
@@ -25,8 +25,7 @@ pub(super) struct Progress<'s, 'o, R> {
 /// A file on the disk or elsewhere.
 pub(super) type Opened<'s, 'o> = BufReader<Progress<'s, 'o, Box<dyn Read + 'o>>>;
 
-/// Opens a file that is a file (a pipe or a device might never end). The second part of the answer
-/// is its length in bytes.
+/// Opens a file that is a file. The second part of the answer is its length in bytes.
 pub(super) fn open<'s, 'o>(
     file: &Path,
     options: &'s mut LoadOptions<'o>,
@@ -38,12 +37,8 @@ pub(super) fn open<'s, 'o>(
             let length = bytes.len() as u64;
             return Ok((Box::new(Cursor::new(bytes)), length));
         }
-        let inner = File::open(file)?;
-        let metadata = inner.metadata()?;
-        if !metadata.is_file() {
-            return Err(io::Error::other("not a regular file"));
-        }
-        Ok((Box::new(inner), metadata.len()))
+        let (inner, length) = open_regular(file)?;
+        Ok((Box::new(inner), length))
     };
     let (inner, total) =
         opened().map_err(|source| SceneError::Read { file: file.to_owned(), source })?;

@@ -85,6 +85,20 @@ impl Product {
     }
 }
 
+/// Why textures were not made.
+pub(super) enum NotMade {
+    /// Images that cannot be decoded, each with the reason; without them the scene can be shown.
+    Images(Vec<(ImageId, Fault)>),
+    /// There is no help.
+    Scene(SceneError),
+}
+
+impl From<SceneError> for NotMade {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(error)
+    }
+}
+
 /// The textures of one scene.
 #[derive(Default)]
 pub(super) struct Textures<'a> {
@@ -155,26 +169,33 @@ impl<'a> Textures<'a> {
         file: &Path,
         options: &mut LoadOptions<'_>,
         notes: &mut Notes,
-    ) -> Result<Vec<Texture>, SceneError> {
+    ) -> Result<Vec<Texture>, NotMade> {
         self.check_amount(file)?;
         self.fit(options.budget.texture_bytes, notes);
         let total = self.products.len() as u64;
         let mut made: Vec<Option<Texture>> = Vec::new();
         made.resize_with(self.samplers.len(), || None);
+        let mut faults = Vec::new();
         let mut begin = 0;
         while begin < self.products.len() {
             options.tell("textures", begin as u64, total);
             let end = self.batch(begin);
             let batch = self.products[begin..end]
                 .par_iter()
-                .map(|product| self.product_pixels(file, product))
-                .collect::<Result<Vec<_>, _>>()?;
+                .map(|product| self.product_pixels(product))
+                .collect::<Vec<_>>();
             for (product, pixels) in self.products[begin..end].iter().zip(batch) {
-                self.place(product, pixels, &mut made);
+                match pixels {
+                    Ok(pixels) => self.place(product, pixels, &mut made),
+                    Err(fault) => faults.push(fault),
+                }
             }
             begin = end;
         }
         options.tell("textures", total, total);
+        if !faults.is_empty() {
+            return Err(NotMade::Images(faults));
+        }
         Ok(made.into_iter().flatten().collect())
     }
 
@@ -247,14 +268,10 @@ impl<'a> Textures<'a> {
         end
     }
 
-    fn product_pixels(&self, file: &Path, product: &Product) -> Result<Pixels, SceneError> {
+    fn product_pixels(&self, product: &Product) -> Result<Pixels, (ImageId, Fault)> {
         let decode = |id: &ImageId| {
             let image = &self.images[id.0];
-            image::decode(&image.source, image.header).map_err(|fault| SceneError::Image {
-                file: file.to_owned(),
-                image: image.part.clone(),
-                reason: fault.to_string(),
-            })
+            image::decode(&image.source, image.header).map_err(|fault| (*id, fault))
         };
         let pixels = match &product.recipe {
             Recipe::Image(image) => decode(image)?,

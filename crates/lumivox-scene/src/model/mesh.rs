@@ -66,6 +66,7 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec4 {
 ///
 /// The default is the first mesh in the first material where it was modelled, static, voxelized and
 /// shown.
+#[expect(clippy::struct_excessive_bools, reason = "each says a thing of its own")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     /// A name for lists and messages.

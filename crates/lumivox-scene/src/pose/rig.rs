@@ -94,6 +94,7 @@ pub(crate) struct Skin {
 }
 
 /// An instance and the node that it hangs on.
+#[expect(clippy::struct_excessive_bools, reason = "as the scene's instances have them")]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Placed {
     pub(crate) name: Arc<str>,

@@ -1,10 +1,10 @@
 //! Textures of glTF files: where images come from, how they lie, what becomes of them.
 
 use glam::Vec2;
-use lumivox_scene::{Filter, LoadOptions, LoadProgress, MemoryBudget, Scene, SceneError, Wrap};
+use lumivox_scene::{Filter, LoadOptions, LoadProgress, MemoryBudget, Scene, Wrap};
 use serde_json::{Value, json};
 
-use crate::common::{File, data_uri, encode, load, png, shading, textured_cube, write};
+use crate::common::{File, data_uri, encode, png, shading, textured_cube, write};
 
 #[test]
 fn images_and_buffers_in_files() {
@@ -239,8 +239,6 @@ fn an_image_that_claims_too_much_is_refused() {
     }
     ktx.resize(200, 0);
     let file = with_texture(&[&ktx], json!({ "source": 0 }), json!({ "index": 0 }));
-    let error = file.load().unwrap_err();
-    assert!(matches!(&error, SceneError::Image { .. }));
-    assert!(error.to_string().contains("cannot hold"), "{error}");
-    assert!(load("scene.glb", &file.glb()).is_err());
+    let said = file.load().unwrap().notes.warnings.join("\n");
+    assert!(said.contains("cannot hold") && said.contains("a stand-in is shown"), "{said}");
 }

@@ -14,6 +14,7 @@ mod gltf_animation_hostile;
 mod gltf_attributes;
 mod gltf_compression;
 mod gltf_deformed;
+mod gltf_forgiven;
 mod gltf_hostile;
 mod gltf_materials;
 mod gltf_meshopt;
@@ -21,6 +22,8 @@ mod gltf_scenes;
 mod gltf_textures;
 mod gltf_valid;
 mod in_memory;
+#[cfg(unix)]
+mod links;
 mod mtl;
 mod obj;
 mod ply;

@@ -16,6 +16,7 @@ use crate::host::Host;
 use crate::progress::Progress;
 use crate::quality::{Comparison, Measured, Subject, reference, strip};
 use crate::report::AdapterReport;
+use crate::shown;
 
 /// Renders, traces, compares, reports.
 ///
@@ -30,11 +31,12 @@ pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Res
     source.check()?;
     light::check(&args.light.sources)?;
     let start = Instant::now();
-    let progress = Progress::start(host, "loading");
+    let mut progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     settings.validate(&gpu.device.limits())?;
     let (scene, camera) =
         stage(source, &args.load, &args.light.sources, &args.view, args.size, &progress)?;
+    progress.stop_on_interrupt(host)?;
     let subject = Subject { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
     let truth = ReferenceSettings {
         size: args.size,
@@ -96,11 +98,11 @@ struct Report {
 impl Report {
     fn text(&self, args: &CompareArgs) -> String {
         let [width, height] = self.comparison.size;
-        let scene = self.comparison.scene.as_deref().unwrap_or_default();
+        let scene = shown::line(self.comparison.scene.as_deref().unwrap_or_default());
         let mut text = format!(
             "{scene}, camera {}, {width}x{height}; reference of {} samples a pixel; mean of {} places of the \
              grid\n\n{}",
-            self.camera,
+            shown::line(&self.camera),
             self.samples,
             self.grid_offsets,
             self.comparison.table()

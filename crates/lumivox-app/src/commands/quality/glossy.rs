@@ -1,7 +1,5 @@
 //! Reflections by roughness: each sphere of the scene `spheres` held against its reference.
 
-use std::ops::ControlFlow;
-
 use glam::{UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
 use lumivox_render::compare::{ErrorFigures, LinearPicture};
@@ -15,6 +13,7 @@ use super::cases::middle;
 use crate::args::choices;
 use crate::cli::QualityArgs;
 use crate::progress::Progress;
+use crate::quality::check_wish;
 
 /// The scene that has spheres of many roughnesses.
 pub const SCENE: &str = "spheres";
@@ -119,9 +118,10 @@ fn trace(
     let mut tracer = pollster::block_on(PathTracer::new(gpu, scene, Some(camera), settings))?;
     let mut hear = |step: ReferenceProgress| {
         progress.set("path sample", step.samples as u32, step.total);
-        ControlFlow::Continue(())
+        progress.goes_on()
     };
     pollster::block_on(tracer.render(&mut hear))?;
+    check_wish(progress)?;
     let layers = tracer.layers();
     if let Some(file) = file {
         layers.write_exr(&file)?;

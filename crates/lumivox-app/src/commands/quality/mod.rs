@@ -19,6 +19,7 @@ use crate::args::output;
 use crate::cli::QualityArgs;
 use crate::exit::Failure;
 use crate::host::Host;
+use crate::lock::Lock;
 use crate::progress::Progress;
 use crate::quality::{Measured, Subject, Truth, reference, strip};
 use cases::{Case, Turn, cases};
@@ -39,25 +40,39 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
             .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
         output::check_folder(&folder.join("x"), folder)?;
     }
-    let progress = Progress::start(host, "starting");
+    let _lock = args
+        .cache
+        .as_ref()
+        .map(|cache| Lock::take(&cache.join(store::NAME), "measures into it"))
+        .transpose()?;
+    let mut progress = Progress::start(host, "starting");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut store = Store::open(args.cache.as_deref(), settings_in_words(args))?;
     let mut cases = cases(&names, &args.presets, &args.resolutions);
     if args.kept {
         cases.retain(|case| store.get(case).is_some());
     }
+    progress.stop_on_interrupt(host)?;
     let mut truths: BTreeMap<String, Truth> = BTreeMap::new();
     for (index, case) in cases.iter().enumerate() {
         let (done, total) = (index as u32, cases.len() as u32);
         let work = Work { args, gpu: &gpu, progress: &progress, pictures: &pictures };
         if store.get(case).is_none() {
             tracing::warn!("{} of {total}: {case}", done + 1);
-            let entry = work.measure(case, &mut truths).with_context(|| case.to_string())?;
-            store.put(case, entry)?;
+            let entry = work.measure(case, &mut truths);
+            if progress.is_stopped() {
+                return Err(stopped(args, done, total).into());
+            }
+            store.put(case, entry.with_context(|| case.to_string())?)?;
         }
     }
     let glossy = if names.iter().any(|name| name == glossy::SCENE) {
-        Some(glossy::measure(args, &gpu, &progress)?)
+        let spheres = glossy::measure(args, &gpu, &progress);
+        if progress.is_stopped() {
+            let total = cases.len() as u32;
+            return Err(stopped(args, total, total).into());
+        }
+        Some(spheres?)
     } else {
         None
     };
@@ -72,6 +87,15 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     }
     drop(progress);
     host.print(&format!("{}\n", args.folder.join("quality.md").display()))
+}
+
+/// What a stopped run leaves.
+fn stopped(args: &QualityArgs, done: u32, total: u32) -> Failure {
+    let kept = match &args.cache {
+        Some(cache) => format!("{} has them, and the same command goes on", cache.display()),
+        None => "nothing is kept without a --cache".to_owned(),
+    };
+    Failure::stopped(format!("stopped after {done} of {total} measurements; {kept}"))
 }
 
 /// What all measurements share.

@@ -5,12 +5,15 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use lumivox_render::compare::{Cost, LayerFigures};
-use lumivox_scene::write_atomically;
+use lumivox_scene::{read_regular, write_atomically};
 use serde::{Deserialize, Serialize};
 
 use super::cases::Case;
 use crate::exit::Failure;
 use crate::quality::Leak;
+
+/// The file in its folder.
+pub const NAME: &str = "measurements.json";
 
 /// One measurement.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -43,13 +46,13 @@ impl Store {
     pub fn open(folder: Option<&Path>, settings: String) -> anyhow::Result<Self> {
         let mut content = Content { settings, entries: BTreeMap::new() };
         let Some(folder) = folder else { return Ok(Self { file: None, content }) };
-        let file = folder.join("measurements.json");
+        let file = folder.join(NAME);
         if file.exists() {
             let refuse = |reason: String| {
                 Failure::input(format!("{}: {reason}; delete it to measure anew", file.display()))
             };
-            let text = std::fs::read_to_string(&file).map_err(|e| refuse(e.to_string()))?;
-            let kept: Content = serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))?;
+            let text = read_regular(&file).map_err(|e| refuse(e.to_string()))?;
+            let kept: Content = serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
             if kept.settings != content.settings {
                 return Err(refuse(format!("it was measured with {}", kept.settings)).into());
             }

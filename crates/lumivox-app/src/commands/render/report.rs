@@ -13,6 +13,7 @@ use crate::report::{
     AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
     memory_table, total_bytes,
 };
+use crate::shown;
 
 /// What was rendered, and what it cost.
 #[derive(Clone, Debug, Serialize)]
@@ -163,11 +164,11 @@ impl Report {
         }
         text += &format!(
             "\n  scene    {}: {}, {}, {}; camera {}\n",
-            scene.name,
+            shown::line(&scene.name),
             counted(scene.triangles, "triangle", "triangles"),
             counted(scene.materials, "material", "materials"),
             counted(scene.lights, "light", "lights"),
-            self.camera.name,
+            shown::line(&self.camera.name),
         );
         text += &self.notes.iter().map(NoteReport::line).collect::<String>();
         text += &format!(

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use lumivox_render::{Exposure, Metering, Renderer};
+use lumivox_render::{Exposure, Metering, Picture, Renderer};
 use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -13,11 +13,13 @@ use super::{Stage, light};
 use crate::args::number::ExposureChoice;
 use crate::cli::RenderArgs;
 use crate::commands::settings::{self, SettingsReport};
+use crate::exit::Failure;
 use crate::motion::{Moments, PathFile, When};
 use crate::progress::Progress;
 use crate::progress::words;
 use crate::report::{AdapterReport, SceneCounts, bytes, count, counted, memory_table};
 use crate::sequence::{Frame, FrameFiles, Index, Start};
+use crate::shown;
 
 /// How many pictures are looked at for the exposure of all.
 const METERED: u64 = 5;
@@ -32,16 +34,25 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     };
     let mut files = FrameFiles::new(&stage.args.output)?;
     files.fit(moments.count)?;
+    files.make_folder()?;
+    let _lock = files.lock()?;
     let settings = settings_of(&stage, &moments, path);
     let start = Index::new(moments.count, settings).start(&files, stage.args.motion.restart)?;
     let Start { mut index, missing } = start;
     if !missing.is_empty() {
-        files.make_folder()?;
         let tell = |done, total| stage.progress.set("looking at the motion", done, total);
         let bounds = stage.schedule.bounds(&mut stage.scene, &mut { tell })?;
         stage.settings.grid_bounds = stage.schedule.animation.map(|_| bounds);
     }
     index.adapter = lumivox_render::describe(&stage.gpu.adapter_info);
+    stage.progress.stop_on_interrupt(stage.host)?;
+    let stopped = |done: usize| {
+        let there = moments.count as usize - missing.len() + done;
+        Failure::stopped(format!(
+            "stopped: {there} of {} pictures are there; the same command goes on with them",
+            moments.count
+        ))
+    };
 
     let mut renderer: Option<Renderer> = None;
     let is_shared = settings::exposure(&stage.args.picture, &stage.args.cones)
@@ -49,7 +60,9 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         && files.are_exposed();
     if is_shared && stage.settings.view.is_light() && !missing.is_empty() {
         if index.exposure.is_none() {
-            let (metered, stops) = meter(&mut stage, &moments)?;
+            let Some((metered, stops)) = meter(&mut stage, &moments)? else {
+                return Err(stopped(0).into());
+            };
             (renderer, index.exposure) = (Some(metered), Some(stops));
         }
         let shared = index.exposure.map_or(Exposure::Auto, Exposure::Stops);
@@ -73,7 +86,9 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         let ready = step.prepare(renderer.take(), &stage, &camera)?;
         let renderer = renderer.insert(ready);
         stage.clock.seconds.preparing += stage.clock.lap();
-        let picture = pollster::block_on(renderer.render(&mut |p| step.tell(p)))?;
+        let Some(picture) = step.render(renderer)? else {
+            return Err(stopped(done).into());
+        };
         stage.clock.seconds.rendering += stage.clock.lap();
         picture.write(&files.path(number))?;
 
@@ -115,8 +130,8 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
 }
 
 /// The exposure of all pictures: the median of what some of them ask for, spread over the sequence and
-/// rendered roughly. One alone may look at a wall. Also the renderer that found out.
-fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<(Renderer, f32)> {
+/// rendered roughly. One alone may look at a wall. Also the renderer that found out; `None` if it was stopped.
+fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<Option<(Renderer, f32)>> {
     let mut numbers: Vec<u32> = (0..METERED)
         .map(|i| (u64::from(moments.count) * (2 * i + 1) / (2 * METERED)) as u32)
         .collect();
@@ -125,6 +140,9 @@ fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<(Renderer, 
     let mut renderer: Option<Renderer> = None;
     let mut stops = Vec::new();
     for (done, number) in numbers.into_iter().enumerate() {
+        if stage.progress.is_stopped() {
+            return Ok(None);
+        }
         let time_s = moments.time_s(number);
         stage.schedule.pose(&mut stage.scene, time_s)?;
         let camera = stage.schedule.camera(&stage.scene, time_s, moments.share(number));
@@ -138,7 +156,7 @@ fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<(Renderer, 
     stops.sort_by(f32::total_cmp);
     let median = stops.get(stops.len() / 2).copied().unwrap_or_default();
     let renderer = renderer.ok_or_else(|| anyhow::anyhow!("a sequence without pictures"))?;
-    Ok((renderer, median))
+    Ok(Some((renderer, median)))
 }
 
 /// A picture's place among those to be rendered.
@@ -171,6 +189,16 @@ impl Step<'_> {
         }
         renderer.set_camera(camera.clone());
         Ok(renderer)
+    }
+
+    /// Renders the picture, or as much of it as there was time for until the wish to stop: then it is `None`, and a
+    /// later run makes it anew.
+    fn render(&self, renderer: &mut Renderer) -> anyhow::Result<Option<Picture>> {
+        let mut tell = |step| {
+            self.tell(step);
+            self.progress.goes_on()
+        };
+        Ok(pollster::block_on(renderer.render_until(&mut tell))?)
     }
 
     fn tell(&self, step: lumivox_render::Progress) {
@@ -278,7 +306,7 @@ impl Report {
         text += &format!("\n  index    {}\n", self.index);
         text += &format!(
             "  scene    {}: {}, {}, {}\n",
-            scene.name,
+            shown::line(&scene.name),
             counted(scene.triangles, "triangle", "triangles"),
             counted(scene.materials, "material", "materials"),
             counted(scene.lights, "light", "lights"),

@@ -15,6 +15,7 @@ use crate::commands::compare::write_strip;
 use crate::host::Host;
 use crate::progress::Progress;
 use crate::report::{AdapterReport, GridReport, SceneCounts, Table, count};
+use crate::shown;
 
 /// Voxelizations whose fastest is the time told.
 const TIMED_RUNS: u32 = 3;
@@ -222,7 +223,11 @@ impl Report {
             ]);
         }
         let [x, y, z] = self.grid.dimensions;
-        let mut text = format!("{}, {x} x {y} x {z} voxels\n\n{}", self.scene.name, table.text());
+        let mut text = format!(
+            "{}, {x} x {y} x {z} voxels\n\n{}",
+            shown::line(&self.scene.name),
+            table.text()
+        );
         text += "\nMissing and too many: against the exact voxels; touched: of the missing, those without \
                  any surface\nin them. Surface: areas along the sides of voxels, as shares of the exact \
                  one. Colour: reflectance\nof the voxels in which both have surface.\n";

@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::host::Host;
 use crate::progress::Progress;
 use crate::report::{AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count};
+use crate::shown;
 
 /// How far things move, in voxels.
 const REACH_VOXELS: f32 = 1.5;
@@ -312,7 +313,7 @@ impl Report {
     }
 
     fn text(&self) -> String {
-        let mut text = format!("{}\n\n", self.scene.name);
+        let mut text = format!("{}\n\n", shown::line(&self.scene.name));
         let mut table = Table::new(&["", ""]);
         let share = self.dynamic_triangles as f64 / self.scene.triangles.max(1) as f64;
         for (name, value) in [

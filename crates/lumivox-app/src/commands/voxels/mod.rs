@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use lumivox::gpu::Timing;
 use lumivox::{Gi, Grid, VoxelizeStats};
-use lumivox_render::{GpuScene, Lighting, global_illumination, radiance_unit};
+use lumivox_render::{GpuScene, Lighting, RenderError, global_illumination, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -19,6 +19,7 @@ use crate::report::{
     AdapterReport, GridReport, MemoryReport, SceneCounts, Table, Times, count, memory_table,
     total_bytes,
 };
+use crate::shown;
 
 /// Voxelizes and reports.
 ///
@@ -56,7 +57,8 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     progress.set("voxelizing", 0, 1);
     // First without taking times, which may slow the whole down, then with.
     let start = Instant::now();
-    let voxelized = pollster::block_on(gi.voxelize(&uploaded.geometry, Timing::Off))?;
+    let voxelized = pollster::block_on(gi.voxelize(&uploaded.geometry, Timing::Off));
+    let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, &scene))?;
     gpu.wait("voxelizing")?;
     let wall_ms = start.elapsed().as_secs_f64() * 1e3;
     let timing = Timing::for_device(&gpu.device);
@@ -157,7 +159,7 @@ impl Report {
     }
 
     fn text(&self) -> String {
-        let mut text = format!("{}\n\n", self.scene.name);
+        let mut text = format!("{}\n\n", shown::line(&self.scene.name));
         let mut table = Table::new(&["voxelization", ""]);
         for (name, value) in [
             ("triangles", self.triangles),

@@ -7,6 +7,7 @@ use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, suggest};
 use crate::exit::Failure;
 use crate::motion::LATEST_S;
+use crate::shown;
 
 const FRAMES: Command = Command { group: Group::Frames, ..PLAIN };
 
@@ -84,7 +85,7 @@ fn animation(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply>
         let line = |(index, animation): (usize, &lumivox_scene::AnimationInfo)| {
             let is_on =
                 chosen == Some(AnimationChoice::One(index)) || chosen == Some(AnimationChoice::All);
-            let (name, seconds) = (&animation.name, animation.duration_s);
+            let (name, seconds) = (shown::line(&animation.name), animation.duration_s);
             format!("{index} \"{name}\", {seconds} s, {}", on_or_off(is_on))
         };
         let lines: Vec<String> = animations.iter().enumerate().map(line).collect();

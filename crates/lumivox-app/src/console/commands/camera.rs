@@ -10,6 +10,7 @@ use crate::console::arguments::{
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show, suggest};
 use crate::exit::Failure;
+use crate::shown;
 
 const CAMERA: Command = Command { group: Group::Camera, takes: &[Takes::Anything], ..PLAIN };
 
@@ -41,7 +42,7 @@ pub const TABLE: &[Command] = &[
                 .cameras
                 .iter()
                 .enumerate()
-                .map(|(number, camera)| format!("{number} \"{}\"", camera.name));
+                .map(|(number, camera)| format!("{number} \"{}\"", shown::line(&camera.name)));
             let lines: Vec<String> = lines
                 .chain([
                     format!("  \"{FRAMING}\", the view that shows it best"),
@@ -192,7 +193,7 @@ fn told(camera: &Camera) -> String {
         commas(camera.position),
         commas(target),
         camera.vertical_fov_rad.to_degrees(),
-        camera.name,
+        shown::line(&camera.name),
         commas(camera.position),
         commas(camera.forward)
     )

@@ -12,6 +12,7 @@ use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
 use crate::console::{Console, Effect, Reply, names, suggest};
 use crate::exit::Failure;
 use crate::opening::Opening;
+use crate::shown;
 
 const FILES: Command = Command { group: Group::Files, ..PLAIN };
 
@@ -57,19 +58,24 @@ pub const TABLE: &[Command] = &[
         name: "scenes",
         summary: "List the scenes that `load` finds by name",
         example: "scenes",
-        run: |console, _| Ok(Reply::say(console.names().scenes.join("\n"))),
+        run: |console, _| {
+            let names = console.names().scenes;
+            let lines: Vec<_> = names.iter().map(|name| shown::line(name)).collect();
+            Ok(Reply::say(lines.join("\n")))
+        },
         ..FILES
     },
 ];
 
 /// Options that are completed.
-const OPTIONS: [&str; 17] = [
+const OPTIONS: [&str; 18] = [
     "--scene-in-file",
     "--up",
     "--unit",
     "--crease",
     "--rotate",
     "--allow-outside",
+    "--ignore-required",
     "--texture-memory",
     "--geometry-memory",
     "--sun",
@@ -95,7 +101,7 @@ struct LoadLine {
     #[arg(long, value_parser = camera::camera, allow_hyphen_values = true)]
     camera: Option<CameraChoice>,
     /// Width by height of the picture that a camera and lamps are found for; the present one's by default.
-    #[arg(long, value_parser = crate::args::number::number(1e-3..=1e3))]
+    #[arg(long, value_parser = crate::args::number::number(1e-3..=1e3), allow_negative_numbers = true)]
     aspect: Option<f32>,
 }
 
@@ -196,6 +202,7 @@ pub fn line(opening: &Opening, aspect: Option<f32>) -> String {
         crease,
         rotate,
         allow_outside,
+        ignore_required,
         texture_memory,
         geometry_memory,
     } = &opening.load;
@@ -231,6 +238,9 @@ pub fn line(opening: &Opening, aspect: Option<f32>) -> String {
     }
     if *allow_outside {
         words.push("--allow-outside".to_owned());
+    }
+    if *ignore_required {
+        words.push("--ignore-required".to_owned());
     }
     if opening.light.no_default_light {
         words.push("--no-default-light".to_owned());

@@ -87,8 +87,10 @@ fn run(_: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 /// When it cannot be read or is no text, and when a quotation mark is open at the end of a line.
 pub fn read(file: &Path) -> Result<Vec<Line>, Failure> {
     let name = file.display().to_string();
-    let bytes = std::fs::read(file).map_err(|error| {
-        Failure::input(format!("{name}: cannot read the script: {error}; check the path"))
+    let bytes = lumivox_scene::read_regular(file).map_err(|error| {
+        Failure::input(format!(
+            "{name}: cannot read the script: {error}; check the path; `lumivox run -` reads stdin"
+        ))
     })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let line = 1 + error

@@ -13,6 +13,7 @@ use crate::console::arguments::{angle, commas, degrees, number, refused, vector}
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::line::quote;
 use crate::console::{Console, Reply, nothing_to_show};
+use crate::shown;
 
 const LIGHT: Command = Command { group: Group::Light, takes: &[Takes::Anything], ..PLAIN };
 
@@ -93,7 +94,7 @@ fn environment(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Repl
                 let turn = degrees(*rotation_rad);
                 format!(
                     "environment \"{}\", times {}, turned by {turn} degrees",
-                    map.name,
+                    shown::line(&map.name),
                     commas(*radiance)
                 )
             }

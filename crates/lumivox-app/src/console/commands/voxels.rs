@@ -11,6 +11,7 @@ use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
 use crate::report::{MemoryReport, count, counted, memory_table};
+use crate::shown;
 
 const VOXELS: Command = Command { group: Group::Voxels, takes: &[Takes::Anything], ..PLAIN };
 
@@ -238,7 +239,7 @@ fn stats(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     let lines = [
         format!(
             "scene    {}: {}, {} of {} shown, {:.3} x {:.3} x {:.3} m",
-            scene.name,
+            shown::line(&scene.name),
             counted(scene.triangle_count(), "triangle", "triangles"),
             shown,
             counted(scene.instances.len(), "object", "objects"),

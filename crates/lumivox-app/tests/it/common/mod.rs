@@ -38,6 +38,9 @@ pub const USAGE: i32 = 2;
 pub const INPUT: i32 = 3;
 pub const GPU: i32 = 4;
 pub const OUTPUT: i32 = 5;
+/// The exit code of what Ctrl-C ends.
+#[cfg(unix)]
+pub const STOPPED: i32 = 130;
 
 /// Runs `line`, and expects it to fail with `code`, to say all of `needles`, and to change nothing.
 #[track_caller]
@@ -54,6 +57,13 @@ pub fn expect_error(folder: &Path, line: &str, code: i32, needles: &[&str]) {
     }
     assert_eq!(run.stdout, "", "lumivox {line}");
     assert_eq!(names(folder), before, "lumivox {line}");
+}
+
+/// Presses Ctrl-C for a process.
+#[cfg(unix)]
+pub fn interrupt(child: &std::process::Child) {
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
 }
 
 pub fn folder() -> TempDir {

@@ -76,6 +76,12 @@ impl<'a> Loader<'a> {
         Ok(values)
     }
 
+    /// Checks that the bytes are there which an accessor claims, before memory is taken for them.
+    pub(super) fn check_room(&self, accessor: usize, what: &str) -> Result<(), SceneError> {
+        let layout = self.layout(accessor, what)?;
+        self.slice(accessor, what, &layout).map(drop)
+    }
+
     fn bad_accessor(&self, accessor: usize, what: &str, reason: &str) -> SceneError {
         self.malformed(&format!("accessor {accessor} ({what})"), reason)
     }

@@ -16,50 +16,75 @@ use crate::pose::{Animation, Channel, Interpolation, Local, Property, Track};
 type Known = HashMap<(usize, usize), Arc<[f32]>>;
 
 impl Loader<'_> {
-    /// Reads all animations into the rig. Channels of nodes that are not in it are left out.
-    pub(super) fn load_animations(&mut self, tree: &Tree) -> Result<(), SceneError> {
+    /// Reads all animations into the rig. Channels of nodes that are not in it are left out; so are
+    /// broken ones, with a warning: nobody should lose a mesh to the way that it moves.
+    pub(super) fn load_animations(&mut self, tree: &Tree) {
         let mut known = Known::new();
         for (i, animation) in self.root().animations.iter().enumerate() {
             let name = name_or_index(animation.name.as_deref(), "animation", i);
             let mut channels = Vec::new();
-            let mut duration_s = 0.0_f32;
+            let mut faults = Vec::new();
             for (j, channel) in animation.channels.iter().enumerate() {
                 let part = format!("animation \"{name}\", channel {j}");
-                let number = channel.target.node.value();
-                // The JSON library's validation leaves this out.
-                if number >= self.root().nodes.len() {
-                    return Err(SceneError::IndexOutOfRange {
-                        file: self.file.to_owned(),
-                        part: format!("{part}, its node"),
-                        index: number,
-                        count: self.root().nodes.len(),
-                        target: "nodes",
-                    });
+                match self.channel(&part, animation, channel, tree, &mut known) {
+                    Ok(channel) => channels.extend(channel),
+                    Err(error) => faults.push((part, error)),
                 }
-                let Some(node) = tree.place(number) else { continue };
-                let sampler = &animation.samplers[channel.sampler.value()];
-                let Some((property, components)) = self.property(&part, channel, node, tree)?
-                else {
-                    continue;
-                };
-                let Some(track) = self.track(&part, sampler, components, &mut known)? else {
-                    continue;
-                };
-                if property == Property::Rotation
-                    && let Some(key) = track.first_zero_rotation()
-                {
-                    let reason = format!("key {key} is a rotation of length zero");
-                    return Err(self.malformed(&part, &reason));
-                }
-                if property != Property::Weights {
-                    self.split_matrix(node)?;
-                }
-                duration_s = duration_s.max(track.times_s.last().copied().unwrap_or(0.0));
-                channels.push(Channel { node, property, track });
             }
+            if let Some((part, error)) = faults.first() {
+                let reason = self.without_file(error);
+                let place =
+                    if reason.starts_with(part) { String::new() } else { part.clone() + ": " };
+                self.notes.warn(format!(
+                    "animation \"{name}\": {} of its {} channels were left out; {place}{reason}",
+                    faults.len(),
+                    animation.channels.len()
+                ));
+            }
+            let ends = channels.iter().filter_map(|channel| channel.track.times_s.last());
+            let duration_s = ends.copied().fold(0.0, f32::max);
             self.rig.animations.push(Animation { name, duration_s, channels });
         }
-        Ok(())
+    }
+
+    /// Reads a channel; `None` where it moves nothing here.
+    fn channel(
+        &mut self,
+        part: &str,
+        animation: &json::Animation,
+        channel: &json::animation::Channel,
+        tree: &Tree,
+        known: &mut Known,
+    ) -> Result<Option<Channel>, SceneError> {
+        let number = channel.target.node.value();
+        // The JSON library's validation leaves this out.
+        if number >= self.root().nodes.len() {
+            return Err(SceneError::IndexOutOfRange {
+                file: self.file.to_owned(),
+                part: format!("{part}, its node"),
+                index: number,
+                count: self.root().nodes.len(),
+                target: "nodes",
+            });
+        }
+        let Some(node) = tree.place(number) else { return Ok(None) };
+        let sampler = &animation.samplers[channel.sampler.value()];
+        let Some((property, components)) = self.property(part, channel, node, tree)? else {
+            return Ok(None);
+        };
+        let Some(track) = self.track(part, sampler, components, known)? else {
+            return Ok(None);
+        };
+        if property == Property::Rotation
+            && let Some(key) = track.first_zero_rotation()
+        {
+            let reason = format!("key {key} is a rotation of length zero");
+            return Err(self.malformed(part, &reason));
+        }
+        if property != Property::Weights {
+            self.split_matrix(node)?;
+        }
+        Ok(Some(Channel { node, property, track }))
     }
 
     /// What moves, and how many numbers its values have. `None`, with a warning, where that is not

@@ -18,6 +18,12 @@ impl Loader<'_> {
         part: &str,
         primitive: &gltf::Primitive<'_>,
     ) -> Result<(), SceneError> {
+        // A count that is wrong is no matter of the budget.
+        let positions = primitive.get(&Semantic::Positions).map(|a| (a.index(), "positions"));
+        let indices = primitive.indices().map(|a| (a.index(), "indices"));
+        for (accessor, what) in positions.into_iter().chain(indices) {
+            self.check_room(accessor, what)?;
+        }
         let count = |accessor: Option<usize>| {
             accessor.and_then(|a| self.root().accessors.get(a)).map(|accessor| accessor.count.0)
         };

@@ -2,6 +2,7 @@
 //! all point at something, and its buffers.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use gltf::Document;
@@ -10,7 +11,7 @@ use gltf::json::{Path as JsonPath, Root};
 
 use super::compression::Buffers;
 use super::repair::read_root;
-use super::{Notes, compression, extensions};
+use super::{Notes, compression, extensions, name_or_index, version};
 use crate::load::LoadOptions;
 use crate::load::files::{self, Reach};
 use crate::{LoadNotes, SceneError};
@@ -28,6 +29,7 @@ pub(super) struct Parsed<'a> {
 pub(super) fn parse<'a>(
     file: &Path,
     bytes: &'a [u8],
+    reach: Reach<'_>,
     options: &LoadOptions<'_>,
     notes: &mut Notes,
 ) -> Result<Parsed<'a>, SceneError> {
@@ -40,21 +42,27 @@ pub(super) fn parse<'a>(
         return Err(malformed("the file", "it is empty".to_owned()));
     }
     let (json, binary) = if bytes.starts_with(b"glTF") {
+        if let Some(version) = version::of_container(bytes) {
+            return Err(version::unknown(file, version));
+        }
         split_glb(bytes).map_err(|reason| malformed("the GLB container", reason))?
     } else {
         (bytes, None)
     };
     // Some exporters write a byte order mark, which JSON forbids.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let mut root =
-        read_root(json, notes).map_err(|error| malformed("the JSON", error.to_string()))?;
+    let root = read_root(json, notes);
+    if let Some(version) = version::of_document(json, root.as_ref().ok()) {
+        return Err(version::unknown(file, version));
+    }
+    let mut root = root.map_err(|error| malformed("the JSON", error.to_string()))?;
     let about = super::about::about(&root);
 
-    extensions::check(file, &mut root, notes)?;
+    extensions::check(file, &mut root, options.ignore_required, notes)?;
     drop_primitives_without_positions(&mut root, notes);
     check_position_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
-    check_indices(&root).map_err(|(part, reason)| malformed(&part, reason))?;
-    let mut buffers = read_buffers(file, &root, binary, options.reach())?;
+    check_indices(&mut root, notes).map_err(|(part, reason)| malformed(&part, reason))?;
+    let mut buffers = read_buffers(file, &root, binary, reach)?;
     compression::decompress(file, &mut root, &mut buffers, options.budget.geometry_bytes)?;
     Ok(Parsed { document: Document::from_json_without_validation(root), buffers, about })
 }
@@ -65,10 +73,6 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         let bytes = bytes.get(at..at + 4).ok_or("it ends in the middle of a header")?;
         Ok(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
     };
-    let version = word(4)?;
-    if version != 2 {
-        return Err(format!("it has version {version}, but only version 2 is read"));
-    }
     let length = word(8)? as usize;
     if length > bytes.len() {
         return Err(format!("it is cut off: {length} bytes are declared, {} exist", bytes.len()));
@@ -135,10 +139,13 @@ fn check_position_indices(root: &Root) -> Result<(), (String, String)> {
     Ok(())
 }
 
-/// Checks everything that points at something else; the rest of the loader relies on it.
-fn check_indices(root: &Root) -> Result<(), (String, String)> {
+/// Checks everything that points at something else; the rest of the loader relies on it. A broken
+/// animation is emptied, so that the others keep their numbers.
+fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, String)> {
     let mut first = None;
-    root.validate(root, JsonPath::new, &mut |path, fault| {
+    let mut animations: BTreeMap<usize, String> = BTreeMap::new();
+    let checked: &Root = root;
+    checked.validate(checked, JsonPath::new, &mut |path, fault| {
         let path = path();
         let text = path.as_str();
         // Bounds of positions are required by the letter, but nothing here needs them.
@@ -148,7 +155,7 @@ fn check_indices(root: &Root) -> Result<(), (String, String)> {
         let only_zeros = fault == Fault::Missing
             && text.starts_with("accessors[")
             && text.ends_with(".bufferView");
-        if !only_bounds && !only_zeros && first.is_none() {
+        if !only_bounds && !only_zeros {
             let reason = match fault {
                 Fault::IndexOutOfBounds => "it points at something that does not exist",
                 Fault::Missing => "it is missing",
@@ -156,9 +163,23 @@ fn check_indices(root: &Root) -> Result<(), (String, String)> {
                 Fault::Unsupported => "it is not supported",
                 Fault::Invalid => "its value is not allowed",
             };
-            first = Some((text.to_owned(), reason.to_owned()));
+            match animation(text) {
+                Some(index) => {
+                    animations.entry(index).or_insert_with(|| format!("{text}: {reason}"));
+                }
+                None => {
+                    first.get_or_insert_with(|| (text.to_owned(), reason.to_owned()));
+                }
+            }
         }
     });
+    for (index, reason) in animations {
+        let Some(animation) = root.animations.get_mut(index) else { continue };
+        let name = name_or_index(animation.name.as_deref(), "animation", index);
+        notes.warn(format!("the animation \"{name}\" is malformed and was left out: {reason}"));
+        animation.channels.clear();
+        animation.samplers.clear();
+    }
     // What the library's validation leaves out.
     for (i, camera) in root.cameras.iter().enumerate() {
         use gltf::json::camera::Type;
@@ -173,6 +194,11 @@ fn check_indices(root: &Root) -> Result<(), (String, String)> {
         }
     }
     first.map_or(Ok(()), Err)
+}
+
+/// The number of the animation that a place in the document, such as `animations[3].channels[0]`, is in.
+fn animation(place: &str) -> Option<usize> {
+    place.strip_prefix("animations[")?.split(']').next()?.parse().ok()
 }
 
 fn read_buffers<'a>(

@@ -38,12 +38,13 @@ impl Loader<'_> {
                 )),
             }
         }
-        // Before anything is read: no more copies than the scene may have.
-        let counts: Vec<_> = [translations, rotations, scales]
-            .into_iter()
-            .flatten()
-            .map(|accessor| self.root().accessors[accessor].count.0)
-            .collect();
+        // Before anything is read: no more copies than there are data for, and than the scene may have.
+        let given = || [translations, rotations, scales].into_iter().flatten();
+        for accessor in given() {
+            self.check_room(accessor, "copies")?;
+        }
+        let counts: Vec<_> =
+            given().map(|accessor| self.root().accessors[accessor].count.0).collect();
         let Some(&count) = counts.first() else { return Ok(None) };
         if counts.iter().any(|&other| other != count) {
             let reason = format!("the attributes of {EXTENSION} differ in length");

@@ -30,52 +30,91 @@ const SUPPORTED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Those that say nothing about the picture: metadata, and what a user could do with things.
+/// Those that say nothing about the picture: metadata, sound, and what a user could do with things.
 const SILENT: &[&str] = &[
+    "AGI_articulations",
+    "AGI_stk_metadata",
+    "EXT_feature_metadata",
+    "EXT_instance_features",
     "EXT_mesh_features",
+    "EXT_mesh_manifold",
     "EXT_structural_metadata",
+    "KHR_audio_emitter",
+    "KHR_interactivity",
     "KHR_node_hoverability",
     "KHR_node_selectability",
+    "KHR_physics_rigid_bodies",
     "KHR_xmp",
     "KHR_xmp_json_ld",
+    "MSFT_audio_emitter",
+    "VRM",
+    "VRMC_node_constraint",
+    "VRMC_springBone",
+    "VRMC_vrm",
 ];
 
-/// Those of which a user should know what the picture lacks.
+/// Those without which the picture is nearly what it should be, and what it lacks then.
 const REPLACED: &[(&str, &str)] = &[
+    ("CESIUM_primitive_outline", "its outlines are not drawn"),
+    ("EXT_lights_ies", "its lamps shine as if they had no profile"),
+    ("EXT_lights_image_based", "the surroundings that it brings are not read"),
+    ("EXT_texture_avif", "its images of that kind have a stand-in"),
+    ("KHR_animation_pointer", "what it moves stays as it is"),
     ("KHR_materials_anisotropy", "its reflections are the same in all directions"),
     ("KHR_materials_diffuse_transmission", "light does not shine through its surfaces"),
     ("KHR_materials_dispersion", "its glass does not split colours"),
     ("KHR_materials_iridescence", "its surfaces do not change their colour with the angle"),
     ("KHR_materials_variants", "the first look of each surface is shown"),
     ("KHR_materials_volume", "thick glass is shown as a thin pane"),
+    ("MSFT_lod", "the finest level of detail is shown"),
+    ("MSFT_texture_dds", "its images of that kind have a stand-in"),
+    ("VRMC_materials_mtoon", "its surfaces are lit as real ones, not as drawings"),
 ];
 
-/// Refuses a file that requires what is not understood, and warns of the rest.
-pub(super) fn check(file: &Path, root: &mut Root, notes: &mut Notes) -> Result<(), SceneError> {
+/// Refuses a file that requires what is not understood and may change what is shown, unless
+/// `ignore_required`, and warns of the rest.
+pub(super) fn check(
+    file: &Path,
+    root: &mut Root,
+    ignore_required: bool,
+    notes: &mut Notes,
+) -> Result<(), SceneError> {
     let supported = || SUPPORTED.iter().copied();
     let is_known =
         |name: &str| supported().chain(SILENT.iter().copied()).any(|known| known == name);
+    let effect = |name: &str| REPLACED.iter().find(|(replaced, _)| *replaced == name);
     let missing: Vec<String> = root
         .extensions_required
         .iter()
-        .filter(|name| !is_known(name))
+        .filter(|name| !is_known(name) && effect(name).is_none())
         .map(|name| files::shorten(name))
         .collect();
-    if !missing.is_empty() {
+    if !missing.is_empty() && !ignore_required {
         return Err(SceneError::RequiredExtension {
             file: file.to_owned(),
             extensions: missing,
             supported: supported().collect(),
         });
     }
-    // The JSON library would refuse some that are read here.
-    root.extensions_required.clear();
-    for name in root.extensions_used.iter().filter(|name| !is_known(name)) {
-        let effect = REPLACED.iter().find(|(replaced, _)| replaced == name);
-        let effect = effect.map_or(String::new(), |(_, effect)| format!(": {effect}"));
+    if !missing.is_empty() {
         notes.warn(format!(
-            "the glTF extension {} is not supported and was ignored{effect}",
-            files::shorten(name)
+            "the file requires the glTF extension {}, which is not supported and was ignored: what is \
+             shown may be wrong",
+            missing.join(", ")
+        ));
+    }
+    // The JSON library would refuse some that are read here.
+    let required = std::mem::take(&mut root.extensions_required);
+    // What is required should be listed among what is used, and is not always.
+    for name in root.extensions_used.iter().chain(&required).filter(|name| !is_known(name)) {
+        let effect = effect(name).map(|(_, effect)| format!(": {effect}"));
+        if effect.is_none() && required.contains(name) {
+            continue;
+        }
+        notes.warn(format!(
+            "the glTF extension {} is not supported and was ignored{}",
+            files::shorten(name),
+            effect.unwrap_or_default()
         ));
     }
     Ok(())

@@ -44,6 +44,7 @@ pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
 }
 
 /// What a node says of its mesh.
+#[expect(clippy::struct_field_names, reason = "as the scene's instances call them")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Marks {
     /// That it is static, or that it is not.

@@ -33,6 +33,7 @@ mod scenes;
 mod sharing;
 mod skin;
 mod texture;
+mod version;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -42,7 +43,7 @@ use gltf::json::Root;
 
 use super::files::{self, Reach};
 use super::geometry::GeometryBudget;
-use super::textures::Textures;
+use super::textures::{NotMade, Textures};
 use super::{LoadOptions, Notes, stream, tangents};
 use crate::pose::Parts;
 use crate::{Rig, Scene, SceneError};
@@ -91,35 +92,49 @@ fn load_bytes(
     options: &mut LoadOptions<'_>,
 ) -> Result<Scene, SceneError> {
     let mut notes = Notes::default();
-    let reach = options.reach();
-    let parsed = container::parse(file, bytes, options, &mut notes)?;
+    let folders = [files::folder_of(file)];
+    let reach = options.reach(&folders);
+    let parsed = container::parse(file, bytes, reach, options, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let mut loader = Loader {
-        file,
-        reach,
-        document: &parsed.document,
-        buffers: &parsed.buffers,
-        scene: Scene { name: name.unwrap_or_default(), notes: parsed.about, ..Scene::default() },
-        rig: Parts { file: file.to_owned(), ..Parts::default() },
-        notes,
-        budget: Budget {
-            geometry: GeometryBudget::new(file, options.budget.geometry_bytes),
-            instances: 1_000_000,
-            weights: 10_000_000,
-        },
-        skins: HashMap::new(),
-        meshes: HashMap::new(),
-        materials: HashMap::new(),
-        textures: Textures::default(),
-        images: HashMap::new(),
-    };
-    loader.load_nodes(options.scene.as_deref())?;
-    let Loader { mut scene, rig, textures, mut notes, .. } = loader;
-    scene.textures = textures.make(file, options, &mut notes)?;
-    scene.notes.warnings = notes.warnings;
-    Rig::install(&mut scene, rig)?;
-    crate::validate::validate(&mut scene, file)?;
-    Ok(scene)
+    // Which images cannot be decoded shows in the end. Then all is put together again without them, as
+    // if they had been missing from the start.
+    let mut bad: HashMap<usize, texture::Listed> = HashMap::new();
+    loop {
+        let name = name.clone().unwrap_or_default();
+        let mut loader = Loader {
+            file,
+            reach,
+            document: &parsed.document,
+            buffers: &parsed.buffers,
+            scene: Scene { name, notes: parsed.about.clone(), ..Scene::default() },
+            rig: Parts { file: file.to_owned(), ..Parts::default() },
+            notes: notes.clone(),
+            budget: Budget {
+                geometry: GeometryBudget::new(file, options.budget.geometry_bytes),
+                instances: 1_000_000,
+                weights: 10_000_000,
+            },
+            skins: HashMap::new(),
+            meshes: HashMap::new(),
+            materials: HashMap::new(),
+            textures: Textures::default(),
+            images: bad.clone(),
+        };
+        loader.load_nodes(options.scene.as_deref())?;
+        let Loader { mut scene, rig, textures, mut notes, images, .. } = loader;
+        match textures.make(file, options, &mut notes) {
+            Ok(textures) => scene.textures = textures,
+            Err(NotMade::Images(faults)) => {
+                bad.extend(texture::unlisted(&images, &faults, &parsed.document));
+                continue;
+            }
+            Err(NotMade::Scene(error)) => return Err(error),
+        }
+        scene.notes.warnings = notes.warnings;
+        Rig::install(&mut scene, rig)?;
+        crate::validate::validate(&mut scene, file)?;
+        return Ok(scene);
+    }
 }
 
 impl<'a> Loader<'a> {
@@ -133,6 +148,13 @@ impl<'a> Loader<'a> {
             part: part.to_owned(),
             reason: reason.to_owned(),
         }
+    }
+
+    /// What an error says, for a warning: those are told with the file's name already.
+    fn without_file(&self, error: &SceneError) -> String {
+        let text = error.to_string();
+        let file = format!("{}: ", self.file.display());
+        text.strip_prefix(&file).unwrap_or(&text).to_owned()
     }
 
     fn too_many(&self, part: &str, what: &str) -> SceneError {

@@ -70,7 +70,7 @@ impl Loader<'_> {
         }
         let in_scene = tree.numbers.len();
         self.walk_to_joints(&nodes, &mut tree)?;
-        self.load_animations(&tree)?;
+        self.load_animations(&tree);
 
         let rig = &self.rig;
         let world_from_node =

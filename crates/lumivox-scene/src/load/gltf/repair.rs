@@ -1,19 +1,19 @@
 //! JSON that follows the specification, but that the JSON library does not take.
 
 use gltf::json::{Error, Root};
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::Notes;
+use super::{Notes, name_or_index};
 use crate::load::files::shorten;
 
 /// Reads the document. Channels that animate something other than nodes (`KHR_animation_pointer`)
-/// are taken out, with a warning; so are what morph targets do to other things than positions,
-/// normals and tangents.
+/// are taken out, with a warning; so are animations that are no animations, and what morph targets do
+/// to other things than positions, normals and tangents.
 pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
     let root = match Root::from_slice(json) {
         Ok(root) => root,
         Err(error) => {
-            let Some(json) = without_pointers(json, notes) else { return Err(error) };
+            let Some(json) = repaired(json, notes) else { return Err(error) };
             Root::from_slice(&json)?
         }
     };
@@ -24,11 +24,32 @@ pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
     Ok(root)
 }
 
-/// The JSON again without channels that name no node, if there are such.
-fn without_pointers(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
-    let mut value: Value = serde_json::from_slice(json).ok()?;
+/// The JSON again as the library takes it, if there is something to repair.
+fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
+    let mut document: Value = serde_json::from_slice(json).ok()?;
+    let are_repaired = [
+        name_nodes(&mut document),
+        drop_pointers(&mut document, notes),
+        // What is left of them.
+        empty_animations(&mut document, notes),
+    ];
+    are_repaired.contains(&true).then(|| serde_json::to_vec(&document).ok())?
+}
+
+/// A scene need not name nodes (glTF 2.0, section 5.27).
+fn name_nodes(document: &mut Value) -> bool {
+    let mut is_repaired = false;
+    for scene in list_mut(document, "scenes").iter_mut().filter_map(Value::as_object_mut) {
+        is_repaired |= !scene.contains_key("nodes");
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    }
+    is_repaired
+}
+
+/// Takes channels out that name no node.
+fn drop_pointers(document: &mut Value, notes: &mut Notes) -> bool {
     let mut dropped = 0;
-    for animation in value.get_mut("animations")?.as_array_mut()? {
+    for animation in list_mut(document, "animations") {
         let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
             continue;
         };
@@ -36,14 +57,39 @@ fn without_pointers(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
         channels.retain(|channel| channel.get("target").is_none_or(|t| t.get("node").is_some()));
         dropped += before - channels.len();
     }
-    if dropped == 0 {
-        return None;
+    if dropped > 0 {
+        notes.warn(format!(
+            "{dropped} channels of animations move no nodes (KHR_animation_pointer is not supported) \
+             and were ignored"
+        ));
     }
-    notes.warn(format!(
-        "{dropped} channels of animations move no nodes (KHR_animation_pointer is not supported) \
-         and were ignored"
-    ));
-    serde_json::to_vec(&value).ok()
+    dropped > 0
+}
+
+/// Empties animations that do not have the form of one; the others keep their numbers.
+fn empty_animations(document: &mut Value, notes: &mut Notes) -> bool {
+    let mut is_repaired = false;
+    for (index, animation) in list_mut(document, "animations").iter_mut().enumerate() {
+        let read = serde_json::to_vec(animation)
+            .and_then(|json| serde_json::from_slice::<gltf::json::Animation>(&json));
+        let Err(error) = read else { continue };
+        let name = animation.get("name").and_then(Value::as_str).map(str::to_owned);
+        let shown = name_or_index(name.as_deref(), "animation", index);
+        // Where in the text it is, is said of another text.
+        let reason = error.to_string();
+        let reason = reason.split(" at line ").next().unwrap_or_default();
+        notes.warn(format!("the animation \"{shown}\" is malformed and was left out: {reason}"));
+        *animation = json!({ "channels": [], "samplers": [] });
+        if let Some(name) = name {
+            animation["name"] = json!(name);
+        }
+        is_repaired = true;
+    }
+    is_repaired
+}
+
+fn list_mut<'a>(value: &'a mut Value, key: &str) -> &'a mut [Value] {
+    value.get_mut(key).and_then(Value::as_array_mut).map_or(&mut [], Vec::as_mut_slice)
 }
 
 fn warn_of_other_targets(json: &[u8], notes: &mut Notes) {

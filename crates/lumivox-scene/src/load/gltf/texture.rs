@@ -1,12 +1,13 @@
 //! Textures: which image a material means, where on it a vertex lies, and how it is sampled.
 //!
 //! Where a texture names its image by an extension and by the core format, the extension's comes
-//! first and the other is what remains when it cannot be had. An image whose file is missing does
+//! first and the other is what remains when it cannot be had. An image that is missing or broken does
 //! not stop the scene: where it would show as a colour there is a board of magenta and black, and
 //! elsewhere no texture; both with a warning. Occlusion textures are not read at all: light is
 //! computed here, and theirs would count twice.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use glam::{Affine2, Vec2};
 use gltf::texture::{MagFilter, MinFilter, WrappingMode};
@@ -97,7 +98,7 @@ impl Placed {
 /// One image, or why it is not there.
 pub(super) type Listed = Result<ImageId, String>;
 
-impl Loader<'_> {
+impl<'a> Loader<'a> {
     /// What the JSON of an extension says of a texture.
     pub(super) fn texture_use(
         &self,
@@ -251,9 +252,8 @@ impl Loader<'_> {
         }
         candidates.extend(json.source().map(|image| image.index()));
         let mut reasons = Vec::new();
-        for (i, &image) in candidates.iter().enumerate() {
-            let is_last = i + 1 == candidates.len();
-            match self.list_image(image, is_last)? {
+        for image in candidates {
+            match self.list_image(image)? {
                 Ok(found) => {
                     if let Some(reason) = reasons.last() {
                         self.notes.warn(format!(
@@ -272,50 +272,77 @@ impl Loader<'_> {
         Ok(None)
     }
 
-    /// Lists an image once. What is broken in the only image is an error, and one that is not there
-    /// a reason.
-    fn list_image(&mut self, index: usize, is_last: bool) -> Result<Listed, SceneError> {
+    /// Lists an image once, or tells why it cannot be had.
+    fn list_image(&mut self, index: usize) -> Result<Listed, SceneError> {
         if let Some(known) = self.images.get(&index) {
             return Ok(known.clone());
         }
         let Some(json) = self.root().images.get(index) else {
             return Err(self.malformed(&format!("image {index}"), "it does not exist"));
         };
-        // Its name, or that of its file: what a user can find.
-        let file_name = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
-        let name = name_or_index(json.name.as_deref().or(file_name), "image", index);
-        let part = format!("image \"{name}\"");
-        let source = match (json.buffer_view, &json.uri) {
-            (Some(view), _) => Source::Memory(Cow::Borrowed(self.view(view.value())?)),
-            (None, Some(uri)) => match files::locate_uri(self.file, &part, uri, self.reach)? {
-                Located::Data(bytes) => Source::Memory(Cow::Owned(bytes)),
-                Located::File(path) if self.reach.source.is_some() => {
-                    match self.reach.read(&path) {
-                        Ok(bytes) => Source::Memory(Cow::Owned(bytes.into_owned())),
-                        Err(error) => return Ok(Err(unreadable(&part, &error))),
-                    }
-                }
-                Located::File(path) => Source::File(path),
-            },
-            (None, None) => {
-                return Err(self.malformed(&part, "it has neither a URI nor a buffer view"));
-            }
-        };
-        let listed = match self.textures.image(&part, &name, source) {
-            Ok(image) => Ok(image),
-            Err(Fault::Unreadable(error)) => Err(unreadable(&part, &error)),
-            Err(Fault::Bad(reason)) if is_last => {
-                return Err(SceneError::Image { file: self.file.to_owned(), image: part, reason });
-            }
-            Err(Fault::Bad(reason)) => return Ok(Err(format!("{part} cannot be used: {reason}"))),
-        };
+        let name = image_name(json, index);
+        let listed = self.image_source(json, &name).and_then(|source| {
+            self.textures
+                .image(&format!("image \"{name}\""), &name, source)
+                .map_err(|fault| told(&name, &fault))
+        });
         self.images.insert(index, listed.clone());
         Ok(listed)
     }
+
+    /// Where an image's bytes are, or why they cannot be had.
+    fn image_source(&self, json: &gltf::json::Image, name: &str) -> Result<Source<'a>, String> {
+        let part = format!("image \"{name}\"");
+        if let Some(view) = json.buffer_view {
+            let bytes = self
+                .view(view.value())
+                .map_err(|error| format!("{part} cannot be read: {}", self.without_file(&error)))?;
+            return Ok(Source::Memory(Cow::Borrowed(bytes)));
+        }
+        let Some(uri) = &json.uri else {
+            return Err(format!("{part} has neither a URI nor a buffer view"));
+        };
+        let located = files::locate_uri(self.file, &part, uri, self.reach);
+        match located.map_err(|error| self.without_file(&error))? {
+            Located::Data(bytes) => Ok(Source::Memory(Cow::Owned(bytes))),
+            Located::File(path) if self.reach.source.is_some() => match self.reach.read(&path) {
+                Ok(bytes) => Ok(Source::Memory(Cow::Owned(bytes.into_owned()))),
+                Err(error) => Err(told(name, &Fault::Unreadable(error))),
+            },
+            Located::File(path) => Ok(Source::File(path)),
+        }
+    }
 }
 
-fn unreadable(part: &str, error: &std::io::Error) -> String {
-    format!("{part} cannot be read ({error}); put its file beside the scene")
+/// Its name, or that of its file: what a user can find.
+fn image_name(json: &gltf::json::Image, index: usize) -> String {
+    let file_name = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+    name_or_index(json.name.as_deref().or(file_name), "image", index)
+}
+
+/// Why an image cannot be had.
+fn told(name: &str, fault: &Fault) -> String {
+    match fault {
+        Fault::Unreadable(error) => {
+            format!("image \"{name}\" cannot be read ({error}); put its file beside the scene")
+        }
+        Fault::Bad(..) => format!("image \"{name}\" cannot be used: {fault}"),
+    }
+}
+
+/// The document's images that cannot be decoded after all.
+pub(super) fn unlisted(
+    listed: &HashMap<usize, Listed>,
+    faults: &[(ImageId, Fault)],
+    document: &gltf::Document,
+) -> HashMap<usize, Listed> {
+    let images = &document.as_json().images;
+    let fault_of = |id: ImageId| faults.iter().find(|(faulty, _)| *faulty == id);
+    let unlisted = listed.iter().filter_map(|(&index, listed)| {
+        let (_, fault) = fault_of(*listed.as_ref().ok()?)?;
+        Some((index, Err(told(&image_name(images.get(index)?, index), fault))))
+    });
+    unlisted.collect()
 }
 
 fn convert_sampler(sampler: &gltf::texture::Sampler<'_>) -> Sampler {

@@ -8,11 +8,12 @@ mod ktx2;
 mod shrink;
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use image::{ImageFormat, ImageReader, Limits};
+
+use super::regular::{open_regular, read_regular};
 
 pub(super) use shrink::{Encoding, halved, shrink};
 
@@ -41,9 +42,7 @@ impl Source<'_> {
     fn read(&self) -> Result<Cow<'_, [u8]>, Fault> {
         match self {
             Self::Memory(bytes) => Ok(Cow::Borrowed(bytes)),
-            Self::File(path) => {
-                super::files::read_regular(path).map(Cow::Owned).map_err(Fault::Unreadable)
-            }
+            Self::File(path) => read_regular(path).map(Cow::Owned).map_err(Fault::Unreadable),
         }
     }
 }
@@ -76,24 +75,36 @@ pub(super) struct Pixels {
 /// Why an image cannot be had.
 #[derive(Debug)]
 pub(super) enum Fault {
-    /// The file cannot be read: a stand-in may do.
+    /// The file cannot be read.
     Unreadable(std::io::Error),
-    /// Its content is broken or of a kind that is not decoded.
-    Bad(String),
+    /// Its content is broken or of a kind that is not decoded: why, and what would help.
+    Bad(String, &'static str),
 }
+
+/// What helps where the bytes break their format.
+const BROKEN: &str = "export it or download it again";
+/// What helps where the format is right and not one that is read.
+const OF_ANOTHER_KIND: &str = "save it as a plain PNG or JPEG";
+/// What helps against too many texels.
+const LARGE: &str = "scale it down";
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Unreadable(error) => write!(f, "{error}"),
-            Self::Bad(reason) => f.write_str(reason),
+            Self::Bad(reason, remedy) => write!(f, "{reason}; {remedy}"),
         }
     }
 }
 
 impl From<image::ImageError> for Fault {
     fn from(error: image::ImageError) -> Self {
-        Self::Bad(error.to_string())
+        let remedy = match &error {
+            image::ImageError::Unsupported(_) => OF_ANOTHER_KIND,
+            image::ImageError::Limits(_) => LARGE,
+            _ => BROKEN,
+        };
+        Self::Bad(error.to_string(), remedy)
     }
 }
 
@@ -102,12 +113,8 @@ pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
     match source {
         Source::Memory(bytes) => header_of(Cursor::new(bytes.as_ref()), bytes.len() as u64, None),
         Source::File(path) => {
-            let data = std::fs::metadata(path).map_err(Fault::Unreadable)?;
-            if !data.is_file() {
-                return Err(Fault::Unreadable(std::io::Error::other("not a regular file")));
-            }
-            let file = File::open(path).map_err(Fault::Unreadable)?;
-            header_of(BufReader::new(file), data.len(), Some(path))
+            let (file, length) = open_regular(path).map_err(Fault::Unreadable)?;
+            header_of(BufReader::new(file), length, Some(path))
         }
     }
 }
@@ -117,7 +124,7 @@ pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
 pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Fault> {
     let bytes = source.read()?;
     let pixels = match header.format {
-        Format::Ktx2 => ktx2::decode(&bytes).map_err(Fault::Bad)?,
+        Format::Ktx2 => ktx2::decode(&bytes).map_err(of_ktx2)?,
         Format::Plain(format) => {
             let image = reader(Cursor::new(bytes.as_ref()), format).decode()?.into_rgba8();
             Pixels { width: image.width(), height: image.height(), rgba8: image.into_raw() }
@@ -125,7 +132,8 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
     };
     // The budget was made for the size in the header; a file may have changed since.
     if (pixels.width, pixels.height) != (header.width, header.height) {
-        return Err(Fault::Bad("its size changed while it was read".to_owned()));
+        let reason = "its size changed while it was read".to_owned();
+        return Err(Fault::Bad(reason, "open the scene again"));
     }
     Ok(pixels)
 }
@@ -134,6 +142,11 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
 pub(super) fn decode_file(bytes: &[u8], path: &Path) -> Result<Pixels, Fault> {
     let header = header_of(Cursor::new(bytes), bytes.len() as u64, Some(path))?;
     decode(&Source::Memory(Cow::Borrowed(bytes)), header)
+}
+
+/// Broken, or of a kind that is not read: another format helps against either.
+fn of_ktx2(reason: String) -> Fault {
+    Fault::Bad(reason, OF_ANOTHER_KIND)
 }
 
 fn header_of(
@@ -149,7 +162,7 @@ fn header_of(
         .map_err(Fault::Unreadable)?;
     input.rewind().map_err(Fault::Unreadable)?;
     let (format, width, height) = if ktx2::is_ktx2(&start) {
-        let (width, height) = ktx2::size(&start).map_err(Fault::Bad)?;
+        let (width, height) = ktx2::size(&start).map_err(of_ktx2)?;
         (Format::Ktx2, width, height)
     } else {
         let format = plain_format(&start, path)?;
@@ -157,18 +170,18 @@ fn header_of(
         (Format::Plain(format), width, height)
     };
     if width == 0 || height == 0 {
-        return Err(Fault::Bad(format!("it has {width} x {height} texels")));
+        return Err(Fault::Bad(format!("it has {width} x {height} texels"), BROKEN));
     }
     if width > LONGEST_EDGE || height > LONGEST_EDGE {
-        return Err(Fault::Bad(format!(
-            "it has {width} x {height} texels, more than {LONGEST_EDGE} along an edge; shrink it"
-        )));
+        let reason =
+            format!("it has {width} x {height} texels, more than {LONGEST_EDGE} along an edge");
+        return Err(Fault::Bad(reason, LARGE));
     }
     let texels = u64::from(width) * u64::from(height);
     if texels > FREE_TEXELS.saturating_add(length.saturating_mul(MOST_TEXELS_A_BYTE)) {
-        return Err(Fault::Bad(format!(
-            "it claims {width} x {height} texels, which its {length} bytes cannot hold"
-        )));
+        let reason =
+            format!("it claims {width} x {height} texels, which its {length} bytes cannot hold");
+        return Err(Fault::Bad(reason, BROKEN));
     }
     Ok(Header { format, width, height })
 }
@@ -183,7 +196,8 @@ fn plain_format(start: &[u8], path: Option<&Path>) -> Result<ImageFormat, Fault>
     if format.reading_enabled() {
         return Ok(format);
     }
-    Err(Fault::Bad(format!("the format {} is not read", format.extensions_str()[0])))
+    let reason = format!("the format {} is not read", format.extensions_str()[0]);
+    Err(Fault::Bad(reason, OF_ANOTHER_KIND))
 }
 
 fn reader<R: BufRead + Seek>(input: R, format: ImageFormat) -> ImageReader<R> {
@@ -246,8 +260,15 @@ mod tests {
 
     #[test]
     fn what_is_no_image_is_said() {
-        for bytes in [&b""[..], b"hello", b"GIF89a no picture", b"\x89PNG\r\n\x1a\n"] {
-            assert!(matches!(header(&memory(bytes)), Err(Fault::Bad(_))));
+        for (bytes, remedy) in [
+            (&b""[..], OF_ANOTHER_KIND),
+            (b"hello", OF_ANOTHER_KIND),
+            (b"GIF89a no picture", OF_ANOTHER_KIND),
+            // It is a PNG: another one would be as broken.
+            (b"\x89PNG\r\n\x1a\n", BROKEN),
+        ] {
+            let fault = header(&memory(bytes)).unwrap_err().to_string();
+            assert!(fault.ends_with(&format!("; {remedy}")), "{fault}");
         }
         let missing = Source::File(PathBuf::from("/nowhere/at/all.png"));
         assert!(matches!(header(&missing), Err(Fault::Unreadable(_))));

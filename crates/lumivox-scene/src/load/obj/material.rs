@@ -31,9 +31,9 @@ const NO_ROUGHNESS: f32 = 0.5;
 /// Converts materials once each.
 pub(super) struct Materials<'s, 'o> {
     file: &'s Path,
-    reach: Reach<'o>,
+    reach: Reach<'s>,
     definitions: Library,
-    textures: Textures<'o>,
+    textures: Textures<'s>,
     options: &'s mut LoadOptions<'o>,
     /// By name; without one by whether vertices have colours.
     known: HashMap<(Option<Vec<u8>>, bool), usize>,
@@ -45,7 +45,7 @@ pub(super) struct Materials<'s, 'o> {
 impl<'s, 'o> Materials<'s, 'o> {
     pub(super) fn new(
         file: &'s Path,
-        reach: Reach<'o>,
+        reach: Reach<'s>,
         definitions: Library,
         options: &'s mut LoadOptions<'o>,
     ) -> Self {

@@ -31,6 +31,7 @@ mod texture;
 
 use std::path::Path;
 
+use super::files::folder_of;
 use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
 use crate::{Instance, Mesh, Scene, SceneError};
@@ -57,7 +58,9 @@ pub(super) fn first_mesh(
 }
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
-    let (reach, crease_rad, memory) = (options.reach(), options.crease_rad, options.budget);
+    let folders = [folder_of(file)];
+    let reach = options.reach(&folders);
+    let (crease_rad, memory) = (options.crease_rad, options.budget);
     let mut notes = Notes::default();
     let mut budget = GeometryBudget::new(file, memory.geometry_bytes);
     let (reader, _) = stream::open(file, options)?;

@@ -80,7 +80,8 @@ impl Library {
                     Ok(path) => library.read(&path, reach, notes)?,
                     Err(reason) => {
                         let beside = file.with_extension("mtl");
-                        let instead = if reach.is_file(&beside) {
+                        let is_there = reach.is_file(&beside) && reach.admit(&beside).is_ok();
+                        let instead = if is_there {
                             library.read(&beside, reach, notes)?;
                             "; the one of the scene's own name was read instead"
                         } else {

@@ -241,7 +241,7 @@ fn decode(file: &Path, reach: Reach<'_>) -> Result<RgbaImage, String> {
     let name = shorten(&name);
     let bytes = reach.read(file).map_err(|error| format!("{name} cannot be read: {error}"))?;
     let pixels = load::image::decode_file(&bytes, file)
-        .map_err(|fault| format!("{name} cannot be decoded: {fault}; convert it to PNG"))?;
+        .map_err(|fault| format!("{name} cannot be decoded: {fault}"))?;
     let image = RgbaImage::from_raw(pixels.width, pixels.height, pixels.rgba8);
     image.ok_or_else(|| format!("{name} has too few texels for its size"))
 }
@@ -355,7 +355,8 @@ mod tests {
     #[test]
     fn textures_shrink_alike_until_they_fit() {
         let mut scene = Scene::default();
-        let mut textures = Textures::new(64 * 64 * 4, Reach::default());
+        let reach = Reach { anywhere: false, folders: &[], source: None };
+        let mut textures = Textures::new(64 * 64 * 4, reach);
         let texture = |edge: u32| Texture {
             name: "t".to_owned(),
             width: edge,

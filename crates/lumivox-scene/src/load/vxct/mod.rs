@@ -24,7 +24,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::files::shorten;
+use super::files::{folder_of, shorten};
 use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream};
 use crate::{Bounds, Scene, SceneError};
@@ -136,7 +136,11 @@ fn fill(
     // It names nothing here, but must be a value.
     values.word(block, "name", "room")?;
     let budget = GeometryBudget::new(values.file, options.budget.geometry_bytes);
-    let mut models = model::Models::new(values.file, budget, options);
+    let program = model::program_folder(values.file, options);
+    let mut folders = vec![folder_of(values.file)];
+    folders.extend(program.as_ref().map(|(folder, _)| folder_of(&folder.join("program"))));
+    let places = (folders.as_slice(), program);
+    let mut models = model::Models::new(values.file, places, budget, options);
     for entry in &block.entries {
         match entry.key.text {
             "model" => {

@@ -33,22 +33,24 @@ pub(super) struct Models<'m, 'o> {
     budget: GeometryBudget<'m>,
     /// Files, each in a folder where models are looked for.
     beside: Vec<PathBuf>,
-    reach: Reach<'o>,
+    reach: Reach<'m>,
     /// The scene's mesh for transforms that do not mirror, and for those that do; why there is none.
     meshes: HashMap<Source, Result<(usize, Option<usize>), String>>,
     count: usize,
 }
 
 impl<'m, 'o> Models<'m, 'o> {
+    /// Without a folder of the program, models lie beside the scene.
     pub(super) fn new(
         file: &Path,
+        (folders, program): (&'m [PathBuf], Option<(PathBuf, bool)>),
         budget: GeometryBudget<'m>,
         options: &'m mut LoadOptions<'o>,
     ) -> Self {
-        let reach = options.reach();
+        let reach = options.reach(folders);
         let mut beside = Vec::new();
         // VXCT's paths begin in its own folder, above `scenes` and `models`.
-        match program_folder(file, reach) {
+        match program {
             Some((program, is_sure)) => {
                 beside.push(program.join("program"));
                 beside.insert(usize::from(is_sure), file.to_owned());
@@ -235,7 +237,7 @@ fn is_obj(path: &Path) -> bool {
 
 /// The folder above the scene's, if the scene's is called `scenes` or all folders are allowed: there
 /// VXCT itself would stand. It does so for sure in the first case.
-fn program_folder(file: &Path, reach: Reach<'_>) -> Option<(PathBuf, bool)> {
+pub(super) fn program_folder(file: &Path, options: &LoadOptions<'_>) -> Option<(PathBuf, bool)> {
     let folder = file.parent()?;
     let is_scenes = |name: &OsStr| name.eq_ignore_ascii_case("scenes");
     if folder.file_name().is_some_and(is_scenes) {
@@ -243,8 +245,8 @@ fn program_folder(file: &Path, reach: Reach<'_>) -> Option<(PathBuf, bool)> {
     }
     // A path of nothing but the file's name: the folder is the one that the program runs in.
     let here = || std::path::absolute(file).ok()?.parent()?.file_name().map(is_scenes);
-    let is_here = folder.as_os_str().is_empty() && reach.source.is_none() && here() == Some(true);
-    (is_here || reach.anywhere).then(|| (folder.join(".."), is_here))
+    let is_here = folder.as_os_str().is_empty() && options.files.is_none() && here() == Some(true);
+    (is_here || options.allow_outside).then(|| (folder.join(".."), is_here))
 }
 
 /// Scale, then rotations about z, y and x, then translation: T Rx Ry Rz S Sxyz.

@@ -5,6 +5,7 @@ use lumivox_scene::{Camera, Material, Mesh, Scene, Shading, Texture, TextureRef}
 
 /// An instance with all that it refers to.
 #[derive(Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "as the instances that it is made of")]
 struct Resolved {
     name: String,
     mesh: Mesh,

@@ -17,6 +17,7 @@ use crate::cli::VoxelArgs;
 use crate::report::{
     MemoryReport, SceneCounts, Table, bytes, count, counted, memory_table, total_bytes,
 };
+use crate::shown;
 use lights::{CameraReport, LightReport, PanoramaReport, camera_table, light_table};
 use materials::{MaterialReport, TextureReport, material_table, texture_table};
 
@@ -180,9 +181,9 @@ impl Report {
 
     /// The report for people.
     pub fn text(&self) -> String {
-        let mut text = format!("{}\n", self.counts.name);
+        let mut text = format!("{}\n", shown::line(&self.counts.name));
         for (name, value) in self.summary() {
-            text += &format!("  {name:<12} {value}\n");
+            text += &format!("  {name:<12} {}\n", shown::line(&value));
         }
         let mut animations = Table::left(&["#", "animation", "seconds"]);
         for (index, animation) in self.animations.iter().enumerate() {
@@ -213,7 +214,7 @@ impl Report {
             text += &format!("\nnote: {removed} of no area left out\n");
         }
         for warning in &self.warnings {
-            text += &format!("\nwarning: {warning}\n");
+            text += &format!("\nwarning: {}\n", shown::line(warning));
         }
         text
     }

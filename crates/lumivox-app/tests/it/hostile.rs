@@ -1,0 +1,339 @@
+//! Input that means harm, or that nobody meant: names that terminals obey, files that never end, streams that are gone.
+
+use std::fs;
+#[cfg(unix)]
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::common::{CORNER, INPUT, Run, container, folder, glb, lumivox, lumivox_with};
+
+/// Clears the screen, retitles the terminal (as C1 control characters do, too), forges a line, turns the text round.
+const EVIL: &str =
+    "\u{1b}[2J\u{1b}]0;owned\u{7}\u{9b}31m\rerror: forged\nwarning: forged\u{202e}txt\u{7f}";
+
+/// The corner, whose parts are all called so, and whose image is missing.
+fn evil_glb() -> Vec<u8> {
+    let bin: Vec<u8> = CORNER.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    let document = json!({
+        "asset": { "version": "2.0", "generator": EVIL },
+        "scene": 0,
+        "scenes": [{ "name": EVIL, "nodes": [0, 1, 2] }, { "name": EVIL }],
+        "nodes": [
+            { "name": EVIL, "mesh": 0 },
+            { "name": EVIL, "camera": 0, "translation": [0, 1, 4] },
+            {
+                "name": EVIL, "translation": [0, 1.5, 0.5],
+                "extensions": { "KHR_lights_punctual": { "light": 0 } },
+            },
+        ],
+        "cameras": [{
+            "name": EVIL, "type": "perspective", "perspective": { "yfov": 0.8, "znear": 0.01 },
+        }],
+        "images": [{ "name": EVIL, "uri": "gone.png" }],
+        "textures": [{ "source": 0 }],
+        "materials": [{
+            "name": EVIL, "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+        }],
+        "meshes": [{
+            "name": EVIL, "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }],
+        }],
+        "animations": [{ "name": EVIL, "channels": [], "samplers": [] }],
+        "accessors": [{
+            "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": CORNER.len(),
+            "min": [-1, 0, -1], "max": [1, 2, 1],
+        }],
+        "bufferViews": [{ "buffer": 0, "byteLength": bin.len() }],
+        "buffers": [{ "byteLength": bin.len() }],
+        "extensionsUsed": [EVIL, "KHR_lights_punctual"],
+        "extensions": {
+            "KHR_lights_punctual": { "lights": [{ "name": EVIL, "type": "point", "intensity": 100 }] },
+        },
+    });
+    container(&document.to_string(), &bin)
+}
+
+/// Whether a terminal shows all of it as it is, line by line.
+#[track_caller]
+fn assert_is_shown(text: &str) {
+    let obeyed = |c: char| c.is_control() && c != '\n' || ('\u{202a}'..='\u{202e}').contains(&c);
+    assert!(!text.contains(obeyed), "{text:?}");
+    let forged =
+        |line: &str| line.starts_with("error: forged") || line.starts_with("warning: forged");
+    assert!(!text.lines().any(forged), "{text}");
+}
+
+#[track_caller]
+fn assert_run_is_shown(run: &Run) {
+    assert_is_shown(&run.stdout);
+    assert_is_shown(&run.stderr);
+}
+
+const SMALL: &str = "--size 16x9 --frames 1 --resolution 16 --shadow-resolution 64";
+
+#[test]
+fn names_reach_the_terminal_as_text() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("evil.glb"), evil_glb()).unwrap();
+    let shown = "\\x1b[2J\\x1b]0;owned\\x07\\u{9b}31m";
+    let info = lumivox(path, "info evil.glb").expect_ok();
+    assert_run_is_shown(&info);
+    // In tables: material, texture, light, camera, animation; and in the program, the scenes, the extension, the warnings.
+    assert!(info.stdout.matches(shown).count() >= 8, "{}", info.stdout);
+    assert!(info.stdout.contains("warning: image \"\\x1b[2J"), "{}", info.stdout);
+    // The log, on stderr.
+    let render = lumivox(path, &format!("render evil.glb -o a.png {SMALL} -v")).expect_ok();
+    assert_run_is_shown(&render);
+    assert!(render.stderr.contains("warning: evil.glb: image \"\\x1b[2J"), "{}", render.stderr);
+    assert!(render.stdout.contains(&format!("camera {shown}")), "{}", render.stdout);
+    // Errors that repeat names.
+    for (line, code) in [
+        ("info evil.glb --scene-in-file nowhere".to_owned(), INPUT),
+        (format!("render evil.glb -o a.png {SMALL} --camera nowhere"), INPUT),
+        (format!("render evil.glb -o a.png {SMALL} --animation nowhere"), INPUT),
+    ] {
+        let run = lumivox(path, &line);
+        assert_eq!(run.code, code, "{line}: {}", run.stderr);
+        assert_run_is_shown(&run);
+        assert!(run.stderr.contains("\\x1b[2J"), "{line}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn json_has_the_names_as_they_are() {
+    let folder = folder();
+    fs::write(folder.path().join("evil.glb"), evil_glb()).unwrap();
+    let run = lumivox(folder.path(), "info evil.glb --json").expect_ok();
+    let report = run.json();
+    for name in [
+        &report["generator"],
+        &report["material_list"][0]["name"],
+        &report["light_list"][0]["name"],
+        &report["camera_list"][0]["name"],
+        &report["animations"][0]["name"],
+        &report["scenes"][0],
+    ] {
+        // A light or camera may be called by its node and itself.
+        assert!(name.as_str().is_some_and(|name| name.contains(EVIL)), "{name}");
+    }
+    assert!(report["warnings"].to_string().contains("\\u001b[2J"), "{report}");
+    // And nothing in the text that a terminal obeys.
+    assert_is_shown(&run.stdout);
+}
+
+#[test]
+fn the_console_names_things_so_that_it_can_read_them_again() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("evil.glb"), evil_glb()).unwrap();
+    let words = ["run", "-", "--scene", "evil.glb", "--size", "16x9"];
+    // Objects, materials and lights have blanks there; all names have escapes for the marks of direction.
+    let hide = "hide \" [2J ]0;owned  31m error: forged warning: forged\\u{202e}txt \"";
+    let camera = "camera \"\\u{1b}[2J\\u{1b}]0;owned\\u{7}\\u{9b}31m\\u{d}error: forged\\u{a}warning: \
+                  forged\\u{202e}txt\\u{7f}\"";
+    let lists = "objects\nmaterials\nlights\ncameras\nanimation\n";
+    let script = format!("{lists}{hide}\n{camera}\nscript\nscript kept.txt\n");
+    let run = lumivox_with(path, &words, &script).expect_ok();
+    assert_run_is_shown(&run);
+    assert!(run.stdout.contains(hide), "{}", run.stdout);
+    // What was written leads to the same.
+    let kept = fs::read_to_string(path.join("kept.txt")).unwrap();
+    assert_is_shown(&kept);
+    let again = lumivox_with(path, &["run", "-"], &format!("{kept}\nscript\n")).expect_ok();
+    assert!(again.stdout.contains(hide), "{}", again.stdout);
+}
+
+#[cfg(unix)]
+#[test]
+fn names_of_files_reach_the_terminal_as_text() {
+    use crate::common::process;
+    let folder = folder();
+    let path = folder.path();
+    let evil = "a\u{1b}[31m\nerror: forged.glb";
+    fs::write(path.join(evil), glb(&CORNER)).unwrap();
+    for words in [
+        &["info", evil][..],
+        &["info", "b\u{1b}[31m\nerror: forged.glb"],
+        // As a shell fills in too many names, or one in place of a value.
+        &["info", evil, evil],
+        &["info", evil, "--resolution", evil],
+    ] {
+        assert_run_is_shown(&lumivox_with(path, words, ""));
+        assert_run_is_shown(&process(path, words, ""));
+    }
+    let report = lumivox_with(path, &["info", evil, "--json"], "").expect_ok().json();
+    assert_eq!(report["name"], Value::from("a\u{1b}[31m\nerror: forged"));
+}
+
+/// Runs the program, which must end by itself: who opens a pipe that nobody writes into waits for ever.
+#[cfg(unix)]
+#[track_caller]
+fn ends(folder: &Path, line: &str) -> Run {
+    use crate::common::command;
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+    let mut child = command(folder, &line.split_whitespace().collect::<Vec<_>>())
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > Duration::from_mins(2) {
+            child.kill().unwrap();
+            panic!("{line} waits");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.wait_with_output().unwrap().into()
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused_wherever_a_file_is_named() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("corner.glb"), glb(&CORNER)).unwrap();
+    for name in ["turn", "cache"] {
+        fs::create_dir(path.join(name)).unwrap();
+    }
+    let pipes = [
+        "scene.glb",
+        "scene.obj",
+        "sky.hdr",
+        "way.json",
+        "script.txt",
+        "truth.exr",
+        "sums",
+        "turn/index.json",
+        "cache/measurements.json",
+    ];
+    for pipe in pipes {
+        let made = std::process::Command::new("mkfifo").arg(path.join(pipe)).status().unwrap();
+        assert!(made.success());
+    }
+    let small = "--size 16x9";
+    for (line, pipe) in [
+        ("info scene.glb".to_owned(), "scene.glb"),
+        (format!("render scene.obj -o a.png {small}"), "scene.obj"),
+        (format!("render corner.glb -o a.png {small} --environment sky.hdr"), "sky.hdr"),
+        (format!("render corner.glb -o turn {small} --camera-path way.json"), "way.json"),
+        (format!("render corner.glb -o turn {small} --orbit 9"), "index.json"),
+        ("run script.txt".to_owned(), "script.txt"),
+        ("compare --images truth.exr truth.exr".to_owned(), "truth.exr"),
+        (format!("compare corner.glb {small} --reference truth.exr"), "truth.exr"),
+        (format!("reference corner.glb -o a.exr {small} --checkpoint sums --resume"), "sums"),
+        ("quality page cornell --cache cache".to_owned(), "measurements.json"),
+    ] {
+        let run = ends(path, &line);
+        assert!(run.code == INPUT || run.code == crate::common::OUTPUT, "{line}: {}", run.stderr);
+        assert!(run.stderr.contains("it is a pipe, not a file"), "{line}: {}", run.stderr);
+        assert!(run.stderr.contains(pipe), "{line}: {}", run.stderr);
+    }
+    // The other things that are no files.
+    let run = ends(path, "render corner.glb -o a.png --environment /dev/zero");
+    assert_eq!(run.code, INPUT, "{}", run.stderr);
+    assert!(run.stderr.contains("it is a device, not a file"), "{}", run.stderr);
+}
+
+/// A link out of the folder is told with the option that lifts it.
+#[cfg(unix)]
+#[test]
+fn links_out_of_the_folder_are_refused_with_a_remedy() {
+    use crate::common::expect_error;
+    let folder = folder();
+    let path = folder.path();
+    fs::create_dir(path.join("scene")).unwrap();
+    let triangle: Vec<u8> = CORNER[..3].iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    fs::write(path.join("outside.bin"), &triangle).unwrap();
+    std::os::unix::fs::symlink("../outside.bin", path.join("scene/link.bin")).unwrap();
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{
+            "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3,
+            "min": [-1, 0, -1], "max": [1, 0, 1],
+        }],
+        "bufferViews": [{ "buffer": 0, "byteLength": triangle.len() }],
+        "buffers": [{ "byteLength": triangle.len(), "uri": "link.bin" }],
+    });
+    fs::write(path.join("scene/a.gltf"), document.to_string()).unwrap();
+    let needles =
+        ["scene/a.gltf", "link.bin", "a link leads out of", "outside.bin", "--allow-outside"];
+    expect_error(path, "info scene/a.gltf", INPUT, &needles);
+    lumivox(path, "info scene/a.gltf --allow-outside").expect_ok();
+}
+
+/// What is required and not supported is an error that names the option which ignores it, on every command that opens a
+/// scene.
+#[test]
+fn required_extensions_are_ignored_when_asked() {
+    let folder = folder();
+    let path = folder.path();
+    let with = |extension: &str| {
+        let bin: Vec<u8> = CORNER.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+        let document = json!({
+            "asset": { "version": "2.0" },
+            "scenes": [{ "nodes": [0] }],
+            "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+            "accessors": [{
+                "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": CORNER.len(),
+                "min": [-1, 0, -1], "max": [1, 2, 1],
+            }],
+            "bufferViews": [{ "buffer": 0, "byteLength": bin.len() }],
+            "buffers": [{ "byteLength": bin.len() }],
+            "extensionsUsed": [extension],
+            "extensionsRequired": [extension],
+        });
+        container(&document.to_string(), &bin)
+    };
+    fs::write(path.join("new.glb"), with("EXT_from_the_future")).unwrap();
+    fs::write(path.join("shoe.glb"), with("KHR_materials_variants")).unwrap();
+    let shoe = lumivox(path, "info shoe.glb").expect_ok().stdout;
+    assert!(shoe.contains("KHR_materials_variants is not supported and was ignored"), "{shoe}");
+    for line in [
+        "info new.glb".to_owned(),
+        format!("render new.glb -o a.png {SMALL}"),
+        "voxels new.glb --resolution 16".to_owned(),
+        "convert new.glb -o b.glb".to_owned(),
+        "reference new.glb -o a.exr --size 16x9 --samples 1".to_owned(),
+        "run -c echo --scene new.glb --size 16x9".to_owned(),
+    ] {
+        let needles = ["new.glb", "EXT_from_the_future", "--ignore-required"];
+        crate::common::expect_error(path, &line, INPUT, &needles);
+        let run = lumivox(path, &format!("{line} --ignore-required")).expect_ok();
+        let said = run.stdout + &run.stderr;
+        assert!(said.contains("requires the glTF extension EXT_from_the_future"), "{line}: {said}");
+    }
+    let line = "info builtin:cornell --ignore-required";
+    crate::common::expect_error(path, line, INPUT, &["--ignore-required", "files"]);
+    let loaded =
+        lumivox_with(path, &["run", "-"], "load new.glb --ignore-required\nload\n").expect_ok();
+    assert!(loaded.stdout.contains("new.glb --ignore-required"), "{}", loaded.stdout);
+}
+
+/// A vertex that the export lost takes the whole scene with it: who reads the message finds it.
+#[test]
+fn a_stray_vertex_is_named() {
+    let folder = folder();
+    let path = folder.path();
+    let mut stray = [[0.0; 3]; 15];
+    stray[..12].copy_from_slice(&CORNER);
+    stray[12..].copy_from_slice(&[[0.0, 0.5, 0.0], [0.0, 1.0, 0.0], [1e30, 0.0, 0.0]]);
+    fs::write(path.join("stray.glb"), glb(&stray)).unwrap();
+    let place = "vertex 14 of the mesh \"mesh 0\" lies at (1.000e30, 0.000e0, 0.000e0) m";
+    for line in [format!("render stray.glb -o a.png {SMALL}"), "voxels stray.glb".to_owned()] {
+        let needles = ["the scene \"stray\"", place, "move or remove it"];
+        crate::common::expect_error(path, &line, INPUT, &needles);
+    }
+    // Also where there is a picture, of a speck.
+    stray[14] = [1e6, 0.0, 0.0];
+    fs::write(path.join("stray.glb"), glb(&stray)).unwrap();
+    let run = lumivox(path, &format!("render stray.glb -o a.png {SMALL}")).expect_ok();
+    assert!(run.stderr.contains("warning: stray.glb: vertex 14 of the mesh"), "{}", run.stderr);
+}

@@ -1,0 +1,244 @@
+//! Faults that cost no more than what is at fault: the rest of the scene is shown, with a warning.
+
+use lumivox_scene::{LoadOptions, Scene, SceneError};
+use serde_json::{Value, json};
+
+use crate::common::{File, data_uri, encode, fault, load, load_from_memory, png};
+
+/// The warnings of a file that loads.
+fn warnings(file: &File) -> String {
+    file.load().unwrap().notes.warnings.join("\n")
+}
+
+/// The triangle with a material, of which nothing need be told.
+fn bare_triangle() -> File {
+    let mut file = File::triangle();
+    file.push("materials", json!({ "name": "paint" }));
+    file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    file
+}
+
+/// The triangle with colours and normals out of these images.
+fn painted(color: &Value, normal: &Value) -> File {
+    let mut file = File::triangle();
+    file.push("images", color.clone());
+    file.push("images", normal.clone());
+    file.push("textures", json!({ "source": 0 }));
+    file.push("textures", json!({ "source": 1 }));
+    file.push(
+        "materials",
+        json!({
+            "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+            "normalTexture": { "index": 1 },
+        }),
+    );
+    file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    file
+}
+
+/// A PNG whose header is right and whose texels are cut off: that shows only while it is decoded.
+fn cut_png() -> Vec<u8> {
+    let texels: Vec<u8> = (0..64 * 64 * 4).map(|i| (i * 97 % 251) as u8).collect();
+    let whole = png(64, 64, &texels);
+    whole[..whole.len() / 2].to_vec()
+}
+
+#[test]
+fn a_bad_image_is_shown_as_a_missing_one_is() {
+    let good = json!({ "uri": data_uri("image/png", &png(1, 1, &[1, 2, 3, 255])) });
+    let missing = painted(&json!({ "uri": "gone.png" }), &good).load().unwrap();
+    let wide = encode(&image::GrayImage::new(16_385, 1).into(), image::ImageFormat::Png);
+    for (bad, needles) in [
+        (json!({ "uri": data_uri("image/png", b"GIF89a no picture") }), "save it as a plain PNG"),
+        (json!({ "uri": data_uri("image/png", b"\x89PNG\r\n\x1a\n") }), "download it again"),
+        (json!({ "name": "wood", "uri": data_uri("image/png", &cut_png()) }), "\"wood\""),
+        (json!({ "uri": data_uri("image/png", &wide) }), "scale it down"),
+        (json!({ "uri": "data:image/png;base64,****" }), "base64"),
+        (json!({ "uri": "../outside.png" }), "--allow-outside"),
+        (json!({ "name": "nothing" }), "neither"),
+        (json!({ "bufferView": 1_000, "mimeType": "image/png" }), ""),
+    ] {
+        let file = painted(&bad, &good);
+        if needles.is_empty() {
+            // What points at nothing breaks the document, and not the image.
+            assert!(fault(&file).contains("malformed"));
+            continue;
+        }
+        let scene = file.load().unwrap();
+        assert_eq!(scene.textures, missing.textures, "{bad}");
+        assert_eq!(scene.materials, missing.materials, "{bad}");
+        let said = scene.notes.warnings.join("\n");
+        assert!(said.contains(needles) && said.contains("a stand-in is shown"), "{said}");
+        // A PNG that is broken is no better for being made a PNG.
+        assert!(!(needles == "download it again" && said.contains("PNG or JPEG")), "{said}");
+
+        let scene = painted(&good, &bad).load().unwrap();
+        assert_eq!(scene.textures.len(), 1);
+        assert!(scene.materials[0].normal_texture.is_none(), "{bad}");
+    }
+    // Not even two of them, or one for both.
+    let bad = json!({ "uri": data_uri("image/png", &cut_png()) });
+    for second in [&bad, &json!({ "uri": data_uri("image/png", b"nothing") })] {
+        let scene = painted(&bad, second).load().unwrap();
+        assert_eq!(scene.triangle_count(), 1);
+        assert_eq!(scene.notes.warnings.len(), 2, "{:?}", scene.notes.warnings);
+    }
+}
+
+#[test]
+fn a_bad_image_gives_way_to_the_files_fallback() {
+    let mut file =
+        painted(&json!({ "name": "cut", "uri": data_uri("image/png", &cut_png()) }), &json!({}));
+    file.json["materials"][0].as_object_mut().unwrap().remove("normalTexture");
+    file.json["images"][1] = json!({ "uri": data_uri("image/png", &png(1, 1, &[7, 8, 9, 255])) });
+    file.json["textures"][0] =
+        json!({ "source": 1, "extensions": { "EXT_texture_webp": { "source": 0 } } });
+    let scene = file.load().unwrap();
+    assert_eq!(scene.textures[0].rgba8, [7, 8, 9, 255]);
+    let said = scene.notes.warnings.join("\n");
+    assert!(said.contains("\"cut\"") && said.contains("as a fallback is used"), "{said}");
+}
+
+#[test]
+fn a_bad_animation_does_not_cost_the_mesh() {
+    let good = |file: &mut File| {
+        let values = file.vectors(&[[0.0; 3], [1.0, 0.0, 0.0]]);
+        file.animation("good", &[0.0, 2.0], &[(0, "translation", "LINEAR", values)])
+    };
+    let bad = |change: fn(&mut Value)| {
+        let mut file = File::triangle();
+        let values = file.vectors(&[[0.0; 3], [1.0, 0.0, 0.0]]);
+        file.animation("bad", &[0.0, 1.0], &[(0, "translation", "LINEAR", values)]);
+        change(&mut file.json["animations"][0]);
+        good(&mut file);
+        file
+    };
+    let changes: [fn(&mut Value); 12] = [
+        |a| a["channels"][0]["target"]["node"] = json!(99),
+        |a| a["channels"][0]["sampler"] = json!(9),
+        |a| a["samplers"][0]["input"] = json!(99),
+        |a| a["samplers"][0]["interpolation"] = json!("BOUNCE"),
+        |a| a["samplers"][0] = json!({}),
+        |a| a["channels"][0] = json!({ "sampler": 0 }),
+        |a| a["channels"] = json!("all of them"),
+        |a| a["channels"][0]["target"]["path"] = json!("rotation"),
+        |a| a["samplers"][0]["output"] = a["samplers"][0]["input"].clone(),
+        |a| a["samplers"][0]["input"] = a["samplers"][0]["output"].clone(),
+        |a| *a = json!({ "name": "bad" }),
+        |a| a["name"] = json!(7),
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        let file = bad(change);
+        let scene = file.load().unwrap_or_else(|error| panic!("{index}: {error}"));
+        assert_eq!(scene.triangle_count(), 1, "{index}");
+        let said = scene.notes.warnings.join("\n");
+        assert!(said.contains("left out") && !said.contains("scene.glb"), "{index}: {said}");
+        // Numbers stay those of the file.
+        let animations = scene.animations();
+        assert_eq!((animations.len(), animations[0].duration_s), (2, 0.0), "{index}");
+        assert_eq!((animations[1].name.as_str(), animations[1].duration_s), ("good", 2.0));
+    }
+    // Channels beside a broken one stay.
+    let mut file = File::triangle();
+    let values = file.vectors(&[[0.0; 3], [f32::NAN, 0.0, 0.0]]);
+    let scales = file.vectors(&[[1.0; 3], [2.0; 3]]);
+    let channels = [(0, "translation", "LINEAR", values), (0, "scale", "LINEAR", scales)];
+    file.animation("half", &[0.0, 1.0], &channels);
+    let mut scene = file.load().unwrap();
+    let said = scene.notes.warnings.join("\n");
+    assert!(said.contains("animation \"half\": 1 of its 2 channels were left out"), "{said}");
+    scene.pose(lumivox_scene::AnimationChoice::All, 1.0).unwrap();
+    assert_eq!(scene.bounds().max.x, 2.0);
+}
+
+#[test]
+fn a_scene_need_not_name_nodes() {
+    let mut file = File::triangle();
+    file.json["scenes"] = json!([{ "name": "full", "nodes": [0] }, { "name": "bare" }]);
+    assert_eq!(file.load().unwrap().triangle_count(), 1);
+    file.json["scene"] = json!(1);
+    assert!(fault(&file).contains("no triangles"), "{}", fault(&file));
+    let mut options = LoadOptions { scene: Some("full".to_owned()), ..LoadOptions::default() };
+    let scene = Scene::from_memory("scene.glb", &file.glb(), &mut options).unwrap();
+    assert_eq!(scene.notes.scenes, ["full", "bare"]);
+    // Nor need there be any.
+    let nothing = br#"{ "asset": { "version": "2.0" }, "meshes": [] }"#;
+    let error = load_from_memory("scene.gltf", nothing).unwrap_err();
+    assert!(matches!(&error, SceneError::NoTriangles { .. }), "{error}");
+}
+
+#[test]
+fn extensions_that_refine_the_picture_may_be_missing() {
+    let mut file = bare_triangle();
+    file.json["extensionsUsed"] = json!(["KHR_materials_variants", "KHR_audio_emitter"]);
+    file.json["extensionsRequired"] = file.json["extensionsUsed"].clone();
+    let said = warnings(&file);
+    assert_eq!(
+        said,
+        "the glTF extension KHR_materials_variants is not supported and was ignored: the first look \
+         of each surface is shown"
+    );
+    // Required, and not even listed among what is used.
+    file.json["extensionsUsed"] = json!([]);
+    assert_eq!(warnings(&file), said);
+}
+
+#[test]
+fn other_required_extensions_are_ignored_when_asked() {
+    let mut file = bare_triangle();
+    file.json["extensionsUsed"] = json!(["EXT_new_geometry", "EXT_optional"]);
+    file.json["extensionsRequired"] = json!(["EXT_new_geometry"]);
+    let error = fault(&file);
+    for needle in ["EXT_new_geometry", "--ignore-required", "supported: EXT_mesh_gpu_instancing"] {
+        assert!(error.contains(needle), "{error}");
+    }
+    let mut options = LoadOptions { ignore_required: true, ..LoadOptions::default() };
+    let scene = Scene::from_memory("scene.glb", &file.glb(), &mut options).unwrap();
+    assert_eq!(scene.triangle_count(), 1);
+    assert_eq!(
+        scene.notes.warnings,
+        [
+            "the file requires the glTF extension EXT_new_geometry, which is not supported and was \
+             ignored: what is shown may be wrong",
+            "the glTF extension EXT_optional is not supported and was ignored",
+        ]
+    );
+    assert_eq!(scene.notes.extensions_required, ["EXT_new_geometry"]);
+}
+
+#[test]
+fn other_versions_are_told_apart_from_broken_files() {
+    // As programs of 2016 wrote it: things by their names.
+    let old = json!({
+        "asset": { "version": "1.0", "profile": { "api": "WebGL" } },
+        "scene": "main",
+        "scenes": { "main": { "nodes": ["box"] } },
+        "nodes": { "box": { "meshes": ["box"] } },
+        "meshes": { "box": { "primitives": [{ "attributes": { "POSITION": "a" } }] } },
+    });
+    let message = |json: &Value| {
+        let error = load("scene.gltf", json.to_string().as_bytes()).unwrap_err();
+        assert!(matches!(&error, SceneError::Version { .. }), "{error}");
+        error.to_string()
+    };
+    let text = message(&old);
+    assert!(text.contains("scene.gltf: is glTF 1.0, but only glTF 2.0 is read"), "{text}");
+    assert!(text.contains("gltf-pipeline"), "{text}");
+    let mut nameless = old.clone();
+    nameless.as_object_mut().unwrap().remove("asset");
+    assert!(message(&nameless).contains("glTF 1.0"));
+    let mut older = old.clone();
+    older["asset"]["version"] = json!(0.8);
+    assert!(message(&older).contains("glTF 0.8"));
+    let mut file = File::triangle();
+    file.json["asset"]["version"] = json!("3.0");
+    let text = fault(&file);
+    assert!(text.contains("is glTF 3.0") && text.contains("export it as glTF 2.0"), "{text}");
+    // What needs no more than 2.0 is read.
+    file.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
+    file.load().unwrap();
+    let mut container = File::triangle().glb();
+    container[4] = 1;
+    let error = load("scene.glb", &container).unwrap_err().to_string();
+    assert!(error.contains("is glTF 1.0"), "{error}");
+}
