@@ -268,6 +268,9 @@ mod tests {
         assert_eq!(codes(unknown.into()), Exit::Input);
         let empty = SceneError::NothingAtTime { file: "a".into(), time_s: 1.0 };
         assert_eq!(codes(ExplorerError::from(empty).into()), Exit::Input);
+        let source = std::io::Error::other("the disk is full");
+        let unwritten = SceneError::Write { file: "a".into(), source };
+        assert_eq!(codes(unwritten.into()), Exit::Output);
         let limit = || GiError::Limit {
             what: String::new(),
             needed: 2,

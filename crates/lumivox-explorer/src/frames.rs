@@ -150,3 +150,26 @@ impl Explorer {
         self.times.clear();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_times_are_kept() {
+        let mut times = FrameTimes::default();
+        assert_eq!(times.mean(), None);
+        let most = KEPT as u64;
+        for millis in 0..most + 2 {
+            times.add(Duration::from_millis(millis));
+        }
+        let last = |count| times.last(count).map(|time| time.as_millis()).collect::<Vec<_>>();
+        let newest = u128::from(most) + 1;
+        assert_eq!(last(2), [newest - 1, newest]);
+        assert_eq!(last(usize::MAX), (2..=newest).collect::<Vec<_>>());
+        assert_eq!(times.count(), KEPT);
+        assert_eq!(times.mean(), Some(Duration::from_micros(500 * (most + 3))));
+        times.clear();
+        assert_eq!((times.count(), times.mean()), (0, None));
+    }
+}

@@ -156,6 +156,12 @@ fn the_grid_widens() {
     explorer.transform(last, Mat4::from_translation(Vec3::X * -3.0));
     picture(&mut explorer);
     assert_eq!(*explorer.renderer().unwrap().gi().grid(), wide);
+    // To the other side, whence it may come back.
+    explorer.transform(last, Mat4::from_translation(Vec3::X * -3.0));
+    picture(&mut explorer);
+    let wider = *explorer.renderer().unwrap().gi().grid();
+    assert!(wider.origin_in_world.x < wide.origin_in_world.x - 1.0, "{wider:?}");
+    assert!(wider.max_in_world().x > wide.max_in_world().x - 0.5, "{wider:?}");
 }
 
 #[test]

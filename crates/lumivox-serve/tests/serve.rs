@@ -6,6 +6,7 @@ use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
 struct Server {
     program: Child,
@@ -62,6 +63,9 @@ fn files_come_with_their_kinds_and_nothing_else_comes() {
         assert!(!refused.contains("secret") && !refused.starts_with("HTTP/1.1 200"), "{refused}");
     }
     assert!(server.ask("POST /").starts_with("HTTP/1.1 405"));
+    // Nor at other addresses of this machine, as others on the network would ask.
+    let other = (Ipv4Addr::new(127, 0, 0, 2), server.port).into();
+    TcpStream::connect_timeout(&other, Duration::from_secs(1)).unwrap_err();
 }
 
 #[test]

@@ -74,9 +74,12 @@ mod tests {
 
     #[test]
     fn sizes_have_units() {
-        assert_eq!(bytes("2GiB"), Ok(2 << 30));
-        assert_eq!(bytes("1.5 MiB"), Ok(3 << 19));
-        assert_eq!(bytes("4GB"), Ok(4_000_000_000));
+        for (power, [tens, twos]) in
+            (1..).zip([["kB", "KiB"], ["MB", "MiB"], ["GB", "GiB"], ["TB", "TiB"]])
+        {
+            assert_eq!(bytes(&format!("4{tens}")), Ok(4 * 1000_u64.pow(power)), "{tens}");
+            assert_eq!(bytes(&format!("1.5 {twos}")), Ok(3 << (10 * power - 1)), "{twos}");
+        }
         assert_eq!(bytes("65536"), Ok(65_536));
         for text in ["0", "1023", "2000TiB", "99999999999999999999999999", "-1GiB", "-5"] {
             assert!(matches!(bytes(text), Err(Refused::OutOfRange(_))), "{text}");

@@ -243,3 +243,18 @@ impl Report {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two pixels around a mean of 5, whose variances have a mean of 0.25: one half, a tenth of the mean.
+    #[test]
+    fn noise_is_the_deviation_over_the_mean() {
+        let pixels = [[4.0, 5.0, 6.0], [6.0, 5.0, 4.0]];
+        let noise = noise_percent(&pixels, &[0.4, 0.1]).unwrap();
+        assert!((noise - 10.0).abs() < 1e-5, "{noise} %");
+        assert_eq!(noise_percent(&[[0.0; 3]], &[0.1]), None, "black");
+        assert_eq!(noise_percent(&[[1.0; 3]], &[f32::NAN]), None, "a single sample");
+    }
+}

@@ -302,6 +302,26 @@ mod tests {
         }
     }
 
+    /// A named camera looks at what lies as far as the scene is large: from that far away, at its middle.
+    #[test]
+    fn a_named_camera_has_a_target_in_the_scene() {
+        let mut scene = scene();
+        let (middle, radius_m) = (scene.bounds().center(), scene.bounds().radius_m());
+        let aside = middle + Vec3::new(0.6, 0.0, 0.8) * radius_m;
+        scene.cameras = vec![Camera::look_at(aside, middle, 0.8)];
+        let [x, y, z] = middle.to_array();
+        let text = format!(
+            r#"[{{ "time_s": 0, "camera": 0 }},
+                {{ "time_s": 1, "position": [-3, 1, 0], "target": [{x}, {y}, {z}] }}]"#
+        );
+        let path = path(&text).unwrap().resolve(&scene, 1.0).unwrap();
+        for step in 0..=10 {
+            let camera = path.at(f64::from(step) * 0.1);
+            let towards = (middle - camera.position).normalize();
+            assert!(camera.forward.distance(towards) < 1e-5, "{step}: {}", camera.forward);
+        }
+    }
+
     #[test]
     fn broken_files_name_the_key_and_the_remedy() {
         let good = r#"{ "time_s": 0, "position": [1, 0, 0], "target": [0, 0, 0] }"#;

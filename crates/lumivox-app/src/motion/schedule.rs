@@ -286,7 +286,9 @@ mod tests {
 
     #[test]
     fn an_orbit_goes_round_the_middle() {
-        let scene = scene();
+        let mut scene = scene();
+        // Rolled, and it stays so.
+        scene.cameras[0].up = Vec3::new(0.6, 0.8, 0.0);
         let schedule = Schedule::new(
             &Asked { orbit_deg: Some(360.0), ..asked(None) },
             &scene,
@@ -302,6 +304,7 @@ mod tests {
         let center = scene.bounds().center();
         let mirrored = 2.0 * center - start.position;
         assert!((half.position - mirrored.with_y(start.position.y)).length() < 1e-4);
+        assert!(half.up.abs_diff_eq(Vec3::new(-0.6, 0.8, 0.0), 1e-6), "{}", half.up);
         let quarter = schedule.camera(&scene, 1.0, moments.share(10));
         let distance = |camera: &Camera| (camera.position - center).with_y(0.0).length();
         assert!((distance(&quarter) - distance(&first)).abs() < 1e-5);

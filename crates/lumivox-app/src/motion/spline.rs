@@ -180,6 +180,17 @@ mod tests {
         }
     }
 
+    /// However long a piece is beside a short one, the curve swings out no farther than the short one is long.
+    #[test]
+    fn long_pieces_swing_out_little() {
+        let points = [[0.0, 0.0], [0.0, 1.0], [10.0, 1.0], [10.0, 0.0]];
+        let points = points.map(|[x, y]| DVec3::new(x, y, 0.0));
+        let spline = Spline::new(&[0.0, 1.0, 2.0, 3.0], &points);
+        let heights = (0..=300).map(|step| spline.at(f64::from(step) * 0.01).y);
+        let highest = heights.fold(0.0, f64::max);
+        assert!(highest > 1.0 && highest < 2.0, "{highest}");
+    }
+
     #[test]
     fn the_same_point_twice_is_a_rest() {
         let points = [DVec3::ZERO, DVec3::X, DVec3::X, DVec3::new(1.0, 2.0, 0.0)];

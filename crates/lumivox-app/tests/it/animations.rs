@@ -46,6 +46,10 @@ fn one_moment_of_an_animation_is_a_still() {
     let both = still("--time 1 --animation all");
     assert!(both != start && both != middle, "the later one in the file wins");
     assert!(rest == still("--animation none"));
+    // Converted, it stays at its moment.
+    lumivox(folder.path(), "convert moving.glb -o moved.glb --time 1").expect_ok();
+    fs::rename(folder.path().join("moved.glb"), folder.path().join("moving.glb")).unwrap();
+    assert!(middle == still(""));
 }
 
 #[test]
@@ -72,6 +76,19 @@ fn a_sequence_plays_the_animation_in_one_grid() {
     let again = lumivox(path, &line).expect_ok().json();
     assert_eq!(again["rendered"], 1);
     assert!(read(2) == before);
+}
+
+/// What moves, alone: it begins at -0.9 m in the first of three pictures, and ends at 0.9 m in the last.
+#[test]
+fn the_grid_holds_all_poses() {
+    let folder = moving();
+    let options = "--scene-in-file plate --time 0..2 --fps 1.25 --exposure 0 --json";
+    let line = format!("render moving.glb -o plate_#.png {SMALL} {options}");
+    let report = lumivox(folder.path(), &line).expect_ok().json();
+    assert_eq!(report["pictures"], 3);
+    let voxel = report["grid"]["voxel_size_m"].as_f64().unwrap();
+    let origin = report["grid"]["origin"][0].as_f64().unwrap();
+    assert!(origin < -0.9 && origin + 32.0 * voxel > 0.9, "{report}");
 }
 
 #[test]

@@ -6,7 +6,7 @@
 
 import package::render::reference::random::{random, random_2};
 import package::trace::brdf::{
-    fresnel_schlick, ggx_distribution, ggx_masking, ggx_visibility, sample_visible_normal, PI,
+    fresnel_schlick, ggx_distribution, ggx_visibility, mirrored_density, sample_visible_normal, PI,
 };
 import package::trace::coat::{below_coat, coat_fresnel, Coat};
 import package::trace::hemisphere::basis;
@@ -59,11 +59,6 @@ fn lobe_shares(surface: Surface) -> vec3f {
     let weights = vec3f(below * diffuse, below * gloss, coat_fresnel(surface.coat, cosine));
     let sum = weights.x + weights.y + weights.z;
     return select(vec3f(0.0), weights / sum, sum > 0.0);
-}
-
-// Density of a direction mirrored at a visible normal.
-fn mirrored_density(n_dot_v: f32, n_dot_h: f32, alpha: f32) -> f32 {
-    return ggx_masking(n_dot_v, alpha) * ggx_distribution(n_dot_h, alpha) / (4.0 * n_dot_v);
 }
 
 fn scatter(surface: Surface, direction: vec3f) -> Scattered {

@@ -248,6 +248,21 @@ mod tests {
         assert_eq!(record(&unlit, 32.0, 80.0, false).unlit_radiance, 2.5);
     }
 
+    /// Vertices' alpha is cut at the cutoff, a texture's at its own edge, and one that is even nowhere: then all is
+    /// drawn or nothing.
+    #[test]
+    fn masks_are_cut_where_alpha_varies() {
+        let threshold = |texture, has_vertex_alpha| {
+            let shading = MetallicRoughness { base_color_texture: texture, ..Default::default() };
+            let material = Material { alpha: AlphaMode::Mask { cutoff: 0.3 }, ..with(shading) };
+            record(&material, 1.0, 1.0, has_vertex_alpha).mask_threshold
+        };
+        assert_eq!(threshold(None, true), 0.3);
+        assert_eq!(threshold(None, false), 0.0);
+        let texture = Some(TextureRef::new(0));
+        assert_eq!([false, true].map(|alpha| threshold(texture, alpha)), [0.5; 2]);
+    }
+
     #[test]
     fn only_what_lets_something_through_is_blended() {
         let blend = |alpha, has_vertex_alpha| {

@@ -64,4 +64,22 @@ mod tests {
         }
         assert!((reference_white(&scene, &dark) - 1.0).abs() < 1e-6);
     }
+
+    /// Where a lamp hangs in the middle, white is that of a wall around it.
+    #[test]
+    fn a_lamp_in_the_middle_is_a_wall_away() {
+        let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
+        let wall_m = 0.25 * scene.bounds().radius_m();
+        for aside_m in [0.0, 0.5 * wall_m, 2.0 * wall_m] {
+            let lamp = lumivox_scene::Light {
+                kind: LightKind::Point { intensity_cd: 100.0, range_m: None },
+                position: scene.bounds().center() + Vec3::X * aside_m,
+                ..lumivox_scene::Light::default()
+            };
+            let lighting = Lighting { lights: vec![lamp], environment: Environment::default() };
+            let expected = 100.0 / wall_m.max(aside_m).powi(2) / PI;
+            let white = reference_white(&scene, &lighting);
+            assert!((white / expected - 1.0).abs() < 1e-5, "{white} at {aside_m} m");
+        }
+    }
 }

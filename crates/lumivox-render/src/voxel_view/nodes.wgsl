@@ -19,8 +19,7 @@ const NEIGHBOR_COLOR: vec3f = vec3f(1.0, 0.35, 0.04);
 // Width of a line in pixels.
 const LINE_WIDTH: f32 = 0.8;
 
-fn has_own_cells(node_cell: vec3u, node: u32, level: u32) -> bool {
-    let parts = node_parts(node);
+fn has_own_cells(node_cell: vec3u, parts: u32, level: u32) -> bool {
     var is_own = false;
     for (var octant = 0u; octant < 8u; octant++) {
         for (var part = 0u; part < PARTS; part++) {
@@ -40,8 +39,8 @@ fn first_line(ray: Ray, level: u32, end: f32) -> vec4f {
     let steps = longest_walk(size);
     for (var step = 0u; step < steps && walk.is_inside && walk.distance < end; step++) {
         let node_cell = vec3u(walk.cell);
-        let node = find_node(node_cell, level);
-        if node != 0u {
+        let parts = node_parts(find_node(node_cell, level));
+        if parts != 0u {
             // The face through which the ray comes in, and the one through which it goes out.
             let leave_axis = next_axis(walk);
             let leave = walk.next[leave_axis];
@@ -49,7 +48,7 @@ fn first_line(ray: Ray, level: u32, end: f32) -> vec4f {
             let near_edge = distance_to_edge(ray.origin + walk.distance * ray.direction, walk.axis);
             let far_edge = distance_to_edge(ray.origin + leave * ray.direction, leave_axis);
             if near_edge < width * walk.distance || (far_edge < width * leave && leave < end) {
-                let is_own = has_own_cells(node_cell, node, level);
+                let is_own = has_own_cells(node_cell, parts, level);
                 return vec4f(select(NEIGHBOR_COLOR, OWN_COLOR, is_own), 1.0);
             }
         }

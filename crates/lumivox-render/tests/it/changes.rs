@@ -3,6 +3,7 @@
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
 use glam::{Mat4, UVec2, Vec3};
+use lumivox::gpu::Timing;
 use lumivox::{Directionality, Injection, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_render::{
     Exposure, Look, RenderSettings, Renderer, ShadowMethod, ToneMap, View, VxctSettings,
@@ -39,7 +40,8 @@ fn settings_may_change_in_any_order() {
     let mut changing = renderer(&gpu, &scene, settings());
     let mut before = picture(&mut changing);
     let octree = VolumeKind::Octree(OctreeOptions::default());
-    let changes: [fn(&mut RenderSettings, VolumeKind); 15] = [
+    let changes: [fn(&mut RenderSettings, VolumeKind); 17] = [
+        |s, _| s.shadow_resolution = 48,
         |s, _| s.resolution = 48,
         |s, _| s.size = UVec2::new(33, 21),
         |s, octree| s.volume = octree,
@@ -52,6 +54,7 @@ fn settings_may_change_in_any_order() {
         |s, _| s.look = Look::Physical,
         |s, _| s.view = View::Nodes,
         |s, _| (s.view, s.voxel_level) = (View::Lit, 1),
+        |s, _| s.voxel_level = 2,
         |s, _| s.grid_offset = Vec3::splat(0.5),
         |s, _| *s = RenderSettings { frames: 3, ..settings() },
         |s, _| s.bounces = 0,
@@ -197,11 +200,16 @@ fn voxels_may_stay_behind() {
 fn what_was_traced_for_another_view_does_not_show() {
     let gpu = gpu();
     let scene = builtin("cornell");
-    let see = |view| RenderSettings { view, bounces: 0, ..settings() };
+    let timing = Timing::SubmitAndWait;
+    let see = |view| RenderSettings { view, bounces: 0, timing, ..settings() };
+    let traces = |renderer: &Renderer| renderer.times().iter().any(|time| time.stage == "trace");
     let mut seen = renderer(&gpu, &scene, see(View::Occlusion));
     picture(&mut seen);
+    assert!(traces(&seen));
     seen.set_view(View::Final, 0).expect("a view");
-    assert!(picture(&mut seen) == picture(&mut renderer(&gpu, &scene, see(View::Final))));
+    let mut fresh = renderer(&gpu, &scene, see(View::Final));
+    assert!(picture(&mut seen) == picture(&mut fresh));
+    assert!(!traces(&fresh));
 }
 
 /// A scene with a grid of its own may be empty, or stand outside of it.

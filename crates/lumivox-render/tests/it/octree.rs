@@ -1,10 +1,12 @@
 //! The octree shows what the dense volume shows: the same voxels, the same light, look-ups that differ in their last
 //! bits alone.
 
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 use lumivox::{Directionality, Duplication, Mipmapping, OctreeBuilder, OctreeOptions, VolumeKind};
 use lumivox_render::{Gpu, Picture, RenderError, RenderSettings, Renderer, ShadowMethod, View};
+use lumivox_scene::{Bounds, Camera, Instance, Material, Scene};
 
+use crate::common::zoo::quad;
 use crate::common::{builtin, gpu, picture, renderer};
 
 /// The most that the mean of a picture may differ, as a share of it (measured: up to 0.0016). Values are rounded to
@@ -116,6 +118,49 @@ fn nodes_and_bricks_are_seen_in_an_octree_alone() {
         assert!(orange > 50, "{}: {orange} orange pixels", view.name());
         assert!(orange < shown.hdr.len() / 2, "{}: {orange} orange pixels", view.name());
     }
+}
+
+/// Pixels of one colour: the lowest and the highest coordinates.
+fn extent(picture: &Picture, is_of_it: impl Fn(&[f32; 4]) -> bool) -> (UVec2, UVec2) {
+    let pixels = (0..).zip(&picture.hdr).filter(|(_, pixel)| is_of_it(pixel));
+    let places = pixels.map(|(i, _)| UVec2::new(i % picture.size.x, i / picture.size.x));
+    places.fold((picture.size, UVec2::ZERO), |(low, high), at| (low.min(at), high.max(at)))
+}
+
+/// Around a single voxel, nodes without cells of their own stand on all sides of the one that has some; no others are
+/// there, however many voxels the grid has room for.
+#[test]
+fn nodes_of_neighbours_stand_around_those_with_cells() {
+    let mut seen = Vec::new();
+    for resolution in [16, 136] {
+        // A margin of 1.5 voxels on each side: the origin is a corner of nodes of two voxels.
+        let cell = 2.0 / (resolution as f32 - 3.0);
+        let mut scene = Scene::default();
+        let middle = Vec3::splat(0.5 * cell);
+        scene.meshes.push(quad(middle, 0.2 * cell * Vec3::X, 0.2 * cell * Vec3::Y));
+        scene.materials.push(Material::diffuse("grey", Vec3::splat(0.5)));
+        scene.instances.push(Instance::default());
+        let eye = cell * Vec3::new(11.0, 8.0, 13.0);
+        scene.cameras = vec![Camera::look_at(eye, Vec3::splat(cell), 0.6)];
+        scene.validate().expect("a valid scene");
+        let settings = RenderSettings {
+            view: View::Nodes,
+            resolution,
+            grid_bounds: Some(Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE }),
+            size: UVec2::new(160, 120),
+            frames: 1,
+            ..settings(octree())
+        };
+        let shown = picture(&mut renderer(&gpu(), &scene, settings));
+        let own = extent(&shown, |pixel| pixel[2] > 3.0 * pixel[0]);
+        let others = extent(&shown, |pixel| pixel[0] > 5.0 * pixel[2]);
+        println!("own {own:?}, others {others:?}");
+        assert!(own.0.cmplt(own.1).all(), "own {own:?}");
+        assert!((others.0 + 5).cmplt(own.0).all(), "own {own:?}, others {others:?}");
+        assert!((own.1 + 5).cmplt(others.1).all(), "own {own:?}, others {others:?}");
+        seen.push((own, others));
+    }
+    assert_eq!(seen[0], seen[1]);
 }
 
 #[test]

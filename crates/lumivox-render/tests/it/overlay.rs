@@ -226,25 +226,29 @@ fn lines_blend_by_their_coverage_and_end_at_surfaces() {
     assert!(hidden > 8 && through > hidden + 8);
 }
 
-/// A line through the eye's plane, and one from behind the eye: what is in front of it is drawn.
+/// A line to before the near plane, and one to behind the eye: both end at the plane.
 #[test]
 fn lines_are_cut_at_the_near_plane() {
     let gpu = gpu();
-    let end = Vec3::new(-0.8, 0.3, 0.2);
+    let mut scene = stage();
+    scene.cameras[0].near_m = 1.0;
+    let (eye, end) = (camera(), Vec3::new(-0.8, 0.3, 0.2));
     let draw = |from: Vec3| {
         let line = OverlayLine { from, to: end, color: [1.0; 4], is_hidden_by_surfaces: false };
         let overlay = Overlay { lines: vec![line], hides_surfaces: true, ..Overlay::default() };
-        let picture = shown(&gpu, &stage(), settings(overlay));
+        let picture = shown(&gpu, &scene, settings(overlay));
         let lit = colors(&picture).filter(|(_, color)| is_near(*color, [255; 3]));
         lit.map(|(pixel, _)| pixel).collect::<Vec<_>>()
     };
     let before_the_eye = Vec3::new(0.6, -0.2, 2.9);
+    let depth_m = |place: Vec3| (place - eye.position).dot(eye.forward);
+    let share = (1.0 - depth_m(end)) / (depth_m(before_the_eye) - depth_m(end));
+    let cut = draw(end.lerp(before_the_eye, share));
+    assert!(cut.len() > 15, "{} pixels", cut.len());
+    assert_eq!(cut, draw(before_the_eye));
     let beyond = before_the_eye + 3.0 * (before_the_eye - end);
-    assert!(beyond.z > 4.0);
-    let (cut, whole) = (draw(before_the_eye), draw(beyond));
-    assert!(whole.len() > 30);
-    // The nearer end is out of the picture already.
-    assert_eq!(cut, whole);
+    assert!(depth_m(beyond) < -1.0);
+    assert_eq!(cut, draw(beyond));
 }
 
 /// All off gives the bits of before; whatever is on changes no radiance; two runs agree.

@@ -8,7 +8,8 @@ use std::f32::consts::PI;
 use glam::{Mat4, UVec2, Vec2, Vec3};
 use lumivox::{OctreeOptions, VolumeKind};
 use lumivox_render::{
-    Exposure, Picture, RenderError, RenderSettings, Renderer, ShadowMethod, ToneMap, View,
+    COST_SCALE_SAMPLES, Exposure, Picture, RenderError, RenderSettings, Renderer, ShadowMethod,
+    ToneMap, View,
 };
 use lumivox_scene::{
     AlphaMode, Camera, Filter, Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Shading,
@@ -171,8 +172,12 @@ fn alpha_masks_cut_holes_into_pictures_and_shadows() {
 #[test]
 fn the_screen_shows_what_the_formulas_say() {
     let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
-    for curve in ToneMap::ALL {
-        let stops = -1.5_f32;
+    // A thousand times as bright, and exposed by as much less: on the GPU, radiance is in another unit.
+    let mut bright = scene.clone();
+    bright.lights.iter_mut().for_each(|light| light.color *= 1024.0);
+    bright.materials.iter_mut().for_each(|material| material.emissive *= 1024.0);
+    let all = ToneMap::ALL.map(|curve| (&scene, -1.5_f32, curve));
+    for (scene, stops, curve) in all.into_iter().chain([(&bright, -11.5, ToneMap::Neutral)]) {
         let settings = RenderSettings {
             view: View::Direct,
             exposure: Exposure::Stops(stops),
@@ -180,7 +185,9 @@ fn the_screen_shows_what_the_formulas_say() {
             frames: 2,
             ..small()
         };
-        let picture = render(&scene, settings).expect("a picture");
+        let picture = render(scene, settings).expect("a picture");
+        let is_lit = |pixel: &[u8; 4]| (30..220).contains(&pixel[1]);
+        assert!(picture.ldr.iter().filter(|pixel| is_lit(pixel)).count() > 500, "{curve:?}");
         for (hdr, ldr) in picture.hdr.iter().zip(&picture.ldr) {
             let exposed = Vec3::new(hdr[0], hdr[1], hdr[2]) * stops.exp2();
             let code = curve.encode(exposed) * 255.0;
@@ -193,6 +200,25 @@ fn the_screen_shows_what_the_formulas_say() {
     }
 }
 
+/// The cost goes from dark violet to yellow: the green of viridis (van der Walt and Smith 2015) at 0, 1/4, 1/2, 3/4, 1.
+#[test]
+fn cost_is_shown_as_a_heat_map() {
+    let green = [1.0, 82.0, 145.0, 201.0, 231.0];
+    let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
+    let picture = render(&scene, RenderSettings { view: View::Cost, bounces: 1, ..small() })
+        .expect("a picture");
+    let mut middle = 0;
+    for (&[samples, ..], ldr) in picture.hdr.iter().zip(&picture.ldr) {
+        let place = 4.0 * (samples / COST_SCALE_SAMPLES).min(1.0);
+        let (below, share) = (place.floor().min(3.0), place - place.floor().min(3.0));
+        let expected = green[below as usize] * (1.0 - share) + green[below as usize + 1] * share;
+        let shown = f32::from(ldr[1]);
+        assert!((shown - expected).abs() < 10.0, "{samples} samples are {ldr:?}, not {expected}");
+        middle += u32::from((0.5..3.5).contains(&place));
+    }
+    assert!(middle > 500, "{middle} pixels are neither cheap nor dear");
+}
+
 #[test]
 fn frames_are_averaged() {
     let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
@@ -203,7 +229,13 @@ fn frames_are_averaged() {
     // Edges become smooth: the share of a surface in a pixel is then neither 0 nor 1.
     let is_partial = |pixel: &&[f32; 4]| pixel[3] > 0.0 && pixel[3] < 1.0;
     assert_eq!(mean_of(1).hdr.iter().filter(is_partial).count(), 0);
-    assert!(mean_of(8).hdr.iter().filter(is_partial).count() > 10);
+    let mean = mean_of(8).hdr;
+    assert!(mean.iter().filter(is_partial).count() > 10);
+    // Each frame counts as much as any other: of eight, whole eighths show a surface.
+    for pixel in &mean {
+        let shown = 8.0 * pixel[3];
+        assert!((shown - shown.round()).abs() < 1e-4, "{shown} of 8 frames");
+    }
 }
 
 #[test]

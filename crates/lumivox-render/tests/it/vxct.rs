@@ -1,6 +1,8 @@
 //! The look of VXCT, held to closed forms: Phong's light, shadows that do not depend on the voxels, emission that
 //! lights.
 
+mod light;
+
 use std::f32::consts::PI;
 
 use glam::{UVec2, Vec2, Vec3};

@@ -178,25 +178,28 @@ fn other_layouts_are_told() {
 fn openexr_layers_and_windows_are_understood() {
     use exr::prelude::*;
     let folder = Folder::new();
-    let mut bytes = Cursor::new(Vec::new());
-    let channels = SpecificChannels::build()
-        .with_channel("View Layer.Combined.R")
-        .with_channel("View Layer.Combined.G")
-        .with_channel("View Layer.Combined.B")
-        .with_pixel_fn(|at| (at.0 as f32, at.1 as f32, 9.0_f32));
-    let mut attributes = LayerAttributes::named("layer");
-    attributes.layer_position = Vec2(2, 1);
-    attributes.white_luminance = Some(100.0);
-    let layer = Layer::new((4, 2), attributes, Encoding::FAST_LOSSLESS, channels);
-    let mut image = Image::from_layer(layer);
-    image.attributes.display_window = IntegerBounds::new((0, 0), (8, 4));
-    image.write().to_buffered(&mut bytes).unwrap();
-    let map = folder.load("a.exr", &bytes.into_inner()).unwrap();
-    assert_eq!((map.width, map.height), (8, 4));
-    assert_eq!(map.rgb[8 + 2], [0.0, 0.0, 900.0]);
-    assert_eq!(map.rgb[2 * 8 + 5], [300.0, 100.0, 900.0]);
-    assert_eq!(map.rgb[0], [0.0; 3]);
-    assert!(map.warnings[0].contains("4 x 2 of its 8 x 4"), "{:?}", map.warnings);
+    // Where the display window begins does not matter: what is stored lies 2 to the right and 1 below that.
+    for (left, top) in [(0, 0), (5, -7), (-3, 20)] {
+        let mut bytes = Cursor::new(Vec::new());
+        let channels = SpecificChannels::build()
+            .with_channel("View Layer.Combined.R")
+            .with_channel("View Layer.Combined.G")
+            .with_channel("View Layer.Combined.B")
+            .with_pixel_fn(|at| (at.0 as f32, at.1 as f32, 9.0_f32));
+        let mut attributes = LayerAttributes::named("layer");
+        attributes.layer_position = Vec2(left + 2, top + 1);
+        attributes.white_luminance = Some(100.0);
+        let layer = Layer::new((4, 2), attributes, Encoding::FAST_LOSSLESS, channels);
+        let mut image = Image::from_layer(layer);
+        image.attributes.display_window = IntegerBounds::new((left, top), (8, 4));
+        image.write().to_buffered(&mut bytes).unwrap();
+        let map = folder.load("a.exr", &bytes.into_inner()).unwrap();
+        assert_eq!((map.width, map.height), (8, 4));
+        assert_eq!(map.rgb[8 + 2], [0.0, 0.0, 900.0]);
+        assert_eq!(map.rgb[2 * 8 + 5], [300.0, 100.0, 900.0]);
+        assert_eq!(map.rgb[0], [0.0; 3]);
+        assert!(map.warnings[0].contains("4 x 2 of its 8 x 4"), "{:?}", map.warnings);
+    }
 }
 
 #[test]

@@ -101,7 +101,7 @@ fn below_ceiling(rays: &Rays, point: Vec3) -> Option<(Vec3, f32)> {
     Some((place, walls.fold(f32::INFINITY, f32::min).min(1.0)))
 }
 
-fn lamp(rays: &Rays, position: Vec3) -> Option<Lamp> {
+pub(super) fn lamp(rays: &Rays, position: Vec3) -> Option<Lamp> {
     let (mut hits, mut nearest, mut area) = (0, f32::INFINITY, 0.0);
     for way in directions::sphere(LOOKS) {
         let Some(hit) = rays.cast(position, way) else { continue };

@@ -114,6 +114,7 @@ mod tests {
             let camera = Camera::look_at(Vec3::ZERO, target, 0.8);
             let m = camera.world_from_camera();
             assert!((m.determinant() - 1.0).abs() < 1e-5);
+            assert!(m.y_axis.truncate().abs_diff_eq(Vec3::NEG_Z, 1e-6), "{m}");
         }
     }
 }

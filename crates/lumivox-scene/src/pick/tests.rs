@@ -214,6 +214,32 @@ fn backs_let_rays_pass_unless_they_are_surfaces() {
 }
 
 #[test]
+fn rays_pass_what_is_hidden() {
+    let mut scene = square(false, Mat4::from_translation(Vec3::Z));
+    let behind = Instance { world_from_local: Mat4::IDENTITY, ..scene.instances[0].clone() };
+    scene.instances.push(behind);
+    let meet = |scene: &Scene| {
+        let pick = Picker::new(scene).pick(Vec3::new(0.2, 0.3, 4.0), Vec3::NEG_Z);
+        pick.map(|pick| pick.instance)
+    };
+    assert_eq!(meet(&scene), Some(0));
+    scene.instances[0].is_hidden = true;
+    assert_eq!(meet(&scene), Some(1));
+    scene.instances[1].is_hidden = true;
+    assert_eq!(meet(&scene), None);
+}
+
+/// Of surfaces in one place the first counts, so that an answer does not depend on how boxes are built.
+#[test]
+fn of_what_lies_in_one_place_the_first_is_met() {
+    let mut scene = square(false, Mat4::IDENTITY);
+    scene.meshes[0].indices = [0, 1, 2].repeat(100);
+    scene.instances.push(scene.instances[0].clone());
+    let pick = Picker::new(&scene).pick(Vec3::new(0.5, 0.0, 4.0), Vec3::NEG_Z).unwrap();
+    assert_eq!((pick.instance, pick.triangle), (0, 0));
+}
+
+#[test]
 fn far_eyes_and_tiny_things_meet() {
     for size_m in [1e-4_f32, 1.0, 1e5] {
         let picker = Picker::new(&square(false, Mat4::from_scale(Vec3::splat(size_m))));

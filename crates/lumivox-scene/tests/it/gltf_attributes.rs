@@ -59,6 +59,16 @@ fn interleaved_normalised_and_sparse_accessors() {
     let scene = file.load().unwrap();
     assert_eq!(scene.meshes[0].uvs, [Vec2::Y, Vec2::new(1.0, 0.2), Vec2::ZERO]);
     assert_eq!(scene.meshes[0].positions[1], Vec3::X * 5.0);
+    // What replaces elements that lie apart lies close together.
+    let indices = file.view(&[0, 2]);
+    let values = file.view(&[51, 0, 255, 102]);
+    file.json["accessors"][uvs]["sparse"] = json!({
+        "count": 2,
+        "indices": { "bufferView": indices, "componentType": 5121 },
+        "values": { "bufferView": values },
+    });
+    let uvs = &file.load().unwrap().meshes[0].uvs;
+    assert_eq!(*uvs, [Vec2::new(0.2, 0.0), Vec2::new(1.0, 0.2), Vec2::new(1.0, 0.4)]);
 }
 
 #[test]
@@ -107,6 +117,15 @@ fn quantized_attributes() {
     assert_eq!(mesh.normals, [Vec3::Z; 3]);
     assert_eq!(mesh.tangents, [Vec4::new(1.0, 0.0, 0.0, -1.0); 3]);
     assert_eq!(mesh.uvs, [Vec2::new(0.0, -300.0), Vec2::new(4095.0, 7.0), Vec2::new(2.0, 3.0)]);
+    // -128 is -1 as -127 is (glTF 2.0, section 3.11).
+    let mut file = File::triangle();
+    file.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+    let view = file.view(&[0x80, 127, 0, 0, 0x81, 0x80, 0, 0, 0, 0, 0, 0]);
+    file.json["bufferViews"][view]["byteStride"] = json!(4);
+    let uvs = file.accessor(view, 5120, 3, "VEC2");
+    file.json["accessors"][uvs]["normalized"] = json!(true);
+    let scene = with_attribute(file, "TEXCOORD_0", uvs).load().unwrap();
+    assert_eq!(scene.meshes[0].uvs, [Vec2::new(-1.0, 1.0), Vec2::NEG_ONE, Vec2::ZERO]);
 }
 
 #[test]

@@ -354,6 +354,24 @@ fn triangles_without_area_at_rest_have_one_later() {
     assert_eq!(scene.meshes[0].normals[3], Vec3::Y);
 }
 
+/// Where one corner moves, its triangle's plane turns, and with it the frames of the corners that stay.
+#[test]
+fn frames_of_flat_triangles_turn_with_a_single_corner() {
+    for corner in 0..3 {
+        let mut file = File::triangle();
+        let mut lifted = [[0.0; 3]; 3];
+        lifted[corner] = [0.0, 0.0, 2.0];
+        let lifted = file.vectors(&lifted);
+        file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": lifted }]);
+        file.json["meshes"][0]["weights"] = json!([1]);
+        let scene = file.load().unwrap();
+        let at = format!("corner {corner}");
+        assert!(scene.meshes[0].normals.iter().all(|normal| normal.z < 0.9), "{at}");
+        assert_fronts(&scene, &at);
+        assert_frames(&scene, &at);
+    }
+}
+
 #[test]
 fn a_morphed_mesh_in_a_mirror_keeps_its_front() {
     for flat in [false, true] {

@@ -85,6 +85,14 @@ fn lights_take_their_place_from_nodes() {
         panic!("a spot");
     };
     assert!((inner_angle_rad, outer_angle_rad) == (0.2, 0.6));
+    // Files round: an inner angle above the outer one by that means a sharp edge.
+    let spot = &mut file.json["extensions"]["KHR_lights_punctual"]["lights"][2]["spot"];
+    spot["innerConeAngle"] = json!(0.600_001);
+    let scene = file.load().unwrap();
+    let LightKind::Spot { inner_angle_rad, outer_angle_rad, .. } = scene.lights[2].kind else {
+        panic!("a spot");
+    };
+    assert!((inner_angle_rad, outer_angle_rad) == (0.6, 0.6));
 }
 
 #[test]

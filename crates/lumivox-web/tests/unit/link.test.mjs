@@ -26,10 +26,20 @@ test("what is written is read again", () => {
         settings: { view: "wire-voxels", resolution: 128, exposure: "auto", specular: false, grid_offset: "0.5,0,0.25" },
     };
     assert.deepEqual(decode(`#${encode(state)}`, known), { state, problems: [] });
+    for (const up of [[0, 1, 0.5], [0.5, 1, 0], [0, -1, 0]]) {
+        const rolled = { ...state, camera: { ...state.camera, up } };
+        assert.deepEqual(decode(encode(rolled), known).state, rolled);
+    }
 });
 
 test("three numbers are written as their text", () => {
     assert.equal(encode({ settings: { grid_offset: [0.5, 0, 0.1] } }), "grid_offset=0.5,0,0.1");
+});
+
+test("numbers have no more digits than tell single floats apart", () => {
+    const exposures = [-1.5, 3.799999952316284, 40.03192138671875, 1 / 3, 65504];
+    const texts = ["-1.5", "3.8", "40.03192", "0.33333333", "65504"];
+    assert.deepEqual(exposures.map((exposure) => encode({ settings: { exposure } })), texts.map((text) => `exposure=${text}`));
 });
 
 test("numbers come back as the renderer's single floats", () => {

@@ -125,6 +125,24 @@ fn a_turned_furnace_keeps_its_light() {
     }
 }
 
+/// What a surplus at oblique walls takes back from a bright sky may exceed what a few cones find: a face is never darker
+/// than black for it.
+#[test]
+fn no_face_sends_out_less_than_nothing() {
+    let corner = Vec3::splat(0.5);
+    let room = SceneBuilder::default().room(-corner, corner, &lambert(0.5, 0.0));
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.5, 0.35, 0.4);
+    let bounds = (Vec3::splat(-0.85), Vec3::splat(0.85));
+    let room = room.transformed(Mat4::from_quat(turn));
+    let mut bench = Bench::new(bounds, 64, Vec3::ZERO, room);
+    let lit = bench.light(&[], Vec3::splat(100.0), 2);
+    let least = lit.faces.iter().map(|(_, radiance)| radiance.min_element());
+    let least = least.fold(f32::INFINITY, f32::min);
+    assert!(least >= 0.0, "a face sends out {least}");
+    let black = lit.faces.iter().filter(|(_, radiance)| radiance.x <= 0.0).count();
+    assert!(black > 100, "only {black} faces are black");
+}
+
 /// E = L / 2 pi * sum of (a / sqrt(1 + a^2) * atan(b / sqrt(1 + a^2)) + ...) for each quarter of a rectangle
 /// above a point, parallel to it: Howell, "A catalog of radiation heat transfer configuration factors", B-4.
 fn rectangle_above(point: Vec3, corner: Vec3, size_x: f32, size_z: f32, radiance: f32) -> f32 {
@@ -185,6 +203,51 @@ fn direct_light_follows_the_inverse_square() {
             error <= 1e-4 * (1.0 + expected.max_element()),
             "{face:?}: {radiance}, not {expected}"
         );
+    }
+}
+
+/// Lamps end at their range, by a window of the fourth power, and spot lights fade between their two angles as the
+/// square: KHR_lights_punctual, sections "Range Property" and "Inner and Outer Cone Angles".
+#[test]
+fn ranges_and_cones_of_lamps_are_those_of_gltf() {
+    let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
+    let mut bench = Bench::new(bounds, 32, Vec3::ZERO, busy_room());
+    let (position, range_m) = (Vec3::new(0.5, 0.4, 0.6), 0.5);
+    let (inner_angle_rad, outer_angle_rad) = (0.4_f32, 0.9_f32);
+    let direction = Vec3::new(0.3, -1.0, 0.2).normalize();
+    let (intensity, radius_m) = (Vec3::ONE, 0.0);
+    let ending = LightSource::Point { position, intensity, radius_m, range_m: Some(range_m) };
+    let spot = LightSource::Spot {
+        position,
+        direction,
+        intensity,
+        inner_angle_rad,
+        outer_angle_rad,
+        radius_m,
+        range_m: None,
+    };
+    let window = |to_light: Vec3| 1.0 - (to_light.length() / range_m).powi(4);
+    let cone = |to_light: Vec3| {
+        let (inner, outer) = (inner_angle_rad.cos(), outer_angle_rad.cos());
+        let share = (direction.dot(-to_light.normalize()) - outer) / (inner - outer);
+        share.clamp(0.0, 1.0).powi(2)
+    };
+    let dark = bench.light(&[], Vec3::ZERO, 1);
+    let whole = bench.light(&[candle(position, Shadow::None)], Vec3::ZERO, 1);
+    for (source, share) in [(ending, &window as &dyn Fn(Vec3) -> f32), (spot, &cone)] {
+        let lit = bench.light(&[Light { source, shadow: Shadow::None }], Vec3::ZERO, 1);
+        let (mut partly, mut most) = (0, 0.0_f32);
+        for (((face, lit), (_, whole)), (_, dark)) in
+            lit.faces.iter().zip(&whole.faces).zip(&dark.faces)
+        {
+            let expected = share(position - Vec3::from(face.position_in_world)).max(0.0);
+            let (lit, whole) = (*lit - *dark, *whole - *dark);
+            let error = (lit - expected * whole).abs().max_element();
+            assert!(error <= 1e-4 * (1.0 + whole.max_element()), "{face:?}: {lit} of {whole}");
+            partly += usize::from(expected > 0.1 && expected < 0.9 && whole.max_element() > 0.01);
+            most = most.max(expected);
+        }
+        assert!(partly > 100 && most > 0.9, "{source:?}: {partly} faces lie in between, {most}");
     }
 }
 

@@ -40,6 +40,11 @@ fn ggx_masking(n_dot_v: f32, alpha: f32) -> f32 {
     return 2.0 * n_dot_v / (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v));
 }
 
+// Density, per steradian, of a direction mirrored at a visible normal.
+fn mirrored_density(n_dot_v: f32, n_dot_h: f32, alpha: f32) -> f32 {
+    return ggx_masking(n_dot_v, alpha) * ggx_distribution(n_dot_h, alpha) / (4.0 * n_dot_v);
+}
+
 // A half vector from the distribution of visible normals, in the frame whose z is the normal: Dupuy and
 // Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3.
 fn sample_visible_normal(view: vec3f, alpha: f32, random: vec2f) -> vec3f {

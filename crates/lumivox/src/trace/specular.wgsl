@@ -13,7 +13,7 @@
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::light::environment::environment_reflection;
 import package::trace::brdf::{
-    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_masking, ggx_visibility,
+    alpha_from_roughness, fresnel_schlick, ggx_masking, ggx_visibility, mirrored_density,
     sample_visible_normal,
 };
 import package::trace::coat::{below_coat, coat_fresnel, load_coat};
@@ -71,9 +71,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
 
-    let masking = ggx_masking(local_view.z, alpha);
-    let density = masking * ggx_distribution(half_vector.z, alpha) / (4.0 * local_view.z);
-    let solid_angle = settings.specular_share / density;
+    let solid_angle = settings.specular_share / mirrored_density(local_view.z, half_vector.z, alpha);
     let cos_half = max(1.0 - solid_angle / 6.28318530718, MIN_COS_HALF_ANGLE);
     let tan_half = sqrt(1.0 - cos_half * cos_half) / cos_half;
 
@@ -96,7 +94,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     );
     let both = ggx_visibility(local_view.z, local_light.z, alpha) * 4.0 * local_view.z
         * local_light.z;
-    let weight = fresnel * (both / masking);
+    let weight = fresnel * (both / ggx_masking(local_view.z, alpha));
     // A mirror of the sun may exceed the largest half float.
     let reflected = min(radiance * weight, vec3f(65504.0));
     textureStore(specular_out, invocation.xy, vec4f(reflected, samples + f32(traced.samples)));

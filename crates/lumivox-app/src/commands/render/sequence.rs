@@ -153,10 +153,14 @@ fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<Option<(Ren
         let picture = pollster::block_on(ready.finish())?;
         stops.push(Exposure::Auto.stops(&picture.hdr));
     }
-    stops.sort_by(f32::total_cmp);
-    let median = stops.get(stops.len() / 2).copied().unwrap_or_default();
     let renderer = renderer.ok_or_else(|| anyhow::anyhow!("a sequence without pictures"))?;
-    Ok(Some((renderer, median)))
+    Ok(Some((renderer, median(stops))))
+}
+
+/// Of an even number the higher of the two in the middle; 0 of none.
+fn median(mut values: Vec<f32>) -> f32 {
+    values.sort_by(f32::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
 /// A picture's place among those to be rendered.
@@ -337,5 +341,17 @@ impl Report {
             text += &memory_table(&renderer.memory);
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_the_values_are_below_the_median() {
+        assert_eq!(median(vec![3.0, -9.0, 1.0, 7.0, 2.0]), 2.0);
+        assert_eq!(median(vec![5.0, 4.0]), 5.0);
+        assert_eq!(median(Vec::new()), 0.0);
     }
 }

@@ -53,10 +53,20 @@ pub fn animations_play() {
     session.says("animation", &["0 \"slide\", 2 s, on", "1 \"rise\", 1 s, off"]);
     session.says("time", &["time 0 of 2 s, paused"]);
     let start = session.picture();
+    // The grid has room for all of the way.
+    session.says("grid_bounds", &["-1,0,-1 1.2,2,1"]);
     let middle = session.changes("time 1");
     session.changes("animation rise; time 0.5");
     session.equals("animation 0; time 1", middle);
+    // The end is shown.
+    session.does("time 2");
+    session.says("time", &["time 2 of 2 s"]);
     session.equals("time 0", start);
+    // What is done to an object goes along.
+    let moved = session.changes("translate plate 0 0.3 0");
+    session.changes("time 1");
+    session.equals("time 0", moved);
+    session.equals("translate plate 0 -0.3 0", start);
     session.does("play; wait 15; pause");
     session.says("time", &["time 0.5", "paused"]);
     session.does("wait 5");

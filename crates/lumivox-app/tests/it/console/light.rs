@@ -19,6 +19,8 @@ pub fn lights_come_change_and_go() {
     session.changes("light spot strength 500");
     session.changes("light spot outer 50");
     session.says("light spot", &["outer 50", "inner 5"]);
+    session.does("light spot inner 40; light spot outer 30");
+    session.says("light spot", &["outer 30", "inner 30"]);
     session.changes("remove_light all");
     session.says("lights", &["the scene has no lights"]);
     session.changes("add_light sun direction 0 -0.3 -1");

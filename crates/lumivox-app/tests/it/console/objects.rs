@@ -16,6 +16,9 @@ pub fn objects_move_and_hide() {
     session.equals("matrix 'tall block' 1 0 0 0 1 0 0 0 1 0 0 0", start);
     session.changes("place 'short block' 0.2 0.5 0.1 0 45 0 1.5");
     session.says("place 'short block'", &["position 0.2,0.5,0.1 m", "scale 1.5"]);
+    // The order of turns is the same everywhere.
+    session.does("place 'short block' 0 0 0 0 0 0 1; rotate 'short block' 20.5 30.5 0");
+    session.says("place 'short block'", &["rotation 20.", ",30."]);
     session.does("matrix 'short block' 1 0 0 0 1 0 0 0 1 0 0 0");
     let hidden = session.changes("hide 'left wall'");
     session.equals("show 'left wall'", start);
@@ -86,5 +89,17 @@ pub fn the_camera_goes_about() {
     session.changes("orbit 20 0 0,0.5,0");
     session.equals("camera 0", start);
     session.changes("camera_axes 0 0.8 1.5 0 0 -1 0 1 0 55");
+    // Forward is where it looks, here -z.
+    session.does("move 0.25 0.5 0.75");
+    session.says("camera", &["camera 0.25,1.3,0.75,0.25,1.3,-0.25"]);
+    // To the right round what it looks at: to +x. There, its right is -z.
+    session.does("orbit 90 0 0.25,1.3,-0.25");
+    session.says("camera", &["camera 1.2"]);
+    session.does("turn 90 0; move 0 0 5");
+    session.says("camera", &[",-5.2"]);
+    // A turn upwards ends at the vertical, whence half a right angle leads back to where it came from.
+    session.does("camera_axes 0 0 0 0 0 -1 0 1 0; turn 0 170; turn 0 -45; move 0 0 2");
+    session.says("camera", &[",-1.4"]);
+    session.says("script", &["store 1", "store 2"]);
     session.finish();
 }

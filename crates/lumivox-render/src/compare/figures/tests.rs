@@ -131,6 +131,10 @@ fn flip_grows_with_the_difference() {
     let (small, large) = (flip(0.55), flip(0.8));
     // FLIP's published range; a tenth more red in half of the pixels is seen, but little.
     assert!(0.005 < small && 2.0 * small < large && large < 0.3, "{small} {large}");
+    // What is brighter as a whole is not exposed to be alike.
+    let brighter = scaled(&checker(0.5), 4.0);
+    let figures = ErrorFigures::new(&checker(0.5), None, &brighter).expect("figures");
+    assert!(figures.flip > Some(0.1), "{figures:?}");
 }
 
 fn pictures() -> impl Strategy<Value = (LinearPicture, LinearPicture)> {

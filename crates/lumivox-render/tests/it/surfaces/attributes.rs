@@ -1,6 +1,6 @@
 //! Coordinates, transforms and colours of vertices in pictures and shadows.
 
-use glam::{Affine2, UVec2, Vec2, Vec3, Vec4};
+use glam::{Affine2, Mat4, UVec2, Vec2, Vec3, Vec4};
 use lumivox_render::{RenderSettings, View};
 use lumivox_scene::{
     AlphaMode, Clearcoat, Light, LightKind, Material, MetallicRoughness, Scene, TextureRef,
@@ -84,6 +84,39 @@ fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
     ramp.meshes[0].colors = [0.0, 1.0, 1.0, 0.0].map(|x| Vec3::splat(x).extend(1.0)).to_vec();
     let expected = [7.0, 25.0, 7.0, 25.0].map(|pixel| Vec3::splat(pixel / 32.0));
     assert_quarters("ramp", quarters(&ramp, View::Albedo), expected);
+}
+
+/// A wall of 45 degrees that becomes three times as high leans less, and so does its normal.
+#[test]
+fn normals_follow_uneven_scale() {
+    let mut scene = scene();
+    let wall = quad(Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, -1.0));
+    add(&mut scene, wall, Material::diffuse("wall", Vec3::ONE));
+    scene.instances[0].world_from_local = Mat4::from_scale(Vec3::new(1.0, 3.0, 1.0));
+    let shown = mean(&render(&scene, RenderSettings { frames: 1, ..settings(View::Normal) }));
+    assert_near("normal", shown, Vec3::new(0.0, 1.0, 3.0).normalize(), 0.002);
+}
+
+/// Red bends a normal along the tangent, green along normal x tangent times the tangent's sign: glTF 2.0, sections
+/// 3.7.2.1 and 3.9.3.
+#[test]
+fn normal_textures_bend_along_tangent_and_bitangent() {
+    // (0.6, 0, 0.8) and (0, 0.6, 0.8), in bytes.
+    for (texel, along_tangent) in [([204, 128, 230, 255], true), ([128, 204, 230, 255], false)] {
+        let mut scene = scene();
+        scene.textures.push(texture(1, 1, |_, _| texel));
+        let mut material = Material::diffuse("bent", Vec3::ONE);
+        material.normal_texture = Some(TextureRef::new(0));
+        add(&mut scene, screen(), material);
+        for (tangent, sign) in [(Vec3::X, 1.0), (Vec3::X, -1.0), (Vec3::NEG_Y, 1.0)] {
+            scene.meshes[0].tangents = vec![tangent.extend(sign); 4];
+            let aside = if along_tangent { tangent } else { Vec3::Z.cross(tangent) * sign };
+            let shown =
+                mean(&render(&scene, RenderSettings { frames: 1, ..settings(View::Normal) }));
+            // A byte is 0.8 % of the range from -1 to 1.
+            assert_near("bent normal", shown, 0.6 * aside + 0.8 * Vec3::Z, 0.01);
+        }
+    }
 }
 
 /// A masked texture is cut where its own coordinates say, in the picture and in the shadow.

@@ -3,6 +3,7 @@
 
 mod attributes;
 mod layers;
+mod resolution;
 mod sides;
 mod stage;
 mod transparency;

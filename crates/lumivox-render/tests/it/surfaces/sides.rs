@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use lumivox_render::{RenderSettings, ShadowMethod, View};
-use lumivox_scene::{Camera, Light, LightKind, Material, Scene};
+use lumivox_scene::{Camera, Light, LightKind, Material, Scene, TextureRef};
 
 use crate::surfaces::stage::*;
 
@@ -91,5 +91,30 @@ fn both_sides_are_seen_in_the_light_that_falls_on_them() {
         assert_eq!(filled, is_there, "double-sided {double_sided}, seen from {from_x}");
         assert!(from_behind <= 0.0, "lit from behind: {from_behind}");
         assert!((lit > 1.0) == is_there, "double-sided {double_sided}, from {from_x}: {lit}");
+    }
+}
+
+/// However its normals are bent, a surface shows no light from behind its plane: not near its border either, where light
+/// that grazes it from behind meets nothing else.
+#[test]
+fn bent_normals_catch_no_light_from_behind() {
+    let lit_from = |z: f32| {
+        let mut scene = scene();
+        // (0.8, 0, 0.6) in bytes.
+        scene.textures.push(texture(1, 1, |_, _| [230, 128, 204, 255]));
+        let mut material = Material::diffuse("bent", Vec3::ONE);
+        material.normal_texture = Some(TextureRef::new(0));
+        add(&mut scene, quad(Vec3::ZERO, Vec3::X * 0.5, Vec3::Y * 0.5), material);
+        scene.lights.push(Light {
+            kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
+            direction: Vec3::new(-1.0, 0.0, -z).normalize(),
+            ..Light::default()
+        });
+        render(&scene, RenderSettings { frames: 1, ..settings(View::Direct) })
+    };
+    assert!(mean(&lit_from(0.3)).x > 0.1, "from the front it is lit");
+    for z in [-0.3, -0.01, -0.001] {
+        let brightest = lit_from(z).hdr.iter().map(|pixel| pixel[0]).fold(0.0, f32::max);
+        assert!(brightest <= 0.0, "{z}: a pixel has {brightest}");
     }
 }

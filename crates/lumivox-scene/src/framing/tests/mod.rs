@@ -216,6 +216,20 @@ fn lamps_give_300_lux_in_the_mean() {
     }
 }
 
+/// Of a cube that lacks one wall a lamp in the middle loses a sixth of its flux, and is brighter by that.
+#[test]
+fn a_lamp_makes_up_for_what_leaves_the_room() {
+    let mut walls = interior(Vec3::NEG_ONE, Vec3::ONE);
+    let is_open = |t: &[u32]| t.iter().all(|&i| walls.positions[i as usize].x > 0.9);
+    walls.indices = walls.indices.chunks(3).filter(|t| !is_open(t)).flatten().copied().collect();
+    let framing = Framing::of(&scene([walls], false));
+    let lamp = lamps::lamp(&framing.rays, Vec3::ZERO).unwrap().light(framing.unit);
+    let LightKind::Point { intensity_cd, .. } = lamp.kind else { panic!("a point light") };
+    let landing_lm = 4.0 * std::f32::consts::PI * intensity_cd * 5.0 / 6.0;
+    let mean_lux = landing_lm / 20.0;
+    assert!((mean_lux - 300.0).abs() < 9.0, "{mean_lux} lux");
+}
+
 #[test]
 fn boxes_are_things_from_outside() {
     let block = || cuboid(Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 1.0, 2.0), Faces::ALL);

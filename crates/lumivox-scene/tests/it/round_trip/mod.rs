@@ -5,8 +5,10 @@ mod conformance;
 mod strategy;
 
 use compare::assert_same;
-use glam::Vec3;
-use lumivox_scene::{Bounds, LoadOptions, Scene, SceneError, builtin};
+use glam::{Affine2, Vec2, Vec3};
+use lumivox_scene::{
+    Bounds, LoadOptions, Sampler, Scene, SceneError, Texture, TextureRef, builtin,
+};
 use proptest::prelude::*;
 
 fn load(name: &str, glb: &[u8]) -> Scene {
@@ -117,24 +119,57 @@ fn faults_name_the_file() {
     assert!(matches!(Scene::default().to_glb(), Err(SceneError::NoTriangles { .. })));
 }
 
+/// A saved file in which all occurrences of a text in its JSON are another of the same length.
+fn with_json(glb: &[u8], text: &str, other: &str) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let json = std::str::from_utf8(&glb[20..20 + length]).unwrap();
+    assert!(json.contains(text));
+    let mut changed = glb.to_vec();
+    changed[20..20 + length].copy_from_slice(json.replace(text, other).as_bytes());
+    changed
+}
+
 /// Extras are nobody's standard: another program may have changed the rest of the file.
 #[test]
 fn extras_that_do_not_fit_are_ignored_with_a_warning() {
     let mut scene = builtin::scene("cornell").unwrap();
     scene.environment.radiance = Vec3::ONE;
     let glb = scene.to_glb().unwrap();
-    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
-    let json = std::str::from_utf8(&glb[20..20 + length]).unwrap();
     for (right, wrong) in [
         (r#""radiance":[1.0,1.0,1.0]"#, r#""radiance":[1.0,1.0,-1 ]"#),
         (r#""rotationRad":0.0"#, r#""rotationRad":"a""#),
     ] {
-        assert!(json.contains(right));
-        let mut changed = glb.clone();
-        changed[20..20 + length].copy_from_slice(json.replace(right, wrong).as_bytes());
-        let loaded = load("cornell", &changed);
+        let loaded = load("cornell", &with_json(&glb, right, wrong));
         assert_eq!(loaded.environment, lumivox_scene::Environment::default());
         assert_eq!(loaded.notes.warnings.len(), 1);
         assert!(loaded.notes.warnings[0].contains("environment"), "{:?}", loaded.notes.warnings);
+    }
+}
+
+/// Who knows nothing of our exact matrix has offset, rotation and scale, which say the same.
+#[test]
+fn textures_lie_right_without_extras() {
+    for (scale, angle_rad) in [(Vec2::new(2.0, 0.5), 0.7), (Vec2::new(1.0, -3.0), -2.5)] {
+        let mut scene = builtin::scene("cornell").unwrap();
+        scene.textures.push(Texture {
+            name: "grey".to_owned(),
+            width: 1,
+            height: 1,
+            rgba8: vec![128, 128, 128, 255],
+            sampler: Sampler::default(),
+        });
+        let offset = Vec2::new(0.25, 0.5);
+        let transform = Affine2::from_scale_angle_translation(scale, angle_rad, offset);
+        let place = Some(TextureRef { transform, ..TextureRef::new(0) });
+        for material in &mut scene.materials {
+            material.emissive_texture = place;
+        }
+        let glb = with_json(
+            &scene.to_glb().unwrap(),
+            r#"{"lumivox":{"matrix""#,
+            r#"{"lumivox":{"xxxxxx""#,
+        );
+        let loaded = load("cornell", &glb).materials[0].emissive_texture.unwrap().transform;
+        assert!(loaded.abs_diff_eq(transform, 1e-5), "{loaded:?} instead of {transform:?}");
     }
 }

@@ -56,9 +56,10 @@ fn name() -> impl Strategy<Value = String> {
     prop_oneof!["[a-z]{1,8}", any::<String>().prop_map(|name| name.chars().take(80).collect()),]
 }
 
-/// 0 to 1, the ends included.
+/// 0 to 1, the ends included, and quarters, which files may leave out as defaults.
 fn unit() -> impl Strategy<Value = f32> {
-    prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0_f32, 0.0..1e-30_f32]
+    let quarter = (0..=4_u8).prop_map(|quarters| f32::from(quarters) / 4.0);
+    prop_oneof![quarter, 0.0..=1.0_f32, 0.0..1e-30_f32]
 }
 
 /// At least 0, over many orders of magnitude.
@@ -138,14 +139,14 @@ fn texture() -> impl Strategy<Value = Texture> {
     let filter = prop_oneof![Just(Filter::Nearest), Just(Filter::Linear)];
     let sampler = (wrap.clone(), wrap, filter.clone(), filter)
         .prop_map(|(wrap_u, wrap_v, magnify, minify)| Sampler { wrap_u, wrap_v, magnify, minify });
-    (name(), 1..6_u32, 1..6_u32, sampler, any::<bool>()).prop_flat_map(
-        |(name, width, height, sampler, opaque)| {
+    // Opaque, all but opaque, and any.
+    let least_alpha = prop_oneof![Just(255), Just(254), Just(0)];
+    (name(), 1..6_u32, 1..6_u32, sampler, least_alpha).prop_flat_map(
+        |(name, width, height, sampler, least_alpha)| {
             let texels = vec(any::<[u8; 4]>(), (width * height) as usize);
             texels.prop_map(move |mut texels| {
-                if opaque {
-                    for texel in &mut texels {
-                        texel[3] = 255;
-                    }
+                for texel in &mut texels {
+                    texel[3] = texel[3].max(least_alpha);
                 }
                 let rgba8 = texels.concat();
                 Texture { name: name.clone(), width, height, rgba8, sampler }

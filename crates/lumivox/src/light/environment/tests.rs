@@ -2,12 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3, Vec4};
 
 use super::cube::{Cube, Image, direction, reduced, solid_angle_sr};
 use super::peaks::split;
 use super::{EnvironmentLight, EnvironmentMap, Panorama};
-use crate::gpu::{Pipelines, Recorder, Timing};
+use crate::gpu::{
+    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer, upload,
+};
 use crate::testing::{SceneBuilder, device, lambert, read};
 use crate::voxels::FaceRecord;
 use crate::{Gi, GiConfig, Grid, Preset, TraceSettings};
@@ -184,6 +186,19 @@ fn what_is_no_compact_peak_stays() {
     assert_eq!(cut(&image(256, star)), 0, "a star");
 }
 
+/// What gives as much as a cone of the rest's radiance, pi / 12 of it, is cut out; what gives less stays.
+#[test]
+fn a_peak_is_held_against_the_rest_without_it() {
+    let disc = |lux| image(256, with_disc(Vec3::new(0.4, 0.5, 0.6), 0.03, lux, |_| Vec3::ONE));
+    let light = |image: &Image| integral(image.panorama(), |_| 1.0).x - 4.0 * PI;
+    // Texels make the disc a little larger or smaller than it is.
+    let per_lux = light(&disc(1.0));
+    for (share, expected) in [(1.01, 1), (0.99, 0)] {
+        let image = disc((share * PI / 12.0 / per_lux) as f32);
+        assert_eq!(split(image.panorama()).peaks.len(), expected, "{share} of a cone");
+    }
+}
+
 #[test]
 fn the_strongest_few_are_cut_out() {
     // Six lamps over a dim room, each brighter than the last.
@@ -255,6 +270,30 @@ impl Tile {
         Self { device, queue, gi }
     }
 
+    /// What a function of a shader, `fn answer(question: vec4f, index: u32) -> vec3f`, says in the light of a map.
+    fn ask(&self, map: &EnvironmentMap, answer: &str, questions: &[Vec4]) -> Vec<Vec3> {
+        let mut shaders = self.gi.shaders().clone();
+        shaders.add("test::ask", format!("{answer}{ASK_WGSL}"));
+        let layout =
+            LayoutBuilder::compute().storage().storage_mut().build(&self.device, "questions");
+        let layouts = [self.gi.globals_layout(), &layout, self.gi.lights_layout()];
+        let kernel =
+            Kernel::new(&self.device, &shaders, "test::ask", "main", &layouts).expect("it links");
+        let input = upload(&self.device, "questions", questions);
+        let output = storage_buffer(&self.device, "answers", questions.len() as u64 * 16);
+        let group = BindGroupBuilder::new(&layout).buffer(&input).buffer(&output);
+        let group = group.build(&self.device, "questions");
+        let environment =
+            EnvironmentLight { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 };
+        let lights = self.gi.bind_lights(&[], environment, None);
+        let mut recorder = Recorder::new(&self.device, &self.queue);
+        let groups = [self.gi.globals(), &group, &lights.group];
+        kernel.run_linear(&mut recorder, &groups, questions.len() as u64);
+        recorder.submit();
+        let answers: Vec<Vec4> = read(&self.device, &self.queue, &output, questions.len());
+        answers.into_iter().map(Vec4::truncate).collect()
+    }
+
     fn irradiance(
         &mut self,
         map: &EnvironmentMap,
@@ -286,6 +325,83 @@ impl Tile {
             sum.1 += area;
         }
         sum.0 / sum.1
+    }
+}
+
+const ASK_WGSL: &str = "
+@group(1) @binding(0) var<storage, read> questions: array<vec4f>;
+@group(1) @binding(1) var<storage, read_write> answers: array<vec4f>;
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&answers) { return; }
+    answers[id.x] = vec4f(answer(questions[id.x], id.x), 0.0);
+}";
+
+const RADIANCE_WGSL: &str = "
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::light::environment::environment_radiance;
+fn answer(question: vec4f, index: u32) -> vec3f {
+    return environment_radiance(normalize(question.xyz), question.w);
+}";
+
+/// A sample is as wide wherever it falls on the cube: it blurs a step from black to white alike in the middle of a face
+/// and at an edge, where a texel has 0.35 of the solid angle.
+#[test]
+fn samples_of_the_map_are_as_wide_everywhere() {
+    let tile = Tile::new(Vec3::Y);
+    let step = image(512, |d| if d.y > 0.0 { Vec3::ONE } else { Vec3::ZERO });
+    let map = EnvironmentMap::new(&tile.device, &tile.queue, step.panorama()).expect("a map");
+    for width in [0.1, 0.2, 0.3] {
+        // What is seen of white below the step, over the angle.
+        let blur = |place: Vec3| -> f32 {
+            let angles = (1..200).map(|i| i as f32 / 200.0);
+            let ways: Vec<Vec4> = angles
+                .map(|angle| {
+                    (place.normalize() * angle.cos() - Vec3::Y * angle.sin()).extend(width)
+                })
+                .collect();
+            tile.ask(&map, RADIANCE_WGSL, &ways).iter().map(|seen| seen.x).sum::<f32>() / 200.0
+        };
+        let (middle, edge) = (blur(Vec3::Z), blur(Vec3::new(1.0, 0.0, 1.0)));
+        println!("width {width}: blurred over {middle} in a face's middle, {edge} at its edge");
+        // A texel at the edge is 1.19 times as high as wide, and levels are powers of two.
+        assert!((0.85..1.45).contains(&(edge / middle)), "width {width}: {middle} and {edge}");
+    }
+}
+
+const GATHER_WGSL: &str = "
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::random::random_pair;
+import package::trace::cone::ConeSettings;
+import package::trace::gather::gather;
+fn answer(question: vec4f, index: u32) -> vec3f {
+    let settings = ConeSettings(0.125, 0.3333, 0.5, 1.0, 0.03, 3e38, 0.0, 0.0, 1u, 1u, 0u, 0u);
+    let start = random_pair(index, 7u);
+    return gather(vec3f(0.0), question.xyz, vec3f(0.0, 1.0, 0.0), 12u, start, index, settings).irradiance;
+}";
+
+/// Under a bent normal the part of the hemisphere that lies below the surface is folded up, as in a mirror: of a map of
+/// the radiance 1 + y, a direction d then finds 1 + |d.y|.
+#[test]
+fn what_a_bent_normal_looks_at_below_the_surface_is_folded_up() {
+    let tile = Tile::new(Vec3::Y);
+    let map = image(128, |d| Vec3::splat(1.0 + d.y as f32));
+    let map = EnvironmentMap::new(&tile.device, &tile.queue, map.panorama()).expect("a map");
+    for normal in [Vec3::Y, Vec3::new(0.8, 0.6, 0.0), Vec3::new(0.1, 0.2, -0.97).normalize()] {
+        let found = tile.ask(&map, GATHER_WGSL, &[normal.extend(0.0); 2000]);
+        let mean = found.iter().map(|irradiance| irradiance.x).sum::<f32>() / 2000.0;
+        // Malley's method: even on the disc is cosine on the hemisphere.
+        let (u, v) = normal.any_orthonormal_pair();
+        let folded = (0..40_000).map(|i| {
+            let (radius, turn) = (((i / 200) as f32 + 0.5) / 200.0, (i % 200) as f32 / 200.0);
+            let (sine, cosine) = (turn * TAU as f32).sin_cos();
+            let across = (u * cosine + v * sine) * radius.sqrt();
+            (across + normal * (1.0 - radius).sqrt()).y.abs()
+        });
+        let expected = PI as f32 * (1.0 + folded.sum::<f32>() / 40_000.0);
+        println!("{normal}: {mean} of {expected}");
+        // llvmpipe: 0.2 %.
+        assert!((mean / expected - 1.0).abs() < 0.01, "{normal}: {mean}, not {expected}");
     }
 }
 

@@ -193,6 +193,8 @@ fn check_any_order(volume: VolumeKind) {
     let lamp = Vec3::new(0.8, 0.2, 0.3);
     stage.light(&mut gi, 1, lamp, none);
     stage.assert_fresh(&gi, there, 1, lamp, none, "another lamp");
+    stage.light(&mut gi, 1, LAMP, none);
+    stage.assert_fresh(&gi, there, 1, LAMP, none, "the first lamp again");
     stage.light(&mut gi, 3, lamp, none);
     stage.voxelize(&mut gi, here);
     stage.light(&mut gi, 0, lamp, Shadow::Cone);

@@ -204,11 +204,31 @@ fn a_new_list_leaves_nothing_of_the_old_one() {
     }
 }
 
+/// The finest level has the surface's area in each voxel, one at most, and the mean of its light; each coarser one is the
+/// mean of eight.
 #[test]
-fn isotropic_pyramid_is_the_mean_of_eight() {
+fn isotropic_levels_are_means() {
     let (device, queue, gi) = lit_room(32, Directionality::Isotropic);
     let levels = read_levels(&device, &queue, &gi);
-    assert!(levels[0].lobes[0].iter().any(|texel| texel[3] > 0.5), "the finest level is empty");
+    let voxels = gi.voxels().expect("there are voxels");
+    let count = voxels.face_count as usize;
+    let nodes: Vec<NodeRecord> =
+        read(&device, &queue, &voxels.nodes, voxels.voxel_count() as usize);
+    let faces: Vec<FaceRecord> = read(&device, &queue, &voxels.faces, count);
+    let buffer = gi.face_radiance().expect("there is light");
+    let radiance: Vec<[f32; 4]> = read(&device, &queue, buffer, count);
+    let mut sums = vec![[0.0_f32; 4]; levels[0].lobes[0].len()];
+    for (face, [r, g, b, _]) in faces.iter().zip(&radiance) {
+        let cell = crate::testing::morton_decode(nodes[face.voxel as usize].morton);
+        let area = Vec3::from(face.vector_area).length();
+        let sum = &mut sums[levels[0].index(cell)];
+        *sum = std::array::from_fn(|i| sum[i] + area * [r, g, b, &1.0][i]);
+    }
+    let crowded = sums.iter().filter(|sum| sum[3] > 1.2).count();
+    assert!(crowded > 10, "only {crowded} voxels have more than one side of surface");
+    for (texel, sum) in levels[0].lobes[0].iter().zip(&sums) {
+        assert_near(*texel, sum.map(|value| value / sum[3].max(1.0)), 1e-6, "finest");
+    }
     for pair in levels.windows(2) {
         for cell in pair[1].cells() {
             let mut mean = [0.0; 4];

@@ -14,8 +14,9 @@ fn child_towards(node: u32, node_cell: vec3u, below: u32) -> u32 {
     return select(8u * children + octant_of(node_cell >> vec3u(below)), NONE, children == NONE);
 }
 
-// The node of a level at a cell of that level; NONE if there is none. From the table on it is OCTREE_STEPS levels
-// down at most, none where the grid is small: the number is a constant of the grid, which takes the loop away there.
+// The node of a level at a cell of that level; if there is none, NONE or a place without a node, which has no parts.
+// From the table on it is OCTREE_STEPS levels down at most, none where the grid is small: the number is a constant of
+// the grid, which takes the loop away there.
 fn find_node(node_cell: vec3u, level: u32) -> u32 {
     let start_level = max(level, tree.table_level);
     var below = start_level - level;

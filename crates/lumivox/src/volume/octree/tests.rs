@@ -3,6 +3,7 @@
 mod builders;
 mod content;
 mod read;
+mod search;
 
 pub(crate) use read::read_nodes;
 

@@ -120,7 +120,8 @@ fn planes_keep_their_area() {
     }
 }
 
-/// Pieces in the plane between two voxels are counted once, in the voxel above.
+/// Pieces in the plane between two voxels are counted once, in the voxel above: of large triangles, and of small ones
+/// that lie within a side.
 #[test]
 fn boundary_planes_count_once() {
     let lab = Lab::new();
@@ -140,6 +141,10 @@ fn boundary_planes_count_once() {
             assert!((voxel - plane).dot(plane) == 0.0, "{face:?}");
             assert!((along(face) - 1.0).abs() < 1e-6, "{face:?}");
         }
+        let small = [Vec3::new(2.2, 3.3, 4.0), Vec3::new(2.8, 3.4, 4.0), Vec3::new(2.4, 3.9, 4.0)];
+        let list = compare_mesh(&lab, &grid, &[small.map(turn)], false);
+        assert_eq!(list.stats.faces, 1);
+        assert_eq!(Vec3::from(list.faces[0].position_in_world).dot(plane), 16.0);
     }
 }
 

@@ -75,7 +75,10 @@ fn lit_by_maps(
         Injection::Photons => (Shadow::Map { first_layer: 0 }, Some(&maps)),
     };
     let lights = gi.bind_lights(&[Light { source: light, shadow }], Vec3::ZERO, maps);
-    gi.light(&mut recorder, &lights, 1, &TraceSettings::default()).expect("valid settings");
+    // Twice: the second time finds nothing of the first.
+    for _ in 0..2 {
+        gi.light(&mut recorder, &lights, 1, &TraceSettings::default()).expect("valid settings");
+    }
     recorder.submit();
     let voxels = gi.voxels().expect("there are voxels");
     let count = voxels.face_count as usize;
@@ -230,6 +233,36 @@ fn a_closed_room_takes_up_all_of_a_spot_lights_flux() {
         let photons = lit(room(has_plate), ROOM_BOUNDS, Vec3::ZERO, spot(), Injection::Photons);
         assert_flux(&format!("spot, plate {has_plate}"), &photons, expected, 0.002);
     }
+}
+
+/// Far out in a wide cone, where it has faded to less than a hundredth, a texel brings a few counts and parts of one.
+/// These add up: texels of a quarter of the edge bring as much.
+#[test]
+fn parts_of_a_count_add_up() {
+    let position = Vec3::new(0.5, 0.35, 0.45);
+    let source = LightSource::Spot {
+        position,
+        direction: Vec3::NEG_Y,
+        intensity: Vec3::ONE,
+        inner_angle_rad: 0.0,
+        outer_angle_rad: 1.3,
+        radius_m: 0.0,
+        range_m: None,
+    };
+    let light = |texels| {
+        lit_by_maps(room(false), ROOM_BOUNDS, Vec3::ZERO, source, Injection::Photons, texels)
+    };
+    let (coarse, fine) = (light(256), light(1024));
+    let flux = |lit: &Lit| -> f32 {
+        let is_dim = |face: &&LitFace| {
+            let away = Vec3::from(face.face.position_in_world) - position;
+            (1.23..1.3).contains(&away.angle_between(Vec3::NEG_Y))
+        };
+        lit.faces.iter().filter(is_dim).map(|face| face.irradiance * face.area_m2).sum()
+    };
+    let (coarse, fine) = (flux(&coarse), flux(&fine));
+    // A coarse texel at the cone's border counts by its middle.
+    assert!((fine / coarse - 1.0).abs() < 0.08, "fine texels bring {fine}, coarse ones {coarse}");
 }
 
 /// The sun through an open roof: what the plate takes, the floor does not get.

@@ -68,6 +68,9 @@ fn bricks_hold_the_cells_of_the_dense_volume_and_their_neighbours() {
             }
         }
         assert!(compared > 10_000, "only {compared} texels had something in them");
+        let bricks: usize = nodes.values().map(|node| node.bricks.len()).sum();
+        let stats = sparse.octree_stats().expect("an octree");
+        assert_eq!(stats.bricks as usize, bricks, "each part of a node has one brick");
         // And nothing is missing: every cell with a lobe has a brick of it.
         let parts: &[u32] =
             if directionality == Directionality::Isotropic { &[0] } else { &[1, 2, 4, 5, 7, 8] };

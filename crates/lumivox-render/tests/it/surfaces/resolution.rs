@@ -1,0 +1,44 @@
+//! Cones from one pixel of four: what the others take from their neighbours.
+
+use glam::Vec3;
+use lumivox::{TraceResolution, TraceSettings};
+use lumivox_render::{RenderSettings, View};
+use lumivox_scene::Material;
+
+use crate::surfaces::stage::*;
+
+/// A pane under an open sky before the bottom of a deep black box, both facing the camera: over the edge between them
+/// neighbours have the same normal, but lie in another plane, and lend nothing.
+#[test]
+fn half_resolution_keeps_to_the_surface_of_a_pixel() {
+    let mut scene = scene();
+    let (half, depth) = (1.2, 3.0);
+    let black = Material::diffuse("black", Vec3::ZERO);
+    let (x, y, z) = (Vec3::X * half, Vec3::Y * half, Vec3::Z * 0.5 * depth);
+    add(&mut scene, quad(-2.0 * z, x, y), black.clone());
+    // The walls face inwards.
+    for (middle, u, v) in [(-x, y, z), (x, z, y), (-y, z, x), (y, x, z)] {
+        add(&mut scene, quad(middle - z, u, v), black.clone());
+    }
+    let white = Material::diffuse("white", Vec3::ONE);
+    add(&mut scene, quad(-0.5 * x, 0.5 * x, y), white);
+    scene.environment.radiance = Vec3::ONE;
+    for resolution in [TraceResolution::Full, TraceResolution::Half] {
+        let trace = TraceSettings { resolution, ..TraceSettings::default() };
+        let settings = RenderSettings { bounces: 1, frames: 4, trace, ..settings(View::Diffuse) };
+        let picture = render(&scene, settings);
+        let column = |x: u32| mean_of(&picture, (x, 8).into(), (x + 1, 24).into()).x;
+        // The pane ends in the middle of the picture, between columns 15 and 16.
+        println!(
+            "{resolution:?}: {} and {}, {}, {}",
+            column(14),
+            column(15),
+            column(16),
+            column(17)
+        );
+        for x in 8..16 {
+            assert!(column(x) > 0.97, "{resolution:?}: column {x} has {}", column(x));
+        }
+        assert!(column(17) < 0.4, "{resolution:?}: the box is dark, not {}", column(17));
+    }
+}
