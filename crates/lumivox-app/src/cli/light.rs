@@ -62,7 +62,7 @@ pub struct SourceArgs {
     /// --sun, --sky or --environment]
     ///
     /// auto measures what the scene's own light does where it is seen. Where that is not enough, lamps
-    /// of 300 lux light a closed room, sun and sky an open place or a landscape, and a studio of 1549
+    /// of 300 lux light a closed room, sun and sky an open place or a landscape, and a studio of 1536
     /// lux, turned to the camera, everything else. The note under the picture tells what was chosen.
     #[arg(long, value_name = "WHAT", value_parser = choices::staging())]
     pub surroundings: Option<Staging>,

@@ -122,7 +122,8 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells around it.
     let within = 1.75 * side + 2.0 * largest_cell;
     // The finest cells at the border are felt for up to a voxel outside.
-    let outside = max(distance_to_box(cone.origin_in_grid, cone.direction, extent) - 1.0, 0.0);
+    // Whole voxels, so that rounding does not move the samples.
+    let outside = floor(max(distance_to_box(cone.origin_in_grid, cone.direction, extent) - 1.0, 0.0));
     let reach = min(cone.reach, outside + within);
 
     var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u);

@@ -127,7 +127,7 @@ impl VolumeTwin {
         let extent = self.grid.dimensions.as_vec3();
         let side = extent.max_element();
         let largest = (1 << (self.grid.levels - 1)) as f32;
-        let outside = (distance_to_box(origin, direction, extent) - 1.0).max(0.0);
+        let outside = (distance_to_box(origin, direction, extent) - 1.0).max(0.0).floor();
         let reach = cone.reach.min(outside + 1.75 * side + 2.0 * largest);
         let (mut radiance, mut transmittance, mut distance) = (Vec3::ZERO, 1.0_f32, outside);
         let (mut level, mut pays_back) = (0, false);
