@@ -104,30 +104,15 @@ fn shown_of(taken: f32, transmittance: f32, level: u32, width: f32, settings: Co
         * max(1.0 - settings.width_attenuation * width, 0.0);
 }
 
-// How far a ray goes outside of a box from the origin before it comes to it: 0 from within, and where it passes by.
-// A ground that reaches far out of the grid is lit by such cones.
-fn distance_to_box(origin: vec3f, direction: vec3f, extent: vec3f) -> f32 {
-    let along = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
-    let first = min(-origin / along, (extent - origin) / along);
-    let last = max(-origin / along, (extent - origin) / along);
-    let enters = max(max(first.x, first.y), first.z);
-    let leaves = min(min(last.x, last.y), last.z);
-    return select(0.0, enters, enters > 0.0 && leaves > enters);
-}
-
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     let extent = vec3f(grid.dimensions);
     let side = max(extent.x, max(extent.y, extent.z));
     let largest_cell = exp2(f32(grid.levels - 1u));
     // Nothing is farther than the grid's diagonal (less than 1.74 sides) and the coarsest cells around it.
-    let within = 1.75 * side + 2.0 * largest_cell;
-    // The finest cells at the border are felt for up to a voxel outside.
-    // Whole voxels, so that rounding does not move the samples.
-    let outside = floor(max(distance_to_box(cone.origin_in_grid, cone.direction, extent) - 1.0, 0.0));
-    let reach = min(cone.reach, outside + within);
+    let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
     var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u);
-    var distance = outside;
+    var distance = 0.0;
     var level = 0u;
     var length = 0.0;
     var cell = 1.0;

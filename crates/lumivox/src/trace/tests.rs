@@ -127,9 +127,8 @@ impl VolumeTwin {
         let extent = self.grid.dimensions.as_vec3();
         let side = extent.max_element();
         let largest = (1 << (self.grid.levels - 1)) as f32;
-        let outside = (distance_to_box(origin, direction, extent) - 1.0).max(0.0).floor();
-        let reach = cone.reach.min(outside + 1.75 * side + 2.0 * largest);
-        let (mut radiance, mut transmittance, mut distance) = (Vec3::ZERO, 1.0_f32, outside);
+        let reach = cone.reach.min(1.75 * side + 2.0 * largest);
+        let (mut radiance, mut transmittance, mut distance) = (Vec3::ZERO, 1.0_f32, 0.0_f32);
         let (mut level, mut pays_back) = (0, false);
         while distance < reach {
             let near = (cone.growth * distance).clamp(1.0, largest);
@@ -183,14 +182,6 @@ impl VolumeTwin {
         }
         radiance.extend(transmittance)
     }
-}
-
-/// `distance_to_box`.
-fn distance_to_box(origin: Vec3, direction: Vec3, extent: Vec3) -> f32 {
-    let along = direction.map(|d| if d.abs() < 1e-12 { 1e-12 } else { d });
-    let (low, high) = (-origin / along, (extent - origin) / along);
-    let (enters, leaves) = (low.min(high).max_element(), low.max(high).min_element());
-    if enters > 0.0 && leaves > enters { enters } else { 0.0 }
 }
 
 /// A few hundred cones from all over the room, and from outside it, in all directions and widths.
