@@ -232,8 +232,7 @@ pub fn with_error(error: &anyhow::Error, host: &Host) -> Exit {
     code
 }
 
-/// Text on one line.
-pub fn one_line(text: &str) -> String {
+fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

@@ -11,7 +11,6 @@ use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
 use tracing_subscriber::registry::LookupSpan;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
-use crate::exit::one_line;
 use crate::host::Host;
 
 /// Starts the log: of the process, or of this thread until the guard is dropped. The process's
@@ -73,7 +72,8 @@ where
         }
         let mut text = String::new();
         context.field_format().format_fields(Writer::new(&mut text), event)?;
-        writeln!(writer, "{}", one_line(&text))
+        let lines: Vec<&str> = text.lines().map(str::trim).collect();
+        writeln!(writer, "{}", lines.join(" "))
     }
 }
 

@@ -41,7 +41,7 @@ pub use error::SceneError;
 pub use framing::{DefaultLight, Framing, Ground, Note, Sight, SightOptions, Staging};
 pub use load::{
     EXTENSIONS, FileSource, LoadOptions, LoadProgress, MemoryBudget, UpAxis, check_regular,
-    extensions_in_words, read_regular,
+    extensions_in_words, may_name, read_regular,
 };
 pub use model::{
     AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::Duration;
 
+use lumivox_scene::may_name;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
 use super::worker::Order;
@@ -24,9 +25,9 @@ pub struct Watched {
 ///
 /// # Errors
 /// When the system does not watch files.
-pub fn watch(scene: &Path, orders: Sender<Order>) -> notify::Result<Watched> {
+pub fn watch(scene: &Path, allow_outside: bool, orders: Sender<Order>) -> notify::Result<Watched> {
     let files: BTreeSet<PathBuf> =
-        files_of(scene).into_iter().map(|file| canonical(&file)).collect();
+        files_of(scene, allow_outside).into_iter().map(|file| canonical(&file)).collect();
     // Folders are watched: programs write another file and rename it, of which a watched file hears nothing.
     let folders: BTreeSet<&Path> = files.iter().filter_map(|file| file.parent()).collect();
     let (sender, changes) = mpsc::channel();
@@ -75,14 +76,15 @@ fn canonical(file: &Path) -> PathBuf {
 }
 
 /// A scene's file and the files that it names, as far as they are there: words and quoted texts in it are taken for names,
-/// whatever the format. What the named files name counts as well, such as the textures of a material library.
-pub fn files_of(scene: &Path) -> Vec<PathBuf> {
+/// whatever the format. What the named files name counts as well, such as the textures of a material library. Files that the
+/// scene may not name are not looked at.
+pub fn files_of(scene: &Path, allow_outside: bool) -> Vec<PathBuf> {
     let mut files = vec![scene.to_owned()];
     let mut next = 0;
     // Scenes that name each other come to an end, too.
     while next < files.len() && files.len() < 4096 {
         for file in named_in(&files[next]) {
-            if !files.contains(&file) {
+            if !files.contains(&file) && (allow_outside || may_name(scene, &file)) {
                 files.push(file);
             }
         }
@@ -129,9 +131,36 @@ mod tests {
         std::fs::write(at("b.gltf"), r#"{"images":[{"uri":"tex/wood.png"},{"uri":"c%20d.png"}]}"#)
             .unwrap();
         std::fs::write(at("c d.png"), "").unwrap();
-        assert_eq!(files_of(&at("a.obj")), [at("a.obj"), at("a.mtl"), at("tex/wood.png")]);
-        assert_eq!(files_of(&at("b.gltf")), [at("b.gltf"), at("c d.png"), at("tex/wood.png")]);
-        assert_eq!(files_of(&at("gone.glb")), [at("gone.glb")]);
+        let files_of = |name: &str| files_of(&at(name), false);
+        assert_eq!(files_of("a.obj"), [at("a.obj"), at("a.mtl"), at("tex/wood.png")]);
+        assert_eq!(files_of("b.gltf"), [at("b.gltf"), at("c d.png"), at("tex/wood.png")]);
+        assert_eq!(files_of("gone.glb"), [at("gone.glb")]);
+    }
+
+    /// Whoever makes a scene does not make the window read what else there is.
+    #[test]
+    fn files_outside_are_looked_at_only_where_they_may_be_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["inner", "scenes", "models"] {
+            std::fs::create_dir(at(name)).unwrap();
+        }
+        let outside = at("outside.mtl");
+        std::fs::write(&outside, "newmtl m\n").unwrap();
+        let text = format!("mtllib ../outside.mtl\nmtllib {}\n", outside.display());
+        std::fs::write(at("inner/a.obj"), text).unwrap();
+        assert_eq!(files_of(&at("inner/a.obj"), false), [at("inner/a.obj")]);
+        assert!(files_of(&at("inner/a.obj"), true).len() > 1);
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("../outside.mtl", at("inner/link.mtl")).unwrap();
+            std::fs::write(at("inner/b.obj"), "mtllib link.mtl\n").unwrap();
+            assert_eq!(files_of(&at("inner/b.obj"), false), [at("inner/b.obj")]);
+        }
+        // Models of VXCT lie beside its scenes' folder.
+        std::fs::write(at("models/tri.obj"), "v 0 0 0\n").unwrap();
+        std::fs::write(at("scenes/a.scene"), "scene { model { path = models/tri.obj } }").unwrap();
+        assert_eq!(files_of(&at("scenes/a.scene"), false).len(), 2);
     }
 
     #[test]
@@ -140,7 +169,7 @@ mod tests {
         let file = folder.path().join("a.obj");
         std::fs::write(&file, "v 0 0 0").unwrap();
         let (sender, orders) = mpsc::channel();
-        let watched = watch(&file, sender).unwrap();
+        let watched = watch(&file, false, sender).unwrap();
         // Others in the folder are none of its business.
         std::fs::write(folder.path().join("b.obj"), "v 0 0 0").unwrap();
         for text in ["v 1", "v 1 1", "v 1 1 1"] {

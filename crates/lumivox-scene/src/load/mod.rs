@@ -196,10 +196,26 @@ impl Scene {
     }
 }
 
+/// Whether the scene `file` may name the file at `path`, which is there, without [`LoadOptions::allow_outside`]:
+/// its real place, with all links followed, must lie in the scene's folder or below, of VXCT's scenes in a
+/// folder `scenes` also in the folder above.
+pub fn may_name(file: &Path, path: &Path) -> bool {
+    let options = LoadOptions::default();
+    let folders = match extension(file).as_str() {
+        "scene" | "vxct" | "txt" => vxct::folders(file, &options),
+        _ => vec![files::folder_of(file)],
+    };
+    options.reach(&folders).admit(path).is_ok()
+}
+
+/// In lower case.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
 fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
     units::check(path, options)?;
-    let extension =
-        path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    let extension = extension(path);
     let mut scene = match extension.as_str() {
         "gltf" | "glb" => gltf::load(path, options)?,
         "obj" => obj::load(path, options)?,

@@ -18,7 +18,9 @@ impl Worker {
         self.jobs += 1;
         // What changes while it is read is heard of.
         let watched = match &opening.source {
-            SceneSource::File(file) => reload::watch(file, self.sender.clone()).ok(),
+            SceneSource::File(file) => {
+                reload::watch(file, opening.load.allow_outside, self.sender.clone()).ok()
+            }
             SceneSource::Builtin(_) => None,
         };
         let mut loading = jobs::load(self.jobs, opening, is_reload, self.sender.clone());
@@ -91,9 +93,10 @@ impl Worker {
     /// Hears of changes of the scene's files from now on.
     fn watch(&mut self) {
         let before = self.watched.take();
-        let source = self.console.opening().map(|opening| opening.source.clone());
-        let Some(SceneSource::File(file)) = source else { return };
-        match reload::watch(&file, self.sender.clone()) {
+        let opening = self.console.opening();
+        let opening = opening.map(|opening| (opening.source.clone(), opening.load.allow_outside));
+        let Some((SceneSource::File(file), allow_outside)) = opening else { return };
+        match reload::watch(&file, allow_outside, self.sender.clone()) {
             Ok(watched) => {
                 self.watched = Some(watched);
                 drop(before);

@@ -20,7 +20,7 @@ mod surface;
 mod token;
 mod tree;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
@@ -125,6 +125,13 @@ fn choose<'e, 't>(
     scenes.get(index).map(|entry| values.block(entry, "model { } light { }")).transpose()
 }
 
+/// The folder of a scene, and that of the program, if the scene lies in its folder `scenes`.
+pub(super) fn folders(file: &Path, options: &LoadOptions<'_>) -> Vec<PathBuf> {
+    let program = model::program_folder(file, options);
+    let program = program.map(|(folder, _)| folder_of(&folder.join("program")));
+    [folder_of(file)].into_iter().chain(program).collect()
+}
+
 /// Puts all that a scene's block holds into the scene.
 fn fill(
     scene: &mut Scene,
@@ -136,11 +143,8 @@ fn fill(
     // It names nothing here, but must be a value.
     values.word(block, "name", "room")?;
     let budget = GeometryBudget::new(values.file, options.budget.geometry_bytes);
-    let program = model::program_folder(values.file, options);
-    let mut folders = vec![folder_of(values.file)];
-    folders.extend(program.as_ref().map(|(folder, _)| folder_of(&folder.join("program"))));
-    let places = (folders.as_slice(), program);
-    let mut models = model::Models::new(values.file, places, budget, options);
+    let folders = folders(values.file, options);
+    let mut models = model::Models::new(values.file, &folders, budget, options);
     for entry in &block.entries {
         match entry.key.text {
             "model" => {

@@ -40,17 +40,16 @@ pub(super) struct Models<'m, 'o> {
 }
 
 impl<'m, 'o> Models<'m, 'o> {
-    /// Without a folder of the program, models lie beside the scene.
     pub(super) fn new(
         file: &Path,
-        (folders, program): (&'m [PathBuf], Option<(PathBuf, bool)>),
+        folders: &'m [PathBuf],
         budget: GeometryBudget<'m>,
         options: &'m mut LoadOptions<'o>,
     ) -> Self {
         let reach = options.reach(folders);
         let mut beside = Vec::new();
         // VXCT's paths begin in its own folder, above `scenes` and `models`.
-        match program {
+        match program_folder(file, options) {
             Some((program, is_sure)) => {
                 beside.push(program.join("program"));
                 beside.insert(usize::from(is_sure), file.to_owned());
