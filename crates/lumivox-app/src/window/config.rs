@@ -270,7 +270,7 @@ mod tests {
     /// Each option of `view` sets a parameter, or is none of them.
     #[test]
     fn options_are_known_by_their_parameters() {
-        const OTHERS: [&str; 23] = [
+        const OTHERS: [&str; 24] = [
             "adapter",
             "allow-outside",
             "camera",

@@ -207,7 +207,7 @@ fn direct_light_follows_the_inverse_square() {
 }
 
 /// Lamps end at their range, by a window of the fourth power, and spot lights fade between their two angles as the
-/// square: KHR_lights_punctual, sections "Range Property" and "Inner and Outer Cone Angles".
+/// square: `KHR_lights_punctual`, sections "Range Property" and "Inner and Outer Cone Angles".
 #[test]
 fn ranges_and_cones_of_lamps_are_those_of_gltf() {
     let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));

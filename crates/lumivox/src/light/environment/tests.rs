@@ -388,7 +388,7 @@ fn what_a_bent_normal_looks_at_below_the_surface_is_folded_up() {
     let map = image(128, |d| Vec3::splat(1.0 + d.y as f32));
     let map = EnvironmentMap::new(&tile.device, &tile.queue, map.panorama()).expect("a map");
     for normal in [Vec3::Y, Vec3::new(0.8, 0.6, 0.0), Vec3::new(0.1, 0.2, -0.97).normalize()] {
-        let found = tile.ask(&map, GATHER_WGSL, &[normal.extend(0.0); 2000]);
+        let found = tile.ask(&map, GATHER_WGSL, &vec![normal.extend(0.0); 2000]);
         let mean = found.iter().map(|irradiance| irradiance.x).sum::<f32>() / 2000.0;
         // Malley's method: even on the disc is cosine on the hemisphere.
         let (u, v) = normal.any_orthonormal_pair();
