@@ -63,10 +63,10 @@ pub fn animations_play() {
     session.says("time", &["time 2 of 2 s"]);
     session.equals("time 0", start);
     // What is done to an object goes along.
-    let moved = session.changes("translate plate 0 0.3 0");
+    let moved = session.changes("translate 'node 1' 0 0.3 0");
     session.changes("time 1");
     session.equals("time 0", moved);
-    session.equals("translate plate 0 -0.3 0", start);
+    session.equals("translate 'node 1' 0 -0.3 0", start);
     session.does("play; wait 15; pause");
     session.says("time", &["time 0.5", "paused"]);
     session.does("wait 5");

@@ -98,7 +98,7 @@ pub fn the_camera_goes_about() {
     session.does("turn 90 0; move 0 0 5");
     session.says("camera", &[",-5.2"]);
     // A turn upwards ends at the vertical, whence half a right angle leads back to where it came from.
-    session.does("camera_axes 0 0 0 0 0 -1 0 1 0; turn 0 170; turn 0 -45; move 0 0 2");
+    session.does("camera_axes 0 0 0 0 0 -1 0 1 0 55; turn 0 170; turn 0 -45; move 0 0 2");
     session.says("camera", &[",-1.4"]);
     session.says("script", &["store 1", "store 2"]);
     session.finish();
