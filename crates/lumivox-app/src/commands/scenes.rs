@@ -36,6 +36,11 @@ fn about(name: &str) -> &'static str {
         "furnace" => "a closed cube of uniform emission and albedo: the same radiance everywhere",
         "panel" => "a large emitter over a floor: form factors in closed form",
         "spheres" => "roughness from 0.05 to 1, metal and dielectric, over a textured floor",
+        "furnished" => "a furnished room: things thinner than a voxel, one lamp",
+        "window" => "a low sun and a sky through one window",
+        "glow" => "a closed room without lamps, lit by what glows in it",
+        "clutter" => "three hundred small things under a lamp and a sky",
+        "lacquer" => "deep colours and black that mirror more than they scatter, checkered tiles",
         _ => "",
     }
 }

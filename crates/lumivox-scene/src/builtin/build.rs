@@ -4,8 +4,8 @@ use glam::{Mat4, Vec3};
 
 use super::shapes::{Faces, cuboid};
 use crate::{
-    Filter, Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Shading, Texture,
-    TextureRef, Wrap,
+    Filter, Instance, Light, LightKind, Material, Mesh, MetallicRoughness, Sampler, Scene, Shading,
+    Texture, TextureRef, Wrap,
 };
 
 /// Albedo of white paint, as in the Cornell box.
@@ -25,6 +25,44 @@ pub(super) fn material(scene: &mut Scene, material: Material) -> usize {
 
 pub(super) fn diffuse(scene: &mut Scene, name: &str, albedo: Vec3) -> usize {
     material(scene, Material::diffuse(name, albedo))
+}
+
+/// A dielectric with an index of refraction of 1.5.
+pub(super) fn lacquer(scene: &mut Scene, name: &str, color: Vec3, roughness: f32) -> usize {
+    let paint = diffuse(scene, name, color);
+    glaze(scene, paint, roughness);
+    paint
+}
+
+/// Puts the gloss of a dielectric on a diffuse material.
+pub(super) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
+    if let Shading::MetallicRoughness(shading) = &mut scene.materials[material].shading {
+        *shading = MetallicRoughness {
+            base_color: shading.base_color,
+            base_color_texture: shading.base_color_texture,
+            metallic: 0.0,
+            roughness,
+            ..MetallicRoughness::default()
+        };
+    }
+}
+
+/// What emits that radiance, in cd/m², and reflects nothing.
+pub(super) fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
+    let mut black = Material::diffuse(name, Vec3::ZERO);
+    black.emissive = radiance;
+    material(scene, black)
+}
+
+/// A small round lamp without a body.
+pub(super) fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensity_cd: f32) {
+    scene.lights.push(Light {
+        name: name.to_owned(),
+        kind: LightKind::Point { intensity_cd, range_m: None },
+        position,
+        radius_m: 0.03,
+        ..Light::default()
+    });
 }
 
 /// Places a mesh that is already in world space.

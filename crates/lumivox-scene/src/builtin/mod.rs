@@ -9,18 +9,28 @@
 //! | `furnace` | a closed cube of uniform emission e and albedo a: radiance e / (1 - a) everywhere |
 //! | `panel` | a large emitter over a floor: form factors in closed form |
 //! | `spheres` | roughness from 0.05 to 1, metal and dielectric, over a textured floor |
+//! | `furnished` | a furnished room: things thinner than a voxel, one lamp |
+//! | `window` | a low sun and a sky through one window |
+//! | `glow` | a closed room without lamps, lit by what glows in it |
+//! | `clutter` | three hundred small things under a lamp and a sky |
+//! | `lacquer` | deep colours and black that mirror more than they scatter, checkered floor and ceiling |
 //!
 //! Each exists as `NAME-rotated`, too: turned by [`ROTATION_RAD`] about the centre of its bounds, so
 //! that no wall is aligned with a voxel grid. Nothing else may change in the picture.
 
 mod atrium;
 mod build;
+mod clutter;
 mod cornell;
 mod furnace;
+mod furnished;
+mod glow;
+mod lacquer;
 mod panel;
 pub(crate) mod shapes;
 mod spheres;
 mod two_rooms;
+mod window;
 
 use glam::Vec3;
 
@@ -32,7 +42,7 @@ pub const ROTATION_RAD: Vec3 = Vec3::new(0.5, 0.35, 0.4);
 
 const ROTATED: &str = "-rotated";
 
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 24] = [
     "cornell",
     "cornell-rotated",
     "two-rooms",
@@ -47,6 +57,16 @@ const NAMES: [&str; 14] = [
     "panel-rotated",
     "spheres",
     "spheres-rotated",
+    "furnished",
+    "furnished-rotated",
+    "window",
+    "window-rotated",
+    "glow",
+    "glow-rotated",
+    "clutter",
+    "clutter-rotated",
+    "lacquer",
+    "lacquer-rotated",
 ];
 
 /// The names that [`scene`] knows.
@@ -68,6 +88,11 @@ pub fn scene(name: &str) -> Result<Scene, SceneError> {
         "furnace" => furnace::scene(),
         "panel" => panel::scene(),
         "spheres" => spheres::scene(),
+        "furnished" => furnished::scene(),
+        "window" => window::scene(),
+        "glow" => glow::scene(),
+        "clutter" => clutter::scene(),
+        "lacquer" => lacquer::scene(),
         _ => {
             return Err(SceneError::UnknownBuiltin {
                 name: name.to_owned(),
