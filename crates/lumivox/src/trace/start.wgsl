@@ -8,7 +8,9 @@
 // - of the back of its own wall, where both sides stand in one voxel, a part lies before the start: light of the
 //   other side.
 //
-// Across a wall of full coverage the filter is a tent, so what is felt tells how far its end is.
+// Across a wall of full coverage the filter is a tent, so what is felt tells how far its end is. The tent stands in the
+// middle of the wall's cells, and the wall anywhere in them: a start between the two is in front of the wall and beyond
+// the middle. Which way is out then the side tells on which the wall is seen.
 
 import package::grid::grid_from_world;
 import package::trace::cone::ConeSettings;
@@ -18,6 +20,20 @@ import package::volume::wall_coverage;
 fn main_axis(normal: vec3f) -> u32 {
     let size = abs(normal);
     return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
+}
+
+// How far it is along an axis to where a wall is no longer felt, given what is felt of its positive and its negative
+// side, and how much more that is farther along.
+fn way_out(here: vec2f, rise: f32) -> f32 {
+    let felt = max(here.x, here.y);
+    let facing = here.x - here.y;
+    let is_one_sided = 2.0 * min(here.x, here.y) < felt;
+    // A wall is within half a voxel of the middle of its cells; what is farther beyond stands behind it.
+    if is_one_sided && rise * facing >= 0.0 && felt > 0.5 {
+        return sign(facing) * (2.0 - felt);
+    }
+    // Away from where more is felt.
+    return -sign(rise) * felt;
 }
 
 // In the grid's coordinates.
@@ -32,9 +48,7 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -
         half_voxel[axis] = 0.5;
         let above = wall_coverage(start + half_voxel, axis);
         let below = wall_coverage(start - half_voxel, axis);
-        // Away from where more is felt.
-        let rise = max(above.x, above.y) - max(below.x, below.y);
-        beside[axis] = -sign(rise) * max(here.x, here.y);
+        beside[axis] = way_out(here, max(above.x, above.y) - max(below.x, below.y));
         let opposite = select(here.x, here.y, normal[axis] > 0.0);
         back = select(back, opposite, axis == own_axis);
     }
