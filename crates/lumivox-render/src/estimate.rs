@@ -20,8 +20,8 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
 /// On the built-in scenes it is 0.9 to 1.5.
 const FACES_PER_VOXEL: f64 = 1.25;
-/// The record of the list (64 bytes), and its light: two colours in full floats.
-const FACE_BYTES: u64 = 64 + 32;
+/// The record of the list (80 bytes), and its light: two colours in full floats.
+const FACE_BYTES: u64 = 80 + 32;
 /// What photons sum up.
 const FLUX_BYTES: u64 = 8;
 const NODE_BYTES: u64 = 8;

@@ -2,13 +2,17 @@
 
 use glam::{Affine2, Mat4, Vec3, Vec4};
 
+use crate::Gloss;
+
 /// A material, as far as diffuse light in voxels is concerned.
 #[derive(Clone, Debug)]
 pub struct SurfaceMaterial {
-    /// The share of light that the surface reflects, 0 to 1, linear RGB; multiplies the texture and the
-    /// vertices' colours. The voxels reflect it diffusely, so for a metal it is the specular colour. `w` is the
-    /// coverage (alpha).
+    /// The share of the light that enters which the surface reflects, 0 to 1, linear RGB; multiplies the
+    /// texture and the vertices' colours. The voxels reflect it diffusely, so for a metal it is the specular
+    /// colour. `w` is the coverage (alpha).
     pub reflectance: Vec4,
+    /// The light that a dielectric mirrors at its surface and does not let enter; none for paper, plaster, metals.
+    pub gloss: Gloss,
     /// The radiance that the surface emits, in the unit of all radiance; multiplies the texture.
     pub emission: Vec3,
     /// The share of the light that enters the surface and passes straight through instead of being reflected,
@@ -38,6 +42,7 @@ impl Default for SurfaceMaterial {
     fn default() -> Self {
         Self {
             reflectance: Vec4::new(0.5, 0.5, 0.5, 1.0),
+            gloss: Gloss::NONE,
             emission: Vec3::ZERO,
             transmission: 0.0,
             reflectance_texture: None,

@@ -31,6 +31,7 @@ fn structs_lie_in_memory_alike() {
             reflectance,
             visible_area,
             emission,
+            gloss,
         }
     );
     assert_layout!(

@@ -15,6 +15,7 @@
 mod error;
 mod geometry;
 mod gi;
+mod gloss;
 pub mod gpu;
 mod grid;
 #[cfg(test)]
@@ -37,6 +38,7 @@ pub use geometry::{
     Draw, Geometry, GeometryBatch, SurfaceMaterial, SurfaceTexture, VertexAttributes,
 };
 pub use gi::{Gi, GiConfig, Voxelized};
+pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub use light::{FaceLight, Injection, PhotonFates};

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, TextureView, uniform_buffer,
 };
-use lumivox::{SurfaceMaterial, SurfaceTexture};
+use lumivox::{Gloss, SurfaceMaterial, SurfaceTexture};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
 
 use super::material_record::{
@@ -214,9 +214,9 @@ impl GpuMaterial {
 
 /// What the voxels take of a material besides its textures.
 ///
-/// They reflect diffusely alone: what a metal reflects as gloss counts as well, which makes
-/// it the base colour whatever the metalness. Varnish and velvet change little in that sum; they
-/// are left out.
+/// They reflect diffusely alone. What a metal reflects as gloss counts as well, which makes it the base colour whatever
+/// the metalness; what a dielectric mirrors besides has its own numbers. Of what transmits light, all that does not pass
+/// is reflected already. Varnish and velvet change little in that sum; they are left out.
 fn set_factors(
     surface: &mut SurfaceMaterial,
     material: &Material,
@@ -224,30 +224,55 @@ fn set_factors(
     scene: &Scene,
 ) {
     surface.reflectance = record.base_color.into();
+    surface.gloss = gloss(material, record, scene);
     surface.emission = Vec3::from_array(record.emission);
-    surface.transmission = mean_transmission(record, textures(material)[1], scene);
+    surface.transmission = mean_transmission(material, record, scene);
     surface.alpha_is_coverage = record.is_blended != 0 || record.mask_threshold > 0.0;
     surface.double_sided = material.double_sided;
+}
+
+/// What a material mirrors where it is a dielectric and transmits nothing: as if it were even, and without colour. Of
+/// textures of roughness, metalness and specular reflectance their means count.
+fn gloss(material: &Material, record: &MaterialRecord, scene: &Scene) -> Gloss {
+    let [_, metallic_roughness, _, _, specular, ..] = textures(material);
+    let [_, roughness, metalness, _] = mean_texel(metallic_roughness, scene);
+    let mean_f0 = mean_f0(material, record) * mean_texel(specular, scene)[3];
+    let share = (1.0 - record.metallic * metalness) * (1.0 - record.transmission);
+    Gloss::new(mean_f0, record.roughness * roughness).of_share(share)
+}
+
+/// The reflectance of the dielectric at normal incidence, without its texture, 0 to 1; the mean of its colours.
+fn mean_f0(material: &Material, record: &MaterialRecord) -> f32 {
+    // What the plain shader takes is scaled already.
+    let factor = if is_layered(material, record) { record.specular_factor } else { 1.0 };
+    (Vec3::from(record.dielectric_f0).min(Vec3::ONE) * factor).element_sum() / 3.0
+}
+
+/// Means of a texture's channels, 0 to 1, over at most as many texels as tell them well; 1 where there is none.
+fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
+    const ENOUGH_TEXELS: usize = 1 << 16;
+    let Some(reference) = reference else { return [1.0; 4] };
+    let texels = scene.textures[reference.texture].rgba8.chunks_exact(4);
+    // Odd, so that it does not fall in with rows or tiles, which are powers of two.
+    let step = (texels.len() / ENOUGH_TEXELS) | 1;
+    let mut sums = [0_u64; 4];
+    let mut count = 0_u64;
+    for texel in texels.step_by(step) {
+        sums.iter_mut().zip(texel).for_each(|(sum, channel)| *sum += u64::from(*channel));
+        count += 255;
+    }
+    sums.map(|sum| (sum as f64 / count.max(1) as f64) as f32)
 }
 
 /// The share of light from all around that a material's transmission lets enter and pass: less what
 /// is reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21), and
 /// only where there is no metal. Of a texture of metalness its mean counts.
-fn mean_transmission(
-    record: &MaterialRecord,
-    metallic_texture: Option<TextureRef>,
-    scene: &Scene,
-) -> f32 {
+fn mean_transmission(material: &Material, record: &MaterialRecord, scene: &Scene) -> f32 {
     if record.transmission <= 0.0 {
         return 0.0;
     }
-    let metalness = metallic_texture.map_or(1.0, |reference| {
-        let texels = scene.textures[reference.texture].rgba8.chunks_exact(4);
-        let count = texels.len() as f64;
-        (texels.map(|texel| f64::from(texel[2])).sum::<f64>() / (255.0 * count)) as f32
-    });
-    let f0 = Vec3::from(record.dielectric_f0).min(Vec3::ONE) * record.specular_factor;
-    let f0 = f0.element_sum() / 3.0;
+    let [_, _, metalness, _] = mean_texel(textures(material)[1], scene);
+    let f0 = mean_f0(material, record);
     let reflected = f0 + (1.0 - f0) / 21.0;
     record.transmission * (1.0 - record.metallic * metalness) * (1.0 - reflected)
 }

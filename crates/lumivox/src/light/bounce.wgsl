@@ -4,6 +4,7 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
+import package::light::reflected::reflected_from_all_around;
 import package::trace::cone::ConeSettings;
 import package::trace::gather::gather;
 import package::voxels::list::{Face, Node};
@@ -41,6 +42,6 @@ fn main(
         face.position_in_world, normal, normal, settings.cone_count, start, 0u, settings.cones);
     // A few cones may sum up below zero (cone.wgsl).
     let irradiance = max(gathered.irradiance, vec3f(0.0));
-    let leaving = direct[index].rgb + face.reflectance / PI * irradiance;
+    let leaving = direct[index].rgb + reflected_from_all_around(face) / PI * irradiance;
     radiance[index] = vec4f(leaving, 1.0);
 }

@@ -1,11 +1,12 @@
 // Direct light and emission into the voxels: the radiance that each face sends out before any bounce.
 //
-// A face is a Lambert surface: L = Le + reflectance / pi * sum of irradiances. Lights whose maps are inserted as
-// photons come later (photons/).
+// A face looks the same from all sides: L = Le + sum of irradiances times what leaves of them (reflected.wgsl) / pi.
+// Lights whose maps are inserted as photons come later (photons/).
 
 import package::constants::{INJECT_PHOTONS, LINEAR_WORKGROUP_SIZE, SHADOW_MAP};
 import package::gpu::dispatch::linear_index;
 import package::light::lights::{incident_light, light_globals, lights};
+import package::light::reflected::reflected_from;
 import package::light::visibility::light_visibility;
 import package::voxels::list::Face;
 
@@ -26,7 +27,7 @@ fn main(
     }
     let face = faces[index];
     let normal = normalize(face.vector_area);
-    var irradiance = vec3f(0.0);
+    var leaving = face.emission;
     for (var i = 0u; i < light_globals.light_count; i++) {
         let light = lights[i];
         if INJECT_PHOTONS != 0u && light.shadow == SHADOW_MAP {
@@ -35,11 +36,11 @@ fn main(
         let incident = incident_light(light, face.position_in_world);
         let cosine = dot(normal, incident.direction);
         if cosine > 0.0 && any(incident.irradiance > vec3f(0.0)) {
-            irradiance += incident.irradiance * cosine
+            let irradiance = incident.irradiance * cosine
                 * light_visibility(light, incident, face.position_in_world, normal);
+            leaving += reflected_from(face, cosine) / PI * irradiance;
         }
     }
-    let leaving = vec4f(face.emission + face.reflectance / PI * irradiance, 1.0);
-    direct[index] = leaving;
-    radiance[index] = leaving;
+    direct[index] = vec4f(leaving, 1.0);
+    radiance[index] = vec4f(leaving, 1.0);
 }

@@ -40,6 +40,7 @@ pub use photons::{Injection, PhotonFates};
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::environment", include_str!("environment/environment.wgsl")),
     ("light::lights", include_str!("lights.wgsl")),
+    ("light::reflected", include_str!("reflected.wgsl")),
     ("light::shadow_map", include_str!("shadow_map.wgsl")),
     ("light::visibility", include_str!("visibility.wgsl")),
     ("light::direct", include_str!("direct.wgsl")),

@@ -10,7 +10,9 @@ use glam::{EulerRot, Mat4, Quat, Vec3};
 use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
 use crate::voxels::FaceRecord;
-use crate::{Geometry, Gi, GiConfig, Grid, Light, LightSource, Preset, Shadow, TraceSettings};
+use crate::{
+    Geometry, Gi, GiConfig, Gloss, Grid, Light, LightSource, Preset, Shadow, TraceSettings,
+};
 
 /// Faces with the radiance that they send out.
 struct Lit {
@@ -288,6 +290,67 @@ fn environment_lights_what_is_open() {
         (mean - 1.5).abs() < 1e-3,
         "a floor of 50 % under a sky of 3 sends out {mean}, not 1.5"
     );
+}
+
+/// What lacquer mirrors goes out from its faces with what it scatters: of a sky its mean, of a lamp what it is at the
+/// lamp's angle.
+#[test]
+fn lacquer_sends_out_what_it_mirrors() {
+    let gloss = Gloss { mean: 0.08, grazing: 0.6, kept_out: 0.04 };
+    let floor = |gloss| {
+        let material = crate::SurfaceMaterial { gloss, ..lambert(0.5, 0.0) };
+        let scene = SceneBuilder::default().quad(Vec3::ZERO, Vec3::Z, Vec3::X, material);
+        Bench::new((Vec3::ZERO, Vec3::new(1.0, 0.5, 1.0)), 32, Vec3::ZERO, scene)
+    };
+    let (mut plain, mut lacquered) = (floor(Gloss::NONE), floor(gloss));
+    let mean = lacquered.light(&[], Vec3::splat(3.0), 2).mean(|_| true);
+    let expected = 3.0 * (0.5 * 0.96 + 0.08);
+    assert!((mean - expected).abs() < 1e-3, "under the sky it sends out {mean}, not {expected}");
+
+    let place = Vec3::new(0.1, 0.3, 0.5);
+    let light = [candle(place, Shadow::None)];
+    let (plain, lacquered) =
+        (plain.light(&light, Vec3::ZERO, 0), lacquered.light(&light, Vec3::ZERO, 0));
+    let mut steepest = 1.0_f32;
+    for ((face, of_plain), (_, of_lacquer)) in plain.faces.iter().zip(&lacquered.faces) {
+        let to_light = place - Vec3::from(face.position_in_world);
+        let cosine = to_light.normalize().y;
+        let share = 0.5 * 0.96 + 0.08 + 0.6 * ((1.0 - cosine).powi(4) - 1.0 / 15.0);
+        let error = of_lacquer.x / of_plain.x - share / 0.5;
+        assert!(error.abs() < 1e-3, "at {cosine}: {} of {}", of_lacquer.x, of_plain.x);
+        steepest = steepest.min(cosine);
+    }
+    assert!(steepest < 0.35, "the lamp stands no lower than {steepest}");
+}
+
+/// A closed room in walls of a quarter of a metre under a bright sky is dark, at its edges too, wherever its walls fall
+/// in the grid.
+#[test]
+fn no_sky_shines_in_at_the_edges_of_a_room() {
+    let white = lambert(0.5, 0.0);
+    let (low, high) = (Vec3::ZERO, Vec3::splat(1.5));
+    let (x, y, z) = (Vec3::X * 1.5, Vec3::Y * 1.5, Vec3::Z * 1.5);
+    let outside =
+        [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)];
+    for step in 0..8 {
+        let room = SceneBuilder::default().room(Vec3::splat(0.25), Vec3::splat(1.25), &white);
+        let scene = outside
+            .iter()
+            .fold(room, |scene, &(corner, u, v)| scene.quad(corner, u, v, white.clone()));
+        let offset = Vec3::splat(step as f32 / 8.0);
+        let lit = Bench::new((low, high), 48, offset, scene).light(&[], Vec3::ONE, 2);
+        let is_inside =
+            |face: &FaceRecord| face.position_in_world.iter().all(|p| (0.2..1.3).contains(p));
+        let outside = lit.mean(|face| !is_inside(face));
+        assert!(outside > 0.4, "{outside} outside");
+        let near = |face: &FaceRecord, p: f32| {
+            face.position_in_world.iter().filter(|x| (*x - p).abs() < 1.0 / 32.0).count()
+        };
+        // At two walls at least.
+        let edges = lit.mean(|face| is_inside(face) && near(face, 0.25) + near(face, 1.25) > 1);
+        println!("edges at {}: {edges}", offset.x);
+        assert!(edges < 0.03, "offset {}: the edges inside have {edges} of {outside}", offset.x);
+    }
 }
 
 /// A black box with a white floor under a sky, closed by a cover; the mean radiance of the floor, lit by the sky

@@ -3,7 +3,7 @@
 // The sums stand in the list of faces itself, each where its mean will be (resolve.wgsl).
 
 import package::constants::{
-    DOUBLE_SIDED, FACE_EMISSION, FACE_POSITION, FACE_REFLECTANCE, FACE_VECTOR_AREA,
+    DOUBLE_SIDED, FACE_EMISSION, FACE_GLOSS, FACE_POSITION, FACE_REFLECTANCE, FACE_VECTOR_AREA,
     FACE_VISIBLE_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE,
 };
 import package::gpu::random::hash;
@@ -22,7 +22,7 @@ import package::voxels::morton::morton_encode;
 @group(2) @binding(1) var<storage, read> cells: array<vec2u>;
 @group(2) @binding(2) var<storage, read> voxels: array<VoxelFaces>;
 // Per face, three signed numbers each: vector area and, weighted by the area along the lobe that no other layer
-// hides, reflectance, emission and position within the voxel. Where there may be layers, that area, too. Behind
+// hides, reflectance, gloss, emission and position within the voxel. Where there may be layers, that area, too. Behind
 // all faces, the fronts of those that have some (fronts.wgsl).
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 
@@ -58,6 +58,7 @@ struct Part {
     reflectance: vec3f,
     position: vec3f,
     emission: vec3f,
+    gloss: vec3f,
     // The area along the lobe, if another layer may hide it, and the share that none does: on the lobe's side, and
     // on the opposite one.
     area: f32,
@@ -69,7 +70,10 @@ struct Part {
 // In loops and not one after the other: what is not needed is then left out on a software GPU as well, which
 // goes through both sides of every `if`.
 fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
-    let rows = select(3u, 4u, any(part.emission > vec3f(0.0))) + select(0u, 1u, part.area > 0.0);
+    let all_rows = 7u
+        | select(0u, 8u, part.area > 0.0)
+        | select(0u, 16u, any(part.gloss != vec3f(0.0)))
+        | select(0u, 32u, any(part.emission > vec3f(0.0)));
     for (var side = 0u; side < sides; side++) {
         let own = lobe ^ side;
         if (part.lobes & (1u << own)) == 0u {
@@ -78,8 +82,10 @@ fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
         let first = part.first + bits_below(part.lobes, own) * FACE_WORDS;
         let vector_area = select(part.vector_area, -part.vector_area, side == 1u);
         let visible = part.visible[side];
-        var row = 0u;
+        var rows = all_rows;
         loop {
+            let row = countTrailingZeros(rows);
+            rows &= rows - 1u;
             var place = FACE_VECTOR_AREA;
             var value = vector_area;
             if row == 1u {
@@ -88,17 +94,19 @@ fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
             } else if row == 2u {
                 place = FACE_POSITION;
                 value = visible * part.position;
-            } else if row == 3u && part.area > 0.0 {
+            } else if row == 3u {
                 place = FACE_VISIBLE_AREA;
                 value = vec3f(visible * part.area, 0.0, 0.0);
-            } else if row >= 3u {
+            } else if row == 4u {
+                place = FACE_GLOSS;
+                value = visible * part.gloss;
+            } else if row == 5u {
                 place = FACE_EMISSION;
                 value = visible * part.emission;
             }
-            add(first + place, value * part.scale, seed + 4u * side + row);
-            row++;
+            add(first + place, value * part.scale, seed + 8u * side + row);
             continuing {
-                break if row == rows;
+                break if rows == 0u;
             }
         }
     }
@@ -144,6 +152,7 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
             surface.reflectance * area,
             position * area,
             surface.emission * area,
+            draws[(*walk).draw].gloss * area,
             select(area, 0.0, faces.area_high == NO_FRONTS),
             visible,
         );

@@ -1,9 +1,6 @@
 // From the sums of a face to its means.
 
-import package::voxels::list::{lobe_axis, lobe_sign};
-
-// Light that bounces for ever must lose some at each bounce.
-const LARGEST_REFLECTANCE = 0.99;
+import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
 
 // A face before and after: sums as integers, then the numbers of voxels::list::Face as their bits. In place,
 // since the two together would be the largest thing that voxelization needs.
@@ -18,6 +15,8 @@ struct FaceSlot {
     visible_area: i32,
     emission: vec3i,
     padding_1: u32,
+    gloss: vec3i,
+    padding_2: u32,
 }
 
 // Sums over pieces of surface, multiplied by `scale`; all but the area weighted by the visible area along the lobe.
@@ -30,6 +29,7 @@ struct FaceSums {
     area: vec3f,
     reflectance: vec3f,
     emission: vec3f,
+    gloss: vec3f,
 }
 
 struct FaceMeans {
@@ -38,6 +38,7 @@ struct FaceMeans {
     reflectance: vec3f,
     // Relative to the largest of all materials.
     emission: vec3f,
+    gloss: vec3f,
 }
 
 fn sums_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceSums {
@@ -52,6 +53,7 @@ fn sums_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceSums {
         vec3f(slot.vector_area),
         vec3f(slot.reflectance),
         vec3f(slot.emission),
+        vec3f(slot.gloss),
     );
 }
 
@@ -62,6 +64,7 @@ fn means_of(sums: FaceSums) -> FaceMeans {
         sums.area / max(sums.scale, sums.along),
         clamp(sums.reflectance / weight, vec3f(0.0), vec3f(LARGEST_REFLECTANCE)),
         max(sums.emission / weight, vec3f(0.0)),
+        sums.gloss / weight,
     );
 }
 
@@ -82,6 +85,8 @@ fn face_slot(means: FaceMeans, position_in_world: vec3f, emission: vec3f, voxel:
         bitcast<vec3i>(means.reflectance),
         0,
         bitcast<vec3i>(emission),
+        0u,
+        bitcast<vec3i>(means.gloss),
         0u,
     );
 }

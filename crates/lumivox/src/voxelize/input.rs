@@ -9,7 +9,7 @@ use glam::{Affine2, Mat4, Vec3};
 use super::kernels::Detail;
 use super::method::VoxelizeMethod;
 use crate::geometry::{Draw, GeometryBatch};
-use crate::{Geometry, GiError, Grid, SurfaceMaterial, SurfaceTexture, VertexAttributes};
+use crate::{Geometry, GiError, Gloss, Grid, SurfaceMaterial, SurfaceTexture, VertexAttributes};
 
 /// `TexturePlace` of `triangles.wgsl`.
 #[repr(C)]
@@ -41,6 +41,8 @@ pub(crate) struct DrawRecord {
     pub vertex_words: u32,
     pub color_word: u32,
     padding: [u32; 2],
+    pub gloss: [f32; 3],
+    padding_2: u32,
 }
 
 /// Bits of [`DrawRecord::flags`].
@@ -182,6 +184,14 @@ pub(crate) fn check_materials(geometry: &Geometry) -> Result<(), GiError> {
         }
         if !material.emission.is_finite() || material.emission.min_element() < 0.0 {
             return fail("its emission must be finite and not negative");
+        }
+        let Gloss { mean, grazing, kept_out } = material.gloss;
+        if ![mean, kept_out].iter().all(|share| (0.0..=1.0).contains(share))
+            || !(-1.0..=1.0).contains(&grazing)
+        {
+            return fail(
+                "its gloss must be shares from 0 to 1, and from -1 to 1 at grazing angles",
+            );
         }
         if !(0.0..=1.0).contains(&material.transmission) {
             return fail("its transmission must be from 0 to 1");
@@ -457,5 +467,7 @@ fn draw_record(
         vertex_words: attributes.map_or(0, |attributes| attributes.stride / 4),
         color_word: attributes.and_then(|attributes| attributes.color).unwrap_or(0) / 4,
         padding: [0; 2],
+        gloss: material.gloss.to_array(),
+        padding_2: 0,
     }
 }

@@ -30,6 +30,7 @@ fn structs_lie_in_memory_alike() {
             transmission_place,
             vertex_words,
             color_word,
+            gloss,
         }
     );
     assert_layout!(
@@ -93,6 +94,7 @@ fn structs_lie_in_memory_alike() {
             reflectance,
             visible_area,
             emission,
+            gloss,
         }
     );
 }

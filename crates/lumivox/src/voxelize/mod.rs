@@ -103,6 +103,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("FACE_VECTOR_AREA", offset_of!(FaceRecord, vector_area) as u32 / 4)
         .constant_u32("FACE_REFLECTANCE", offset_of!(FaceRecord, reflectance) as u32 / 4)
         .constant_u32("FACE_EMISSION", offset_of!(FaceRecord, emission) as u32 / 4)
+        .constant_u32("FACE_GLOSS", offset_of!(FaceRecord, gloss) as u32 / 4)
         .constant_u32("FACE_VISIBLE_AREA", offset_of!(FaceRecord, visible_area) as u32 / 4)
         .constant_u32("FRONT_SAMPLES", FRONT_SAMPLES)
         .constant_u32("FRONT_WORDS", FRONT_WORDS)

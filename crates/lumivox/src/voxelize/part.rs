@@ -205,8 +205,8 @@ impl LobedPart {
         let stride = size_of::<FaceRecord>() as u64;
         // A binding of an array has room for one element at least.
         let faces = u64::from(part.face_count).max(1);
-        // A raster of fronts takes as many bytes as a face, and stands behind them all.
-        const { assert!(size_of::<FaceRecord>() == 4 * FRONT_WORDS as usize) };
+        // A raster of fronts takes no more bytes than a face; they stand behind them all.
+        const { assert!(size_of::<FaceRecord>() >= 4 * FRONT_WORDS as usize) };
         part.sums = work.memory.buffer("faces", faces + fronts, stride, work.remedy())?;
         let buffers = [&part.cells, &part.voxels, &part.sums];
         if fronts > 0 {

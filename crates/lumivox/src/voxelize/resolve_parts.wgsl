@@ -55,6 +55,7 @@ fn sum_of(a: FaceSums, b: FaceSums, lobe: u32) -> FaceSums {
         of_a * a.area + of_b * b.area,
         weight_a * a.reflectance + weight_b * b.reflectance,
         weight_a * a.emission + weight_b * b.emission,
+        weight_a * a.gloss + weight_b * b.gloss,
     );
 }
 

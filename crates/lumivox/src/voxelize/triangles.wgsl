@@ -39,6 +39,9 @@ struct Draw {
     color_word: u32,
     padding_0: u32,
     padding_1: u32,
+    // What the surface mirrors (voxels::list::Face).
+    gloss: vec3f,
+    padding_2: u32,
 }
 
 @group(1) @binding(0) var<storage, read> positions: array<f32>;

@@ -2,6 +2,9 @@
 //
 // Lobes are numbered 2 * axis + (0 for the positive side, 1 for the negative): +x -x +y -y +z -z.
 
+// Light that bounces for ever must lose some at each bounce.
+const LARGEST_REFLECTANCE = 0.99;
+
 // An occupied cell of some level. Level 0 comes first in the list, then level 1, and so on.
 struct Node {
     // The cell's coordinates, interleaved: x in the lowest bit.
@@ -21,13 +24,16 @@ struct Face {
     vector_area: vec3f,
     // 0..5, as numbered above.
     lobe: u32,
-    // Mean share of light that is reflected diffusely.
+    // Mean share of the light that enters, which leaves again diffusely.
     reflectance: vec3f,
     // Used while voxelizing (voxelize::face_sums); zero afterwards.
     visible_area: f32,
     // Mean emitted radiance.
     emission: vec3f,
     padding_1: f32,
+    // What the surface mirrors besides, and keeps from entering: mean, grazing, kept_out (light/reflected.wgsl).
+    gloss: vec3f,
+    padding_2: f32,
 }
 
 fn lobe_axis(lobe: u32) -> u32 {

@@ -36,7 +36,7 @@ pub struct FaceRecord {
     pub vector_area: [f32; 3],
     /// +x, -x, +y, -y, +z, -z as 0 to 5.
     pub lobe: u32,
-    /// Mean share of light reflected diffusely.
+    /// Mean share of the light that enters, which leaves again diffusely.
     pub reflectance: [f32; 3],
     /// Used while voxelizing; zero afterwards.
     pub visible_area: f32,
@@ -44,6 +44,10 @@ pub struct FaceRecord {
     pub emission: [f32; 3],
     /// Not used.
     pub padding_1: f32,
+    /// Means of [`crate::Gloss`], in its order.
+    pub gloss: [f32; 3],
+    /// Not used.
+    pub padding_2: f32,
 }
 
 /// The list of occupied voxels of a scene, on the GPU.

@@ -1,5 +1,5 @@
-// The light that faces reflect of the flux that was inserted into them: reflectance / pi * flux / area, on top of
-// what they sent out before. The sums are left at zero for the next light.
+// The light that faces reflect of the flux that was inserted into them: the share that leaves / pi * flux / area, on top
+// of what they sent out before. The sums are left at zero for the next light.
 //
 // A face may be made of layers behind each other, such as a ceiling and a lamp's black panel below it. What the panel
 // takes up must not be reflected by the ceiling's share of the face: a turned Cornell box was 29 % too bright. Such
@@ -12,6 +12,7 @@ import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::light::lights::{incident_light, is_parallel, lights};
 import package::light::photon_map::{photon_map, Taken};
+import package::light::reflected::reflected_from;
 import package::light::shadow_map::{shadow_layers, shadow_map_visibility};
 import package::voxels::list::Face;
 
@@ -56,7 +57,7 @@ fn main(
         irradiance = incident.irradiance * cosine
             * shadow_map_visibility(light, face.position_in_world, normal);
     }
-    let leaving = direct[index].rgb + face.reflectance / PI * irradiance;
+    let leaving = direct[index].rgb + reflected_from(face, cosine) / PI * irradiance;
     direct[index] = vec4f(leaving, 1.0);
     radiance[index] = vec4f(leaving, 1.0);
 }

@@ -1,7 +1,7 @@
 //! Textures, alpha, emission.
 
 use glam::{Vec2, Vec3, Vec4};
-use lumivox::{Geometry, SurfaceMaterial, SurfaceTexture};
+use lumivox::{Geometry, Gloss, SurfaceMaterial, SurfaceTexture};
 
 use crate::voxelize::overlap::unit_grid;
 use crate::voxelize::read::{Lab, along};
@@ -194,10 +194,12 @@ fn materials_with_and_without_textures_mix() {
     let red = SurfaceMaterial {
         reflectance: Vec4::new(0.9, 0.1, 0.1, 1.0),
         emission: Vec3::new(3.0, 2.0, 1.0),
+        gloss: Gloss { mean: 0.05, grazing: 0.2, kept_out: 0.04 },
         ..Default::default()
     };
     let green = SurfaceMaterial {
         reflectance: Vec4::new(0.1, 2.0, 0.1, 1.0),
+        gloss: Gloss { mean: 1.0, grazing: -0.25, kept_out: 0.5 },
         emission: Vec3::new(0.0, 300.0, 0.0),
         ..Default::default()
     };
@@ -215,14 +217,16 @@ fn materials_with_and_without_textures_mix() {
     geometry.batches.push(batch);
     let list = lab.voxelize(&unit_grid(16), &geometry);
     let expected = [
-        (Vec3::new(0.2, 0.4, 0.8), Vec3::ZERO),
-        (Vec3::new(0.9, 0.1, 0.1), Vec3::new(3.0, 2.0, 1.0)),
-        (Vec3::new(0.1, 0.99, 0.1), Vec3::new(0.0, 300.0, 0.0)),
+        (Vec3::new(0.2, 0.4, 0.8), Vec3::ZERO, Vec3::ZERO),
+        (Vec3::new(0.9, 0.1, 0.1), Vec3::new(3.0, 2.0, 1.0), Vec3::new(0.05, 0.2, 0.04)),
+        (Vec3::new(0.1, 0.99, 0.1), Vec3::new(0.0, 300.0, 0.0), Vec3::new(1.0, -0.25, 0.5)),
     ];
     let mut seen = 0;
     for face in list.faces.iter().filter(|face| along(face) > 1e-4) {
         let z = list.voxel(face.voxel)[2];
-        let (reflectance, emission) = expected[(z as usize - 6) % 3];
+        let (reflectance, emission, gloss) = expected[(z as usize - 6) % 3];
+        let error = (Vec3::from(face.gloss) - gloss).abs().max_element();
+        assert!(error < 1e-5, "{z}: {face:?}");
         let error = (Vec3::from(face.reflectance) - reflectance).abs().max_element();
         assert!(error < 1e-5, "{z}: {face:?}");
         // Relative to the largest emission, 300, of which the sums hold some 2^-24.
