@@ -7,6 +7,8 @@ use pollster::block_on;
 use super::tests::{explorer, fresh, opened, picture, small};
 use super::*;
 
+type Change<'a> = Box<dyn Fn(&mut Explorer) + 'a>;
+
 fn undone(explorer: &mut Explorer) -> String {
     explorer.undo().unwrap()
 }
@@ -18,7 +20,6 @@ fn all_that_changes_is_taken_back_and_done_again() {
     let last = explorer.object_names().len() - 1;
     let name = explorer.object_names()[last].clone();
     let material = explorer.material_names()[0].clone();
-    type Change<'a> = Box<dyn Fn(&mut Explorer) + 'a>;
     let high = PresetChoice::Cones(Preset::High);
     let changes: Vec<(String, Change<'_>)> = vec![
         (

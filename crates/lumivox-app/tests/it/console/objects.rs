@@ -126,13 +126,13 @@ pub fn changes_are_taken_back_and_done_again() {
     let start = session.picture();
     let moved = session.changes("translate 'tall block' 0.3 0 0.1");
     let hidden = session.changes("hide 'left wall'");
-    let red = session.changes("material red albedo 0.1 0.1 0.8");
+    let red = session.changes("material green albedo 0.1 0.1 0.8");
     let dark = session.changes("bounces 1; add_light point lamp strength 5");
     session.equals("camera framing; camera 0", dark);
     session.says("undo", &["undone: lights"]);
     session.says("undo", &["undone: bounces"]);
     session.equals("echo", red);
-    session.says("undo", &["undone: material \"red\""]);
+    session.says("undo", &["undone: material \"green\""]);
     session.equals("echo", hidden);
     session.says("undo", &["undone: object \"left wall\""]);
     session.equals("echo", moved);
