@@ -31,6 +31,11 @@ impl Explorer {
         self.opened.as_ref().map(|opened| &opened.original)
     }
 
+    /// What was chosen when the scene was opened: [`Opened::notes`](crate::Opened::notes).
+    pub fn notes(&self) -> &[lumivox_scene::Note] {
+        self.opened.as_ref().map_or(&[], |opened| opened.notes())
+    }
+
     /// The camera that the scene was opened with.
     pub fn original_camera(&self) -> Option<&Camera> {
         self.opened.as_ref().map(|opened| &opened.camera)

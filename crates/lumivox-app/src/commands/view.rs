@@ -21,7 +21,13 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     }
     // First what is cheap to fail.
     let event_loop = window::event_loop()?;
-    let gpu = host.open_gpu(&args.explore.gpu)?;
+    // What the driver starts gives way as the thread does that opens the device.
+    let open = || {
+        window::give_way();
+        host.open_gpu(&args.explore.gpu)
+    };
+    let gpu = std::thread::scope(|scope| scope.spawn(open).join());
+    let gpu = gpu.map_err(|_| anyhow::anyhow!("the driver's thread has failed"))??;
     let mut config = Config::load(args.fresh);
     let explore = &args.explore;
     let settings = settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);

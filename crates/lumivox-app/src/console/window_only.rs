@@ -3,7 +3,7 @@
 use super::split;
 
 /// Their names.
-const OWN: [&str; 4] = ["select", "compare_with", "cancel", "lose_device"];
+const OWN: [&str; 5] = ["select", "compare_with", "cancel", "fullscreen", "lose_device"];
 
 /// Whether a line is a command that only the window has; its name.
 pub fn own_command(text: &str) -> Option<&'static str> {

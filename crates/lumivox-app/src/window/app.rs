@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
-use egui::{CentralPanel, Frame, Key, Modifiers, Panel, TextureId, Ui};
-use glam::UVec2;
+use egui::{CentralPanel, Frame, Panel, TextureId, Ui};
+use glam::{UVec2, Vec2};
 use lumivox_render::parameters::{Parameter, Value};
 use lumivox_scene::Camera;
 
@@ -61,6 +61,8 @@ pub struct App {
     orders: Sender<Order>,
     shared: Shared,
     lines_sent: u64,
+    /// Counts what hands do: presses of buttons, and keys while none is held.
+    gesture: u64,
     held: HashMap<String, (Held, u64)>,
     motion: Option<Motion>,
     /// What is chosen, and of which of the worker's selections it follows.
@@ -87,6 +89,14 @@ pub struct App {
     source: String,
     opened: u64,
     camera_moves: u64,
+    /// What is chosen after this one of the worker's selections is shown whole.
+    frames_after: Option<u64>,
+    /// Where light was asked for, of which picture, and when.
+    pub probed: Option<(Vec2, u64, Instant)>,
+    /// The name that a camera is stored under.
+    pub camera_name: String,
+    /// The scene whose hint was closed.
+    pub closed_hint: u64,
 }
 
 impl App {
@@ -102,6 +112,7 @@ impl App {
             orders,
             shared,
             lines_sent: 0,
+            gesture: 1,
             held: HashMap::new(),
             motion: None,
             selected: None,
@@ -120,6 +131,10 @@ impl App {
             source: String::new(),
             opened: 0,
             camera_moves: 0,
+            frames_after: None,
+            probed: None,
+            camera_name: String::new(),
+            closed_hint: 0,
         }
     }
 
@@ -145,6 +160,9 @@ impl App {
         if model.selections != self.selections {
             self.selections = model.selections;
             self.selected.clone_from(&model.selected);
+            if self.frames_after.take().is_some() && self.selected.is_some() {
+                panels::picture::frame_selection(self, &model);
+            }
         }
         if self.motion.as_ref().and_then(|m| m.told).is_some_and(|line| line <= model.lines_done) {
             self.motion = None;
@@ -204,7 +222,8 @@ impl App {
             self.motion = None;
         }
         self.lines_sent += 1;
-        self.order(Order::Line(Line { text, origin, serial: self.lines_sent }));
+        let gesture = if origin == Origin::Panel { self.gesture } else { 0 };
+        self.order(Order::Line(Line { text, origin, serial: self.lines_sent, gesture }));
         self.lines_sent
     }
 
@@ -259,6 +278,19 @@ impl App {
             });
             self.selected = selected;
         }
+    }
+
+    /// The light where the pointer is, once it was measured.
+    pub fn light_under_pointer(&self) -> Option<lumivox_render::Photometry> {
+        let (at, ..) = self.probed?;
+        // That of a place nearby is shown until the pointer's own is there.
+        let near = |light: &&super::model::LightAt| light.at.distance(at) < 0.02;
+        self.published.light.as_ref().filter(near)?.light
+    }
+
+    /// Shows all of what is chosen next.
+    pub fn frame_next_choice(&mut self) {
+        self.frames_after = Some(self.selections);
     }
 
     /// The camera, as it is or as it is being moved.
@@ -323,6 +355,13 @@ impl App {
             self.command_lines = *number;
             ui.ctx().copy_text(line.clone());
         }
+        let is_held = |input: &egui::InputState| {
+            let pointer = &input.pointer;
+            (pointer.any_down() || pointer.any_released()) && !pointer.any_pressed()
+        };
+        if !ui.input(is_held) {
+            self.gesture += 1;
+        }
         self.keys(ui, &model);
         let bar = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 4));
         Panel::top("menu").frame(bar).show(ui, |ui| panels::menu::show(ui, &model, self));
@@ -352,9 +391,16 @@ impl App {
                 .show(ui, |ui| panels::animation::show(ui, &model, self));
         }
         let deep = Frame::new().fill(theme::DEEP);
-        CentralPanel::no_frame().frame(deep).show(ui, |ui| match &model.scene {
-            Some(scene) => panels::picture::show(ui, &model, scene, self),
-            None => panels::welcome::show(ui, &model, self),
+        CentralPanel::no_frame().frame(deep).show(ui, |ui| {
+            // A scene's first picture is as large as the others will be.
+            let room = ui.available_rect_before_wrap().size() * ui.ctx().pixels_per_point();
+            if room.x >= 1.0 && room.y >= 1.0 {
+                self.set_room(UVec2::new(room.x as u32, room.y as u32));
+            }
+            match &model.scene {
+                Some(scene) => panels::picture::show(ui, &model, scene, self),
+                None => panels::welcome::show(ui, &model, self),
+            }
         });
         if self.has_help {
             panels::help::show(ui, self);
@@ -365,82 +411,6 @@ impl App {
         }
         if self.dialogs.are_open() {
             ui.ctx().request_repaint_after(Duration::from_millis(200));
-        }
-    }
-
-    /// Keys that work anywhere, and those that work while nobody types.
-    fn keys(&mut self, ui: &Ui, model: &Model) {
-        let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
-        let command = Modifiers::COMMAND;
-        if pressed(Modifiers::NONE, Key::F1) {
-            self.has_help = !self.has_help;
-        }
-        if pressed(Modifiers::NONE, Key::F2) {
-            self.config.console = !self.config.console;
-            if self.config.console {
-                // Who opens it wants to type.
-                ui.memory_mut(|memory| memory.request_focus(console::line()));
-            }
-        }
-        if pressed(command, Key::O) {
-            self.dialogs.open();
-        }
-        if pressed(command | Modifiers::SHIFT, Key::C) {
-            self.order(Order::CommandLine);
-        }
-        if pressed(command, Key::S) {
-            self.dialogs.save();
-        }
-        if pressed(command, Key::Q) {
-            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
-        }
-        if ui.ctx().egui_wants_keyboard_input() {
-            return;
-        }
-        for (key, number) in [(Key::Num1, 1), (Key::Num2, 2)] {
-            if pressed(command, key) {
-                self.line(format!("store {number}"));
-            } else if pressed(Modifiers::NONE, key) {
-                self.line(format!("pos{number}"));
-            }
-        }
-        if pressed(Modifiers::NONE, Key::Space) {
-            self.line(if model.playback.is_playing { "pause" } else { "play" });
-        }
-        if !model.jobs.is_empty() && pressed(Modifiers::NONE, Key::Escape) {
-            // Esc goes from what is nearest to what is farthest: work, help, selection.
-            self.order(Order::Cancel(None));
-        }
-        if pressed(Modifiers::NONE, Key::Escape) {
-            self.has_help = false;
-            self.select(None);
-        }
-        for (key, mode) in
-            [(Key::T, gizmo::Mode::Move), (Key::R, gizmo::Mode::Turn), (Key::Z, gizmo::Mode::Size)]
-        {
-            if pressed(Modifiers::NONE, key) {
-                self.gizmo = mode;
-            }
-        }
-        if pressed(Modifiers::NONE, Key::F) {
-            panels::picture::frame_selection(self, model);
-        }
-        let Some(selected) = self.selected.clone() else { return };
-        match &selected {
-            Selected::Object(name) => {
-                if pressed(Modifiers::NONE, Key::H) {
-                    let object =
-                        model.scene.iter().flat_map(|s| &s.objects).find(|o| o.name == *name);
-                    let is_hidden = object.is_some_and(|object| object.is_hidden);
-                    let verb = if is_hidden { "show" } else { "hide" };
-                    self.line(format!("{verb} {}", quoted(name)));
-                }
-            }
-            Selected::Light(name) => {
-                if pressed(Modifiers::NONE, Key::Delete) {
-                    self.line(format!("remove_light {}", quoted(name)));
-                }
-            }
         }
     }
 }

@@ -9,7 +9,7 @@ use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
-use winit::window::{Window, WindowId};
+use winit::window::{Fullscreen, Window, WindowId};
 
 use super::app::App;
 use super::surface::Surface;
@@ -137,8 +137,13 @@ impl Handler {
     fn paint(&mut self, event_loop: &ActiveEventLoop) {
         let Some(Open { window, input, surface }) = &mut self.open else { return };
         let published = self.app.look();
-        if published.wish == Some(Wish::LoseDevice) {
-            surface.lose();
+        match published.wish {
+            Some(Wish::LoseDevice) => surface.lose(),
+            Some(Wish::FullScreen) => {
+                let is_full = window.fullscreen().is_some();
+                window.set_fullscreen((!is_full).then_some(Fullscreen::Borderless(None)));
+            }
+            None => {}
         }
         if published.has_ended {
             event_loop.exit();
@@ -162,7 +167,7 @@ impl Handler {
         let scale = output.pixels_per_point;
         let primitives = self.context.tessellate(output.shapes, scale);
         let size = window.inner_size().to_logical::<f32>(window.scale_factor());
-        if size.width > 0.0 && size.height > 0.0 {
+        if size.width > 0.0 && size.height > 0.0 && window.fullscreen().is_none() {
             self.app.config.window = [size.width, size.height];
         }
         if let Err(error) = surface.paint(output.textures_delta, &primitives, scale) {

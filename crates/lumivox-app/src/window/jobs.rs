@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::Sender;
+use std::time::Instant;
 
 use glam::UVec2;
 use lumivox_render::reference::{PathTracer, ReferenceProgress, ReferenceSettings};
@@ -100,6 +101,8 @@ pub struct Tracing {
     pub key: ReferenceKey,
     /// Tells it from others.
     pub number: u64,
+    /// When it was begun.
+    pub since: Instant,
     shared: Arc<Shared>,
     /// Whether all samples are there, or it failed.
     pub is_over: bool,
@@ -163,7 +166,9 @@ pub fn trace(
     orders: Sender<Order>,
 ) -> Tracing {
     let shared = Arc::new(Shared::default());
-    let tracing = Tracing { key: key.clone(), number, shared: shared.clone(), is_over: false };
+    let since = Instant::now();
+    let tracing =
+        Tracing { key: key.clone(), number, since, shared: shared.clone(), is_over: false };
     std::thread::spawn(move || {
         let send = |result, is_last| {
             let _ = orders.send(Order::Traced(Box::new(Traced { number, result, is_last })));

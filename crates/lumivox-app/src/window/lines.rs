@@ -27,6 +27,8 @@ pub struct Line {
     pub origin: Origin,
     /// Counts the window's lines; 0 for others.
     pub serial: u64,
+    /// Counts what hands do, such as drags: the changes of one are one step for `undo`. 0 for what stands alone.
+    pub gesture: u64,
 }
 
 /// Commands that set something to what they say and nothing else, by how many of their words name it.
@@ -116,6 +118,7 @@ mod tests {
             text: (*text).to_owned(),
             origin: *origin,
             serial: serial as u64 + 1,
+            gesture: 0,
         });
         coalesce(lines.collect()).into_iter().map(|line| line.text).collect()
     }

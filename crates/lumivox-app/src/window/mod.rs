@@ -15,11 +15,13 @@
 //! | `surface.rs` | the window's device |
 //! | `worker/` | the thread that renders |
 //! | `model.rs` | what the panels show |
+//! | `keys.rs` | what keys do |
 //! | `lines.rs` | lines on their way |
 //! | `terminal.rs` | the terminal beside the window |
 //! | `jobs.rs`, `reload.rs` | what runs beside: reading scenes, references, watching files |
 //! | `camera.rs`, `gizmo.rs` | moving the camera, and objects |
 //! | `config.rs` | what is kept between runs |
+//! | `priority.rs` | the window goes before what it shows |
 
 mod app;
 mod camera;
@@ -27,9 +29,11 @@ mod config;
 mod events;
 mod gizmo;
 mod jobs;
+mod keys;
 mod lines;
 mod model;
 mod panels;
+mod priority;
 mod reload;
 mod surface;
 mod terminal;
@@ -43,6 +47,7 @@ use winit::event_loop::EventLoop;
 
 pub use config::Config;
 pub use events::{Wake, run};
+pub use priority::give_way;
 pub use terminal::Restore;
 
 use crate::console::Console;

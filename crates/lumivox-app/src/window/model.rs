@@ -1,10 +1,11 @@
 //! What the panels show: a snapshot of the explorer, made by the worker whenever something has changed.
 
 use std::sync::Arc;
+use std::time::Instant;
 
-use glam::{Mat4, UVec2, Vec3};
+use glam::{Mat4, UVec2, Vec2, Vec3};
 use lumivox_explorer::{Explorer, Placement, Playback, Revoxelize};
-use lumivox_render::{MemoryUse, PresetChoice, RenderSettings};
+use lumivox_render::{Histogram, MemoryUse, Photometry, PresetChoice, RenderSettings};
 use lumivox_scene::{Bounds, Camera, Light, Material};
 
 use crate::console::Console;
@@ -14,12 +15,21 @@ use crate::console::Names;
 pub const STAGES: [&str; 8] =
     ["upload", "voxelize", "light", "G-buffer", "direct light", "trace", "voxel view", "picture"];
 
+/// What the worker is busy with most of the time.
+pub const RENDERING: &str = "rendering";
+
 /// Frames whose times are shown.
 pub const KEPT_FRAMES: usize = 200;
 
 /// All that the panels show.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
+    /// What `undo` would take back, and what `redo` would do again, in words.
+    pub history: [Option<String>; 2],
+    /// How bright the picture's pixels are, and the stops that it is shown with.
+    pub histogram: Option<(Histogram, f32)>,
+    /// What explains the picture where it looks like a mistake.
+    pub hint: Option<String>,
     /// The scene; `None` before anything was opened.
     pub scene: Option<Arc<SceneModel>>,
     /// The settings that are asked for.
@@ -192,11 +202,31 @@ impl FrameTime {
     }
 }
 
+/// The light at a place of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightAt {
+    /// The place, as shares of the picture's width and height.
+    pub at: Vec2,
+    /// The light.
+    pub light: Option<Photometry>,
+}
+
+/// What the worker is busy with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Doing {
+    /// In words.
+    pub words: String,
+    /// When it has begun.
+    pub since: Instant,
+}
+
 /// Something under way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobModel {
     /// What it is, and how far.
     pub words: String,
+    /// When it has begun, where the words do not tell how long it takes.
+    pub since: Option<Instant>,
     /// The share that is done, where it is known.
     pub share: Option<f32>,
     /// What to cancel, where it can be.

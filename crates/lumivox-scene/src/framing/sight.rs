@@ -65,6 +65,8 @@ pub struct Note {
     pub text: String,
     /// The option that overrules it, as the command line has it.
     pub option: &'static str,
+    /// Whether it explains what looks like a mistake otherwise, so that it belongs beside the picture.
+    pub is_hint: bool,
 }
 
 impl std::fmt::Display for Note {
@@ -121,7 +123,7 @@ impl Chosen {
                 ("from outside, fitted to what stands on the ground", "--camera inside")
             }
         };
-        Note { about: "camera", text: text.to_owned(), option }
+        Note { about: "camera", text: text.to_owned(), option, is_hint: false }
     }
 }
 
@@ -155,9 +157,11 @@ impl Framing {
         }
         let about = "light";
         if own.is_enough(standpoint) {
-            let text =
-                format!("its own, {} lux on what is seen", three_digits(own.lux(standpoint)));
-            return (None, Note { about, text, option: "--surroundings studio or sky adds some" });
+            let is_hint = own.is_of_emission_alone();
+            let what = if is_hint { "its own emission alone" } else { "its own" };
+            let text = format!("{what}, {} lux on what is seen", three_digits(own.lux(standpoint)));
+            let option = "--surroundings studio or sky adds some";
+            return (None, Note { about, text, option, is_hint });
         }
         let light = self.light(camera, Emission::of(scene, self.unit).luminance());
         let option = match light {
@@ -171,7 +175,8 @@ impl Framing {
                 format!("its own gives what is seen {} lux, and not all of it", three_digits(some))
             }
         };
-        (Some(light.clone()), Note { about, text: format!("{light}: {own}"), option })
+        let text = format!("{light}: {own}");
+        (Some(light), Note { about, text, option, is_hint: false })
     }
 }
 

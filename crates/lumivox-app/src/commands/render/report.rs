@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lumivox_render::{Gpu, Metering, Picture, Renderer};
+use lumivox_render::{ExposureWarning, Gpu, Picture, Renderer};
 use lumivox_scene::{Camera, Note, Scene};
 use serde::Serialize;
 
@@ -48,8 +48,7 @@ pub struct NoteReport {
 
 impl NoteReport {
     /// All notes on a picture.
-    pub fn all(notes: &[Note], metering: Option<Metering>) -> Vec<Self> {
-        let warning = metering.and_then(|metering| metering.warning);
+    pub fn all(notes: &[Note], warning: Option<ExposureWarning>) -> Vec<Self> {
         let warning = warning.map(|warning| Self {
             about: "warning",
             text: format!("{warning}: {REMEDY}"),
@@ -144,7 +143,7 @@ impl Report {
             renderer: RendererReport::new(renderer),
             seconds,
             exposure: metering.map(|metering| metering.stops),
-            notes: NoteReport::all(notes, metering),
+            notes: NoteReport::all(notes, metering.and_then(|metering| metering.warning)),
             settings: SettingsReport::new(settings),
             adapter: AdapterReport::new(&gpu.adapter_info),
         }

@@ -116,7 +116,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         pictures: moments.count,
         rendered: missing.len(),
         exposure: index.exposure,
-        notes: NoteReport::all(&stage.notes, metering),
+        notes: NoteReport::all(&stage.notes, metering.and_then(|metering| metering.warning)),
         scene: SceneCounts::new(&stage.scene),
         renderer: renderer.as_ref().map(RendererReport::new),
         seconds: stage.clock.seconds,

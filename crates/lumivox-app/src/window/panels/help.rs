@@ -23,6 +23,7 @@ pub const KEYS: [(&str, &[(&str, &str)]); 4] = [
         "Objects and lights",
         &[
             ("Click", "Choose; Esc: nothing"),
+            ("Double click", "Choose, and show all of it"),
             ("T, R, Z", "Handles to move, rotate, scale; Ctrl: in steps"),
             ("H", "Hide or show the chosen object"),
             ("Delete", "Remove the chosen light"),
@@ -36,7 +37,8 @@ pub const KEYS: [(&str, &[(&str, &str)]); 4] = [
         "Window",
         &[
             ("Space", "Play or pause"),
-            ("F1, F2", "This help; the console"),
+            ("F1, F2, F11", "This help; the console; full screen"),
+            ("Ctrl + Z", "Undo; with Shift, or Ctrl + Y: redo"),
             ("Ctrl + O, Ctrl + S", "Open a scene; save the picture"),
             ("Ctrl + Shift + C", "Copy a command line that makes this picture"),
             ("Ctrl + Q", "Quit"),

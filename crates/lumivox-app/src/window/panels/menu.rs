@@ -12,6 +12,7 @@ use crate::window::worker::Order;
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, model, app));
+        ui.menu_button("Edit", |ui| edit(ui, model, app));
         ui.menu_button("Window", |ui| window(ui, app));
         ui.menu_button("Help", |ui| {
             if ui.add(Button::new("Keys and mouse").shortcut_text("F1")).clicked() {
@@ -74,6 +75,18 @@ fn file(ui: &mut Ui, model: &Model, app: &mut App) {
     }
 }
 
+fn edit(ui: &mut Ui, model: &Model, app: &mut App) {
+    let [undo, redo] = &model.history;
+    for (name, command, keys, step) in
+        [("Undo", "undo", "Ctrl+Z", undo), ("Redo", "redo", "Ctrl+Shift+Z", redo)]
+    {
+        let words = step.as_ref().map_or(name.to_owned(), |step| format!("{name} {step}"));
+        if ui.add_enabled(step.is_some(), Button::new(words).shortcut_text(keys)).clicked() {
+            app.line(command);
+        }
+    }
+}
+
 fn window(ui: &mut Ui, app: &mut App) {
     ui.checkbox(&mut app.config.left, "Scene");
     ui.checkbox(&mut app.config.right, "Settings");
@@ -81,6 +94,9 @@ fn window(ui: &mut Ui, app: &mut App) {
         ui.checkbox(&mut app.config.console, "Console");
         ui.weak("F2");
     });
+    if ui.add(Button::new("Full screen").shortcut_text("F11")).clicked() {
+        app.line("fullscreen");
+    }
     ui.separator();
     ui.checkbox(&mut app.config.half_size, "Picture of half size");
     ui.checkbox(&mut app.config.coarse_motion, "Coarser while moving");

@@ -4,6 +4,7 @@ pub mod animation;
 pub mod console;
 pub mod files;
 pub mod help;
+pub mod histogram;
 pub mod icons;
 pub mod lights;
 pub mod materials;
@@ -77,9 +78,9 @@ fn settings(ui: &mut Ui, model: &Model, app: &mut App) -> bool {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         section(ui, "View", true, |ui| view::show(ui, model, app));
         section(ui, "Light", true, |ui| parameters::group(ui, Group::Light, model, app));
+        section(ui, "Picture", true, |ui| view::picture(ui, model, app));
         section(ui, "Volume", false, |ui| volume::show(ui, model, app));
         section(ui, "Cones", false, |ui| view::cones(ui, model, app));
-        section(ui, "Picture", false, |ui| view::picture(ui, model, app));
         is_timed = section(ui, "Performance", false, |ui| performance::show(ui, model));
     });
     is_timed

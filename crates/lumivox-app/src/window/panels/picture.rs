@@ -1,11 +1,13 @@
 //! The picture: what is rendered, what it is compared with, handles, and the mouse.
 
+use std::time::{Duration, Instant};
+
 use egui::{
-    Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke,
-    Ui,
+    Align2, Color32, CursorIcon, FontId, Id, Key, PointerButton, Pos2, Rect, Response, Sense,
+    Stroke, Ui,
 };
 use egui::{pos2, vec2};
-use glam::{UVec2, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lumivox_explorer::Placement;
 use lumivox_scene::{Bounds, Light, LightKind};
 
@@ -33,11 +35,6 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
     let area = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(area, Sense::click_and_drag());
     let response = response.accessible_name("Picture");
-    let scale = ui.ctx().pixels_per_point();
-    let room = area.size() * scale;
-    if room.x >= 1.0 && room.y >= 1.0 {
-        app.set_room(UVec2::new(room.x as u32, room.y as u32));
-    }
     let rect = fitted(area, app);
     let split = images(ui, rect, model, app);
     let view = Projection::new(&app.camera(), rect);
@@ -45,6 +42,10 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
     let on_split = split.filter(|_| app.drag.is_none());
     mouse(ui, &response, &view, (rect, on_split), scene, app);
     keys(ui, scene, app);
+    probe(ui, &response, rect, app);
+    if let Some(hint) = model.hint.as_ref().filter(|_| app.closed_hint != model.opened) {
+        explain(ui, rect, hint, model.opened, app);
+    }
     if scene.objects.iter().all(|object| object.is_hidden) {
         hint(ui, rect, "Nothing is shown: all objects are hidden.");
     } else if app.published.picture.is_none() && model.jobs.is_empty() && model.error.is_none() {
@@ -116,6 +117,64 @@ fn hint(ui: &Ui, rect: Rect, text: &str) {
     let font = FontId::proportional(15.0);
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::WEAK);
 }
+
+/// The least time between two questions about the light under the pointer.
+const PROBE_EVERY: Duration = Duration::from_millis(100);
+/// The same while the pointer rests, for a picture that gets better.
+const PROBE_AGAIN: Duration = Duration::from_millis(500);
+
+/// Asks for the light under the pointer: while no button is held, and not too often.
+fn probe(ui: &Ui, response: &Response, rect: Rect, app: &mut App) {
+    let is_held = ui.input(|input| input.pointer.any_down());
+    let at = response.hover_pos().filter(|at| rect.contains(*at) && !is_held);
+    let (Some(at), Some(shown)) = (at, &app.published.picture) else {
+        app.probed = None;
+        return;
+    };
+    let (share, serial) = ((at - rect.min) / rect.size(), shown.serial);
+    let share = Vec2::new(share.x, share.y);
+    let wait = match app.probed {
+        Some((last, seen, _)) if last == share && seen == serial => return,
+        Some((last, _, asked)) => {
+            let pause = if last == share { PROBE_AGAIN } else { PROBE_EVERY };
+            pause.saturating_sub(asked.elapsed())
+        }
+        None => Duration::ZERO,
+    };
+    if wait.is_zero() {
+        app.order(Order::Probe(share));
+        app.probed = Some((share, serial, Instant::now()));
+    } else {
+        ui.ctx().request_repaint_after(wait);
+    }
+}
+
+/// A note at the picture's lower edge, with what helps and a cross.
+fn explain(ui: &Ui, rect: Rect, text: &str, scene: u64, app: &mut App) {
+    let frame = egui::Frame::new().fill(theme::PANEL).corner_radius(4).inner_margin(8);
+    let area = egui::Area::new(Id::unique("hint"))
+        .pivot(Align2::CENTER_BOTTOM)
+        .fixed_pos(pos2(rect.center().x, rect.bottom() - 8.0))
+        .constrain_to(rect);
+    area.show(ui.ctx(), |ui| {
+        frame.show(ui, |ui| {
+            ui.set_max_width((rect.width() - 40.0).clamp(120.0, 420.0));
+            ui.label(format!("The light is {text}."));
+            ui.horizontal_wrapped(|ui| {
+                let sky = ui.button("Add sun and sky").on_hover_text(SKY);
+                if sky.clicked() {
+                    app.line(SKY);
+                }
+                if ui.button("Close").clicked() || sky.clicked() {
+                    app.closed_hint = scene;
+                }
+            });
+        });
+    });
+}
+
+/// Light for what has little of its own: a sun that is neither low nor at noon.
+const SKY: &str = "sky 40,120";
 
 /// Box, handles, lamps.
 fn decorate(ui: &Ui, view: &Projection, rect: Rect, scene: &SceneModel, app: &App) {
@@ -327,7 +386,12 @@ fn mouse(
         ui.data_mut(|data| data.insert_temp(grip, false));
     }
     if response.clicked() && !near_split(at) {
-        click(view, at, rect, scene, app);
+        let is_chosen = click(view, at, rect, scene, app);
+        if response.double_clicked() && is_chosen {
+            frame_selection(app, &app.published.model.clone());
+        } else if response.double_clicked() {
+            app.frame_next_choice();
+        }
     }
     if response.hovered() {
         wheel(ui, app);
@@ -341,18 +405,20 @@ fn pan(app: &mut App, delta: egui::Vec2, rect: Rect) {
     }
 }
 
-fn click(view: &Projection, at: Pos2, rect: Rect, scene: &SceneModel, app: &mut App) {
+/// Chooses what is there; `false` where the worker has to find it.
+fn click(view: &Projection, at: Pos2, rect: Rect, scene: &SceneModel, app: &mut App) -> bool {
     let lamp = scene.lights.iter().filter(|(_, light)| is_lamp(light)).find(|(_, light)| {
         view.project(light.position).is_some_and(|there| there.distance(at) < REACH)
     });
     if let Some((name, _)) = lamp {
         app.select(Some(Selected::Light(name.clone())));
-        return;
+        return true;
     }
     let share = (at - rect.min) / rect.size();
     if (0.0..=1.0).contains(&share.x) && (0.0..=1.0).contains(&share.y) {
         app.order(Order::Pick(Vec2::new(share.x, share.y)));
     }
+    false
 }
 
 fn is_flying(ui: &Ui) -> bool {

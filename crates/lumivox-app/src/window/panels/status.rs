@@ -1,13 +1,21 @@
 //! The line at the bottom: how things are, what is under way, what went wrong.
 
+use std::time::{Duration, Instant};
+
 use egui::{Align, Layout, RichText, Ui};
+use lumivox_render::Photometry;
 
 use super::icons::{self, Icon};
 use super::widgets::count;
 use crate::window::app::App;
-use crate::window::model::Model;
+use crate::window::model::{Model, RENDERING};
 use crate::window::theme;
 use crate::window::worker::Order;
+
+/// How often times are told anew. What turns by itself would be painted all the time, with the cores that are waited for.
+const TICK: Duration = Duration::from_millis(250);
+/// What takes no longer need not be told.
+const SOON: Duration = Duration::from_millis(400);
 
 /// The line.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
@@ -19,9 +27,11 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             ui.add(egui::Label::new(RichText::new(text).color(theme::ERROR)).wrap());
         });
     }
+    if !model.jobs.is_empty() {
+        ui.ctx().request_repaint_after(TICK);
+    }
     ui.horizontal(|ui| {
         for job in &model.jobs {
-            ui.add(egui::Spinner::new().size(12.0));
             if let Some(share) = job.share {
                 ui.add(
                     egui::ProgressBar::new(share)
@@ -30,12 +40,13 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
                         .corner_radius(2),
                 );
             }
-            ui.label(&job.words);
+            ui.label(with_time(&job.words, job.since));
             if job.cancel.is_some() && ui.small_button("Cancel").clicked() {
                 app.order(Order::Cancel(job.cancel));
             }
             ui.separator();
         }
+        doing(ui, model, app);
         if let Some(scene) = &model.scene {
             if let Some(frame) = model.frames.last() {
                 ui.label(format!("{:.0} ms", frame.total_ms))
@@ -51,10 +62,93 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             ui.label(format!("{} triangles", count(scene.triangles as u64)));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if let Some(light) = app.light_under_pointer() {
+                ui.label(light_words(light)).on_hover_text(
+                    "Light under the pointer: what arrives there, and what a camera sees",
+                );
+                ui.separator();
+            }
             // The kind and the version of the driver are in the tooltip.
             let name = model.gpu.split(" (").next().unwrap_or_default();
             let label = egui::Label::new(RichText::new(name).color(theme::WEAK)).truncate();
             ui.add(label).on_hover_text(&model.gpu);
         });
     });
+}
+
+/// What the worker is busy with, for how long, and how much of it is done.
+fn doing(ui: &mut Ui, model: &Model, app: &App) {
+    let Some(doing) = &app.published.doing else { return };
+    // The time goes on without news.
+    ui.ctx().request_repaint_after(TICK);
+    // What can be cancelled says how far it is.
+    if doing.since.elapsed() < SOON || !model.jobs.is_empty() {
+        return;
+    }
+    let (done, all) = (model.frame_count, model.settings.frames);
+    if doing.words == RENDERING && done > 0 {
+        let bar = egui::ProgressBar::new(done as f32 / all.max(1) as f32);
+        ui.add(bar.desired_width(60.0).desired_height(10.0).corner_radius(2));
+    }
+    ui.label(with_time(&doing.words, Some(doing.since)))
+        .on_hover_text("What is waited for, and for how long");
+    ui.separator();
+}
+
+/// Words with the time since something began.
+fn with_time(words: &str, since: Option<Instant>) -> String {
+    match since.map(|since| since.elapsed().as_secs()) {
+        None | Some(0) => words.to_owned(),
+        Some(seconds @ 1..60) => format!("{words}, {seconds} s"),
+        Some(seconds) => format!("{words}, {}:{:02} min", seconds / 60, seconds % 60),
+    }
+}
+
+/// Lux and cd/m², as far as they are known.
+fn light_words(light: Photometry) -> String {
+    let luminance = format!("{} cd/m²", digits(light.luminance_cd_m2));
+    match light.illuminance_lux {
+        Some(lux) => format!("{} lx, {luminance}", digits(lux)),
+        None => luminance,
+    }
+}
+
+/// Three digits of a number: the mean over a picture's frames is not known better.
+fn digits(value: f32) -> String {
+    match value {
+        value if value <= 0.0 => "0".to_owned(),
+        value if value >= 100.0 => {
+            let step = 10.0_f32.powf(value.log10().floor() - 2.0);
+            count(((value / step).round() * step) as u64)
+        }
+        value if value >= 1e-4 => {
+            format!("{value:.*}", (2.0 - value.log10().floor()).clamp(0.0, 7.0) as usize)
+        }
+        value => format!("{value:.2e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_told_in_three_digits() {
+        let words = |luminance_cd_m2, illuminance_lux| {
+            light_words(Photometry { luminance_cd_m2, illuminance_lux })
+        };
+        assert_eq!(words(12.345, Some(101_234.0)), "101\u{2009}000 lx, 12.3 cd/m²");
+        assert_eq!(words(0.001_234, None), "0.00123 cd/m²");
+        assert_eq!(words(0.0, Some(0.0)), "0 lx, 0 cd/m²");
+        assert_eq!(words(1.5e-6, Some(999.6)), "1\u{2009}000 lx, 1.50e-6 cd/m²");
+    }
+
+    #[test]
+    fn time_is_told_once_it_counts() {
+        let ago = |seconds| Instant::now().checked_sub(Duration::from_secs(seconds));
+        assert_eq!(with_time("lighting", ago(0)), "lighting");
+        assert_eq!(with_time("lighting", ago(12)), "lighting, 12 s");
+        assert_eq!(with_time("lighting", ago(125)), "lighting, 2:05 min");
+        assert_eq!(with_time("reading, 0:07", None), "reading, 0:07");
+    }
 }

@@ -4,8 +4,8 @@ use egui::{ComboBox, Ui};
 use lumivox_render::parameters::Group;
 use lumivox_render::{Look, PresetChoice, View};
 
-use super::parameters;
 use super::widgets::{rest_width, row, weak};
+use super::{histogram, parameters};
 use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model};
@@ -17,12 +17,15 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     compare(ui, model, app);
     parameters::group(ui, Group::Overlay, model, app);
     let Some(scene) = &model.scene else { return };
-    row(ui, "Camera", "One of the scene's cameras", |ui| {
+    row(ui, "Camera", "One of the scene's cameras, or one that was stored under a name", |ui| {
         let width = rest_width(ui);
         let combo = ComboBox::from_id_salt("camera").width(width).selected_text("Choose");
         combo
             .show_ui(ui, |ui| {
-                for name in scene.cameras.iter().map(String::as_str).chain(["framing"]) {
+                let stored = model.names.stored.iter();
+                for name in
+                    scene.cameras.iter().chain(stored).map(String::as_str).chain(["framing"])
+                {
                     if ui.selectable_label(false, name).clicked() {
                         app.line(format!("camera {}", quoted(name)));
                     }
@@ -40,6 +43,18 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             if ui.button("Set").on_hover_text(format!("Keep this view as {number}")).clicked() {
                 app.line(format!("store {number}"));
             }
+        }
+    });
+    row(ui, "Store as", "Keeps this view under a name, among the cameras above", |ui| {
+        let field = egui::TextEdit::singleline(&mut app.camera_name).hint_text("name");
+        let field = ui.add(field.desired_width((rest_width(ui) - 46.0).max(40.0)));
+        let field = field.accessible_name("Name to store the camera under");
+        let is_typed = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let has_name = !app.camera_name.trim().is_empty();
+        let is_stored = ui.add_enabled(has_name, egui::Button::new("Store")).clicked();
+        if has_name && (is_typed || is_stored) {
+            let name = std::mem::take(&mut app.camera_name);
+            app.line(format!("store {}", quoted(name.trim())));
         }
     });
     row(ui, "Speed", "How fast W, A, S, D fly; the wheel changes it in flight", |ui| {
@@ -100,6 +115,7 @@ pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
 
 /// Frames, exposure, curve, size.
 pub fn picture(ui: &mut Ui, model: &Model, app: &mut App) {
+    histogram::show(ui, model);
     parameters::group(ui, Group::Picture, model, app);
     row(ui, "Half size", "Half as many pixels along each edge", |ui| {
         ui.checkbox(&mut app.config.half_size, "").accessible_name("Half size");

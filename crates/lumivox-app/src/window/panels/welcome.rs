@@ -24,7 +24,9 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
                 }
                 weak(ui, "or drop a file onto this window");
             } else {
-                ui.add(egui::Spinner::new().size(28.0));
+                for job in &model.jobs {
+                    ui.label(RichText::new(&job.words).size(14.0));
+                }
             }
             ui.add_space(12.0);
             ui.label(RichText::new("Built-in scenes").strong());

@@ -33,6 +33,7 @@ const HARMLESS: [&str; 16] = [
     "compare",
     "compare_with",
     "echo",
+    "fullscreen",
     "help",
     "pos1",
     "pos2",
@@ -41,7 +42,6 @@ const HARMLESS: [&str; 16] = [
     "script",
     "select",
     "size",
-    "store",
     "times",
     "wait",
 ];
@@ -63,6 +63,14 @@ impl Worker {
             "cancel" => {
                 self.cancel(None);
                 Ok(String::new())
+            }
+            "fullscreen" if arguments.is_empty() => {
+                self.shared.change(|published| published.wish = Some(Wish::FullScreen));
+                (self.wake)();
+                Ok(String::new())
+            }
+            "fullscreen" => {
+                Err(Failure::input("fullscreen takes nothing; again, it ends it").into())
             }
             // For tests of what happens when a driver goes.
             "lose_device" => {
@@ -181,10 +189,11 @@ impl Worker {
     pub(super) fn note_edits(&mut self, line: &str) {
         let name = line.split_whitespace().next().unwrap_or_default();
         let is_setting = lumivox_render::parameters::Parameter::find(name).is_some();
-        if !is_setting && !HARMLESS.contains(&name) {
+        if !is_setting && name != "store" && !HARMLESS.contains(&name) {
             self.forget_scene();
             self.names_are_old = true;
         }
+        self.names_are_old |= name == "store";
         self.has_edits |= DROPPED.contains(&name);
     }
 

@@ -6,6 +6,7 @@
 
 mod commands;
 mod model;
+mod pace;
 mod pictures;
 mod running;
 mod scenes;
@@ -25,13 +26,17 @@ use lumivox_scene::{Bounds, Camera, Picker};
 
 use super::jobs::{Loaded, Loading, Reference, Traced, Tracing};
 use super::lines::{Line, Origin, Urgent, coalesce, urgent};
-use super::model::{Comparand, FrameTime, Job, LogKind, Model, SceneModel, Selected, Shown};
+use super::model::{
+    Comparand, Doing, FrameTime, Job, LightAt, LogKind, Model, SceneModel, Selected, Shown,
+};
+use super::priority::give_way;
 use super::reload::Watched;
 use super::terminal::{self, Terminal};
 use crate::console::{Console, Names, Queue};
 use crate::opening::Opening;
 use model::Log;
-use pictures::{Pace, Turn};
+use pace::Pace;
+use pictures::Turn;
 use totals::StageTotals;
 
 /// How often progress is shown while nothing else happens.
@@ -50,6 +55,8 @@ pub enum Order {
     Size(UVec2),
     /// Choose what is at this place of the picture, as shares of its width and height.
     Pick(Vec2),
+    /// Measure the light there.
+    Probe(Vec2),
     /// Take times of stages, or not.
     Timed(bool),
     /// Fewer pixels while the camera moves, or not.
@@ -81,6 +88,10 @@ pub struct Published {
     pub picture: Option<Arc<Shown>>,
     /// What it is compared with.
     pub other: Option<Arc<Shown>>,
+    /// The light at a place of the picture.
+    pub light: Option<LightAt>,
+    /// What the worker is busy with, and since when.
+    pub doing: Option<Doing>,
     /// The next thing that the window itself has to do.
     pub wish: Option<Wish>,
     /// The worker has published a model.
@@ -94,6 +105,8 @@ pub struct Published {
 pub enum Wish {
     /// Lose its own device.
     LoseDevice,
+    /// Take all of the screen, or no longer.
+    FullScreen,
 }
 
 /// The window's end of the worker.
@@ -152,6 +165,7 @@ pub fn start(
     let worker = Worker::new(console, options, channel, shared.clone(), wake.clone());
     let end = End { shared: shared.clone(), wake };
     let thread = std::thread::spawn(move || {
+        give_way();
         let _end = end;
         worker.run(opening);
     });
@@ -226,6 +240,10 @@ struct Worker {
     /// The picture's size when nothing moves.
     full_size: UVec2,
     pace: Pace,
+    /// Where light is to be measured.
+    probe: Option<Vec2>,
+    /// The last line belongs to this one.
+    gesture: u64,
     comparand: Comparand,
     turn: Turn,
     /// Rendering failed: nothing more is tried until something changes.
@@ -288,6 +306,8 @@ impl Worker {
             has_edits: false,
             full_size,
             pace: Pace::default(),
+            probe: None,
+            gesture: 0,
             comparand: Comparand::default(),
             turn: Turn::default(),
             has_failed: false,
@@ -314,7 +334,7 @@ impl Worker {
         let mut is_busy = false;
         while !self.is_over {
             self.wait(is_busy);
-            let had_orders = !self.inbox.is_empty();
+            let had_orders = self.inbox.iter().any(|order| !matches!(order, Order::Probe(_)));
             self.take_orders();
             let has_run = self.run_lines();
             if had_orders || has_run || self.loading.is_some() || self.tracing.is_some() {
@@ -327,6 +347,10 @@ impl Worker {
                 Ok(is_busy) => is_busy || self.has_work(),
                 Err(error) => self.mend(&error),
             };
+            self.measure_light();
+            if !is_busy {
+                self.rest();
+            }
         }
         self.log.flush();
     }
@@ -358,7 +382,9 @@ impl Worker {
     /// Whether somebody waits for something.
     fn has_orders(&mut self) -> bool {
         self.inbox.extend(self.orders.try_iter());
-        self.inbox.iter().any(|order| !matches!(order, Order::Traced(_) | Order::Timed(_)))
+        let waits =
+            |order: &Order| !matches!(order, Order::Traced(_) | Order::Timed(_) | Order::Probe(_));
+        self.inbox.iter().any(waits)
     }
 
     fn take_orders(&mut self) {
@@ -388,6 +414,7 @@ impl Worker {
                     self.start_again();
                 }
                 Order::Pick(at) => self.pick(at),
+                Order::Probe(at) => self.probe = Some(at),
                 Order::Timed(is_timed) => self.console.explorer.set_timed(is_timed),
                 Order::Coarse(is_coarse) => self.pace.is_allowed = is_coarse,
                 Order::CommandLine => self.tell_command_line(),
@@ -430,7 +457,7 @@ fn hear_terminal(orders: Sender<Order>, shared: Shared) -> Option<Terminal> {
             if urgent(&text).is_some_and(|urgency| is_terminal || urgency == Urgent::Cancel) {
                 shared.stop();
             }
-            let line = Line { text, origin: Origin::Terminal, serial: 0 };
+            let line = Line { text, origin: Origin::Terminal, serial: 0, gesture: 0 };
             if orders.send(Order::Line(line)).is_err() {
                 break;
             }

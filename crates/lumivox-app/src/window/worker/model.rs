@@ -171,7 +171,12 @@ impl Worker {
         let usual = defaults.with_preset(explorer.preset(), explorer.scene());
         let resolution = lumivox_render::RenderSettings::default().resolution;
         let usual = lumivox_render::RenderSettings { resolution, ..usual };
+        let hints = explorer.notes().iter().filter(|note| note.is_hint);
+        let hint = hints.map(|note| note.text.clone()).next();
         let model = Model {
+            history: [explorer.undoable(), explorer.redoable()].map(|step| step.map(str::to_owned)),
+            histogram: self.pace.histogram(),
+            hint,
             scene,
             settings,
             usual,
@@ -211,7 +216,7 @@ mod tests {
     use super::*;
 
     fn command(log: &mut Log, text: &str, origin: Origin) {
-        log.add_command(&Line { text: text.to_owned(), origin, serial: 0 });
+        log.add_command(&Line { text: text.to_owned(), origin, serial: 0, gesture: 0 });
     }
 
     fn texts(log: &mut Log) -> Vec<String> {

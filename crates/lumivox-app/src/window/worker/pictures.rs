@@ -9,17 +9,16 @@ use std::time::{Duration, Instant};
 
 use glam::UVec2;
 use lumivox_explorer::Revoxelize;
-use lumivox_render::{
-    Exposure, ExposureWarning, Metering, Picture, Progress, RenderSettings, View,
-};
+use lumivox_render::{Exposure, Picture, Progress, RenderSettings, View};
 
-use super::{REST, Worker};
+use super::Worker;
+use super::running::begin;
 use crate::commands::light::REMEDY;
+use crate::progress::words;
 use crate::window::jobs::{self, ReferenceKey, Traced, Tracing};
-use crate::window::model::{Comparand, FrameTime, JobModel, KEPT_FRAMES, LogKind, Shown};
-
-/// The least time between two measurements of the exposure while the picture changes.
-const MEASURE_EVERY: Duration = Duration::from_millis(250);
+use crate::window::model::{
+    Comparand, FrameTime, JobModel, KEPT_FRAMES, LightAt, LogKind, RENDERING, Shown,
+};
 
 /// Whose turn it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,85 +36,17 @@ pub enum Turn {
     Over,
 }
 
-/// How large pictures are while the camera moves, and when they are exposed anew.
-#[derive(Clone, Copy, Debug)]
-pub struct Pace {
-    /// Whether pictures may become coarser.
-    pub is_allowed: bool,
-    moved: Option<Instant>,
-    /// What a frame of full size takes.
-    full_frame: Duration,
-    stops: f32,
-    /// Why the last picture is not what a camera would make of the scene.
-    warned: Option<std::mem::Discriminant<ExposureWarning>>,
-    measured: Option<Instant>,
-    /// A picture of the present state was measured.
-    is_current: bool,
-    /// Counts pictures.
-    serial: u64,
-}
-
-impl Default for Pace {
-    fn default() -> Self {
-        Self {
-            is_allowed: true,
-            moved: None,
-            full_frame: Duration::ZERO,
-            stops: 0.0,
-            warned: None,
-            measured: None,
-            is_current: false,
-            serial: 0,
-        }
-    }
-}
-
-impl Pace {
-    /// The camera has moved.
-    pub fn move_on(&mut self) {
-        self.moved = Some(Instant::now());
-    }
-
-    /// Whether it has moved a moment ago.
-    pub fn is_moving(&self) -> bool {
-        self.moved.is_some_and(|moved| moved.elapsed() < REST)
-    }
-
-    /// By what the edges of a picture are divided.
-    fn divisor(&self) -> u32 {
-        if !self.is_allowed || !self.is_moving() {
-            return 1;
-        }
-        divisor(self.full_frame)
-    }
-
-    /// Whether the exposure is measured at a picture of this number of frames.
-    fn is_due(&self, frames: u32, is_last: bool) -> bool {
-        let Some(measured) = self.measured else { return true };
-        is_due(frames, is_last, measured.elapsed())
-    }
-}
-
-/// At 100 ms a frame one looks at stills; a quarter of the pixels takes about a quarter of the time.
-fn divisor(full_frame: Duration) -> u32 {
-    match full_frame.as_millis() {
-        0..100 => 1,
-        100..400 => 2,
-        _ => 4,
-    }
-}
-
-/// At 1, 2, 4, 8, ... frames and at the last; while everything moves there is never more than one, and time decides.
-fn is_due(frames: u32, is_last: bool, since: Duration) -> bool {
-    is_last || (frames.is_power_of_two() && (frames > 1 || since >= MEASURE_EVERY))
-}
-
 impl Worker {
     /// Something has changed: what is shown is no longer true.
     pub(super) fn start_again(&mut self) {
         self.turn = Turn::First;
         self.has_failed = false;
         self.pace.is_current = false;
+        self.shared.change(|published| {
+            if let Some(doing) = &mut published.doing {
+                doing.since = Instant::now();
+            }
+        });
         self.check_reference();
     }
 
@@ -153,6 +84,8 @@ impl Worker {
             return Ok(false);
         }
         self.let_time_go()?;
+        // Frames that come on demand are those of the picture.
+        self.pace.is_first &= !self.console.explorer.is_single_frame;
         let was_moving = self.pace.divisor();
         self.set_size((self.full_size / was_moving).max(UVec2::ONE));
         let other = match self.comparand {
@@ -233,14 +166,13 @@ impl Worker {
     /// One frame more of the picture; whether there was one to render.
     fn render_frame(&mut self) -> anyhow::Result<bool> {
         let start = Instant::now();
-        let shared = self.shared.clone();
         let is_first = self.console.explorer.renderer().is_none();
+        self.begin(RENDERING.to_owned());
+        let (shared, wake) = (self.shared.clone(), self.wake.clone());
+        // Voxels, light and pipelines take long enough to tell.
         let mut tell = |step: Progress| {
-            // Preparing a scene takes long enough to tell.
-            if is_first {
-                shared.change(|published| published.preparing(step));
-                (self.wake)();
-            }
+            let words = if step.done < step.total { words(step.stage) } else { RENDERING };
+            begin(&shared, &wake, words.to_owned());
         };
         let has_rendered = pollster::block_on(self.console.explorer.frame(&mut tell))?;
         if has_rendered {
@@ -295,24 +227,40 @@ impl Worker {
         let explorer = &mut self.console.explorer;
         let frames = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
         let is_last = frames >= explorer.settings().frames;
-        if explorer.settings().exposure.fixed_stops().is_some() || self.pace.is_due(frames, is_last)
-        {
-            let Metering { stops, warning } = pollster::block_on(explorer.meter())?;
+        if let Some(stops) = explorer.settings().exposure.fixed_stops() {
             self.pace.stops = stops;
-            self.pace.measured = Some(Instant::now());
-            // Once for each reason: the first frames are as dark as the last.
-            let reason = warning.map(|warning| std::mem::discriminant(&warning));
-            if let Some(warning) = warning.filter(|_| reason != self.pace.warned) {
+        }
+        if self.pace.is_due(frames, is_last) {
+            let metering = pollster::block_on(explorer.meter())?;
+            if let Some(warning) = self.pace.measured(&metering) {
                 tracing::warn!("{warning}: {REMEDY}");
             }
-            self.pace.warned = reason;
         }
         self.show_reference()?;
         self.pace.is_current = true;
         let shown = self.shown(self.pace.stops)?;
+        self.pace.is_first = false;
         self.shared.change(|published| published.picture = shown);
         self.publish();
         Ok(())
+    }
+
+    /// Measures the light where somebody points. Beside another view, whose frames take turns with the picture's, there is
+    /// nothing to be measured.
+    pub(super) fn measure_light(&mut self) {
+        let Some(at) = self.probe.take() else { return };
+        let explorer = &self.console.explorer;
+        let size = explorer.renderer().map(|renderer| renderer.settings().size);
+        let light = match (size, self.comparand) {
+            (None, _) | (_, Comparand::View(_)) => None,
+            (Some(size), _) => {
+                let pixel = (at * size.as_vec2()).as_uvec2().min(size - UVec2::ONE);
+                // A device that is lost is noticed by the next frame.
+                pollster::block_on(explorer.probe(pixel)).ok().flatten()
+            }
+        };
+        self.shared.change(|published| published.light = Some(LightAt { at, light }));
+        (self.wake)();
     }
 
     fn shown(&mut self, stops: f32) -> anyhow::Result<Option<Arc<Shown>>> {
@@ -433,40 +381,10 @@ impl Worker {
 
 impl super::Published {
     /// Tells how far a new scene is on the GPU.
-    fn preparing(&mut self, step: Progress) {
-        let words = format!("{} ...", crate::progress::words(step.stage));
-        self.under_way(JobModel { words, share: None, cancel: None });
-    }
-
     /// Tells what keeps the worker.
     pub(super) fn under_way(&mut self, job: JobModel) {
         let mut model = (*self.model).clone();
         model.jobs = vec![job];
         self.model = Arc::new(model);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slow_pictures_become_coarser_while_the_camera_moves() {
-        assert_eq!([20, 150, 1000].map(|ms| divisor(Duration::from_millis(ms))), [1, 2, 4]);
-        let mut pace = Pace { full_frame: Duration::from_secs(1), ..Pace::default() };
-        assert_eq!(pace.divisor(), 1);
-        pace.move_on();
-        assert_eq!(pace.divisor(), 4);
-        pace.is_allowed = false;
-        assert_eq!(pace.divisor(), 1);
-    }
-
-    #[test]
-    fn the_exposure_is_measured_now_and_then() {
-        let (soon, later) = (Duration::from_millis(10), Duration::from_millis(300));
-        let due: Vec<u32> = (1..=16).filter(|frames| is_due(*frames, false, soon)).collect();
-        assert_eq!(due, [2, 4, 8, 16]);
-        assert!(is_due(1, false, later) && !is_due(3, false, later) && is_due(15, true, soon));
-        assert!(Pace::default().is_due(1, false));
     }
 }

@@ -5,15 +5,37 @@ use std::time::{Duration, Instant};
 
 use lumivox_render::Progress;
 
-use super::Worker;
+use super::{Shared, Wake, Worker};
 use crate::console::{Effect, Hear, Queue, Reply};
 use crate::window::lines::{self, Line, Origin};
-use crate::window::model::{Job, JobModel, LogKind};
+use crate::window::model::{Doing, Job, JobModel, LogKind};
 
 /// A command that takes longer tells how far it is, this often.
 const TELL_EVERY: Duration = Duration::from_millis(100);
 /// Commands that render all frames of the picture: the frames come first, one by one, while the window goes on.
 const OF_WHOLE_PICTURES: [&str; 2] = ["screenshot", "compare"];
+
+/// A line's beginning, as much as there is room for beside other words.
+fn shortened(line: &str) -> String {
+    const MOST: usize = 40;
+    let mut letters = line.trim().chars();
+    let start: String = letters.by_ref().take(MOST).collect();
+    if letters.next().is_some() { format!("{start} ...") } else { start }
+}
+
+/// Tells what begins, unless it is still the same.
+pub(super) fn begin(shared: &Shared, wake: &Wake, words: String) {
+    let mut is_new = false;
+    shared.change(|published| {
+        is_new = published.doing.as_ref().is_none_or(|doing| doing.words != words);
+        if is_new {
+            published.doing = Some(Doing { words, since: Instant::now() });
+        }
+    });
+    if is_new {
+        wake();
+    }
+}
 
 impl Worker {
     /// Runs lines until one has to wait for something; whether there was one.
@@ -48,7 +70,12 @@ impl Worker {
             }
             if let Some(line) = self.script.next() {
                 self.script_goes_on = true;
-                return Some(Line { text: line.text, origin: Origin::Script, serial: 0 });
+                return Some(Line {
+                    text: line.text,
+                    origin: Origin::Script,
+                    serial: 0,
+                    gesture: 0,
+                });
             }
             self.script_goes_on = false;
             // The next script is no deeper for this one.
@@ -91,9 +118,14 @@ impl Worker {
         }
         self.log.add_command(line);
         let camera = self.console.explorer.camera().clone();
+        if line.gesture == 0 || line.gesture != self.gesture {
+            self.console.explorer.end_gesture();
+        }
+        self.gesture = line.gesture;
+        self.begin(format!("doing `{}`", shortened(&line.text)));
         let reply = match self.run_own(&line.text) {
             Some(done) => done.map(Reply::say),
-            None => self.console.run(&line.text),
+            None => self.console.run_on(&line.text),
         };
         match reply {
             Ok(reply) => {
@@ -114,6 +146,20 @@ impl Worker {
         self.full_size = self.console.explorer.size();
         self.note_edits(&line.text);
         self.start_again();
+    }
+
+    /// Something begins that may take long.
+    pub(super) fn begin(&self, words: String) {
+        begin(&self.shared, &self.wake, words);
+    }
+
+    /// Nothing is under way any more.
+    pub(super) fn rest(&self) {
+        let mut was_busy = false;
+        self.shared.change(|published| was_busy = published.doing.take().is_some());
+        if was_busy {
+            (self.wake)();
+        }
     }
 
     fn follow(&mut self, effect: Effect, origin: Origin) {
@@ -197,6 +243,7 @@ impl Worker {
                 };
                 let job = JobModel {
                     words: format!("{}{steps}", crate::progress::words(step.stage)),
+                    since: None,
                     share: (step.total > 0).then(|| step.done as f32 / step.total as f32),
                     cancel: Some(Job::Command),
                 };

@@ -65,6 +65,7 @@ impl Worker {
         } else {
             self.console.open(opened);
             self.opened += 1;
+            self.pace.begin_scene();
             self.selected = None;
             self.selections += 1;
             self.picked_at = None;
@@ -181,11 +182,13 @@ impl Worker {
     pub(super) fn jobs(&self) -> Vec<JobModel> {
         let loading = self.loading.as_ref().map(|loading| JobModel {
             words: format!("{}: {}", loading.title, loading.watch.words()),
+            since: None,
             share: loading.watch.share(),
             cancel: Some(Job::Loading),
         });
         let waiting = (self.frames_to_wait > 1).then(|| JobModel {
             words: format!("waiting for {} frames", self.frames_to_wait),
+            since: None,
             share: None,
             cancel: Some(Job::Lines),
         });
@@ -196,6 +199,7 @@ impl Worker {
                 tracing.samples().floor(),
                 tracing.total()
             ),
+            since: Some(tracing.since),
             share: Some(tracing.samples() / tracing.total() as f32),
             cancel: Some(Job::Reference),
         });

@@ -1,6 +1,8 @@
 //! The window, worked with as a person would: by mouse and keys, and looked at. Under Xvfb, on whatever Vulkan driver there
 //! is.
 
+mod answers;
+mod habits;
 mod support;
 
 use std::fmt::Write as _;

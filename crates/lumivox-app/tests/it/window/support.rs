@@ -252,6 +252,13 @@ impl Window {
         Seen { width: width.into(), height: height.into(), pixels }
     }
 
+    /// Pixels of a part of it: from its left and top edge, and its width and height.
+    pub fn part(&self, (left, top): (i16, i16), (width, height): (u16, u16)) -> Vec<u8> {
+        let format = ImageFormat::Z_PIXMAP;
+        let image = self.x.get_image(format, self.id, left, top, width, height, !0).unwrap();
+        image.reply().unwrap().data
+    }
+
     /// The picture in the middle, without bars.
     pub fn picture(&self) -> Seen {
         let seen = self.see();

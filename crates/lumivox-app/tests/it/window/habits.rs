@@ -1,0 +1,108 @@
+//! What people know from other programs: undo, double clicks, the light under the pointer, a note where one is needed.
+
+use super::support::Window;
+use super::{Display, QUICK, Seen, home, open_cornell};
+
+const F11: u32 = 0xffc8;
+
+fn back(window: &mut Window, before: &Seen) {
+    window.wait("picture of before", |window| {
+        Some(()).filter(|()| window.picture().distance(before) < 1.0)
+    });
+}
+
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn what_was_changed_is_taken_back() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
+    let first = window.wait_rest();
+    let lines = window.lines().len();
+    window.click(250, 300);
+    let lines = window.wait_line(lines, "> select 'tall block'");
+    window.key('h' as u32);
+    let lines = window.wait_line(lines, "> hide 'tall block'");
+    window.key(super::ESCAPE);
+    let lines = window.wait_line(lines, "> select");
+    let hidden = window.wait_change("picture without the block", &first);
+    window.control('z' as u32);
+    let lines = window.wait_line(lines, "undone: object \"tall block\"");
+    back(&mut window, &first);
+    window.control('y' as u32);
+    let lines = window.wait_line(lines, "redone: object \"tall block\"");
+    back(&mut window, &hidden);
+    window.control('z' as u32);
+    let lines = window.wait_line(lines, "undone: ");
+    window.control('z' as u32);
+    window.wait_line(lines, "error: there is nothing to undo");
+    // Without a window manager nobody makes it larger, but nothing goes wrong either.
+    window.key(F11);
+    window.wait_line(lines, "> fullscreen");
+    assert_eq!(window.close(), 0);
+}
+
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn a_double_click_shows_all_of_a_thing() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
+    let first = window.wait_rest();
+    let lines = window.lines().len();
+    window.click(250, 300);
+    window.press();
+    window.release();
+    let lines = window.wait_line(lines, "> select 'tall block'");
+    window.wait_line(lines, "> camera ");
+    window.wait_rest();
+    assert!(window.picture().distance(&first) > 4.0);
+    assert_eq!(window.close(), 0);
+}
+
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn the_light_under_the_pointer_is_told() {
+    let (display, home) = (Display::start(), home());
+    let mut window = open_cornell(&display, home.path());
+    window.wait_rest();
+    let status = |window: &Window| {
+        let seen = window.see();
+        let bottom = seen.height;
+        seen.part((seen.width / 2, bottom - 22), (seen.width, bottom))
+    };
+    window.point(320, 10);
+    window.wait_rest();
+    let before = status(&window);
+    window.point(320, 300);
+    let inside = window.wait("light in the status bar", |window| {
+        Some(status(window)).filter(|now| *now != before)
+    });
+    window.point(320, 10);
+    window.wait("nothing again", |window| Some(()).filter(|()| status(window) == before));
+    window.point(320, 180);
+    window.wait("another light", |window| {
+        let now = status(window);
+        (now != before && now != inside).then_some(())
+    });
+    assert_eq!(window.close(), 0);
+}
+
+/// A scene that only glows says so, until the note is closed.
+#[test]
+#[ignore = "slow: a window under Xvfb, in real time"]
+fn a_scene_that_only_glows_says_so() {
+    let (display, home) = (Display::start(), home());
+    let mut window = Window::open(&display, home.path(), &format!("builtin:furnace {QUICK}"));
+    let note = |window: &Window| {
+        let seen = window.picture();
+        let (width, height) = (seen.width, seen.height);
+        seen.part((width / 2 - 60, height - 60), (width / 2 + 60, height - 10))
+    };
+    let is_dark = |[r, g, b]: [f32; 3]| r.max(g).max(b) < 60.0;
+    window.wait("note over a bright wall", |window| {
+        let bright = window.picture().share(is_dark) < 0.3;
+        (bright && note(window).share(is_dark) > 0.3).then_some(())
+    });
+    window.tell("load builtin:cornell");
+    window.wait("no note", |window| Some(()).filter(|()| super::is_cornell(&window.picture())));
+    assert_eq!(window.close(), 0);
+}
