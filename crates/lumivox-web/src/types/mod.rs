@@ -1,7 +1,9 @@
 //! What a page hands over and gets back: plain objects, with declarations for TypeScript made from these types.
 
 mod camera;
+mod environment;
 mod light;
+mod material;
 mod parameter;
 
 use std::cell::OnceCell;
@@ -9,13 +11,16 @@ use std::cell::OnceCell;
 use glam::Vec3;
 use lumivox_render::MemoryUse;
 use lumivox_scene::{Bounds, Framing, Scene, Staging};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use tsify::Tsify;
 
 use crate::error::WebError;
 
 pub use camera::Camera;
+pub use environment::{EnvironmentChange, EnvironmentInfo, of_panorama};
 pub use light::{Light, LightKind};
+pub use material::{Material, MaterialChange, Shading};
 pub use parameter::ParameterInfo;
 
 /// How far something is that takes time.
@@ -79,7 +84,7 @@ pub struct SceneInfo {
     pub bounds: Box3,
     /// Those of the file.
     pub cameras: Vec<Camera>,
-    /// The one in use.
+    /// The one that it is seen from at first: its file's first, or the view that was found for it.
     pub camera: Camera,
     /// Meshes at their places.
     pub objects: Vec<ObjectInfo>,
@@ -87,6 +92,8 @@ pub struct SceneInfo {
     pub materials: Vec<String>,
     /// All lights, with those that were added because nothing shone.
     pub lights: Vec<Light>,
+    /// What is around it.
+    pub environment: EnvironmentInfo,
     /// What can be played.
     pub animations: Vec<AnimationInfo>,
     /// What was approximated or passed over while loading, in sentences.
@@ -118,6 +125,7 @@ impl SceneInfo {
                 .collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
             lights: scene.lights.iter().map(Light::from).collect(),
+            environment: (&scene.environment).into(),
             animations: scene
                 .animations()
                 .into_iter()
@@ -151,6 +159,10 @@ pub struct FrameReport {
     pub complete: bool,
     /// What the last frame took, from the call until the GPU was done, in milliseconds.
     pub frame_ms: f64,
+    /// The moment of the animation that is shown, in seconds; none where nothing moves.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f32>,
     /// Where the browser lets GPUs tell times, else empty.
     pub stages: Vec<StageMs>,
     /// Why the picture is not what a camera would make of the scene: too dark, too bright, or black.
@@ -188,7 +200,7 @@ fn usual_samples() -> u32 {
 }
 
 /// How a scene is seen that is loaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Tsify)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneOptions {
     /// What is put around it. Default: `auto`.
@@ -197,6 +209,46 @@ pub struct SceneOptions {
     /// Where from, instead of the scene's own camera or the view that shows it best.
     #[tsify(optional)]
     pub from: Option<Standpoint>,
+    /// Where the first picture is taken from; what surrounds the scene is chosen for its own view. Default: that view.
+    #[tsify(optional)]
+    pub camera: Option<Camera>,
+    /// A panorama around it: an address or a `File`, as `loadPanorama` takes it.
+    #[serde(skip_serializing)]
+    #[tsify(optional, type = "string | URL | File")]
+    pub panorama: IgnoredAny,
+    /// Cancels loading; what was shown stays.
+    #[serde(skip_serializing)]
+    #[tsify(optional, type = "AbortSignal")]
+    pub signal: IgnoredAny,
+}
+
+/// How something is loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
+#[serde(deny_unknown_fields, default)]
+pub struct LoadingOptions {
+    /// Cancels loading; what was shown stays.
+    #[serde(skip_serializing)]
+    #[tsify(optional, type = "AbortSignal")]
+    pub signal: IgnoredAny,
+}
+
+/// What a place of the picture shows.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct Picked {
+    /// The number of the object in `scene().objects`.
+    pub object: usize,
+    /// The number of its material in `materials()`.
+    pub material: usize,
+    /// Where it was met, in metres.
+    #[tsify(type = "[number, number, number]")]
+    pub position: Vec3,
+    /// The unit normal of its surface there, towards the eye.
+    #[tsify(type = "[number, number, number]")]
+    pub normal: Vec3,
+    /// From the eye, in metres.
+    pub distance_m: f32,
+    /// Around the whole object.
+    pub bounds: Box3,
 }
 
 impl SceneOptions {
@@ -204,8 +256,8 @@ impl SceneOptions {
     ///
     /// # Errors
     /// When there is no room for it.
-    pub fn camera(
-        self,
+    pub fn standpoint(
+        &self,
         scene: &Scene,
         aspect: f32,
         framing: &OnceCell<Framing>,
