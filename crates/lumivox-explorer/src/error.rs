@@ -18,4 +18,18 @@ pub enum ExplorerError {
     /// There is nothing of a name.
     #[error(transparent)]
     NotFound(#[from] NotFound),
+    /// A camera cannot be stored under a name.
+    #[error("no camera can be stored as \"{name}\": {problem}")]
+    CameraName {
+        /// The name.
+        name: String,
+        /// Why not.
+        problem: &'static str,
+    },
+    /// No change is there to be taken back, or none to be done again.
+    #[error("there is nothing to {what}")]
+    Nothing {
+        /// `undo` or `redo`.
+        what: &'static str,
+    },
 }

@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use lumivox_render::{Metering, Picture, Progress};
+use glam::UVec2;
+use lumivox_render::{Metering, Photometry, Picture, Progress};
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
@@ -130,12 +131,21 @@ impl Explorer {
         self.renderer.as_ref().map(lumivox_render::Renderer::screen_texture)
     }
 
+    /// The light at a pixel of the frames so far; see [`lumivox_render::Renderer::photometry`].
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn probe(&self, pixel: UVec2) -> Result<Option<Photometry>, ExplorerError> {
+        let Some(renderer) = &self.renderer else { return Ok(None) };
+        Ok(renderer.photometry(pixel).await?)
+    }
+
     /// The stops that the exposure asks for, given the frames so far, and what is wrong with them.
     ///
     /// # Errors
     /// When the device fails.
     pub async fn meter(&self) -> Result<Metering, ExplorerError> {
-        let nothing = Metering { stops: 0.0, warning: None };
+        let nothing = Metering { stops: 0.0, warning: None, histogram: None };
         let Some(renderer) = &self.renderer else { return Ok(nothing) };
         Ok(renderer.meter().await?)
     }

@@ -32,6 +32,7 @@
 //! | --- | --- |
 //! | `opened.rs` | a scene made ready, and what is remembered of it |
 //! | `objects.rs` | its instances: found by name, moved, hidden |
+//! | `history.rs` | undo and redo |
 //! | `names.rs` | names of objects, materials and lights, each once |
 //! | `suggest.rs` | what was meant, where a name is wrong |
 //! | `original.rs` | what the scene was before it was changed |
@@ -50,6 +51,7 @@ mod animation;
 mod clock;
 mod error;
 mod frames;
+mod history;
 mod live;
 mod names;
 mod objects;
@@ -58,6 +60,8 @@ mod original;
 pub mod suggest;
 mod update;
 
+use std::collections::BTreeMap;
+
 use glam::{UVec2, Vec3};
 use lumivox_render::{Gpu, PresetChoice, Progress, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, Scene};
@@ -65,6 +69,7 @@ use lumivox_scene::{Bounds, Camera, Scene};
 pub use animation::Playback;
 pub use error::ExplorerError;
 pub use frames::FrameTimes;
+use history::{History, Key};
 pub use names::NotFound;
 pub use objects::Placement;
 pub use opened::Opened;
@@ -102,6 +107,8 @@ pub struct Explorer {
     camera: Camera,
     /// Two cameras to come back to.
     positions: [Option<Camera>; 2],
+    /// Others, by the names that they were stored under.
+    stored: BTreeMap<String, Camera>,
     /// When voxels are made anew.
     pub revoxelize: Revoxelize,
     /// Frames are rendered one by one, on demand.
@@ -109,6 +116,7 @@ pub struct Explorer {
     playback: Playback,
     renderer: Option<Renderer>,
     pending: Pending,
+    history: History,
     times: FrameTimes,
     /// Seconds since voxels were last made anew for the time's sake.
     since_voxels_s: f32,
@@ -128,11 +136,13 @@ impl Explorer {
             preset,
             camera: Camera::default(),
             positions: [None, None],
+            stored: BTreeMap::new(),
             revoxelize: Revoxelize::default(),
             is_single_frame: false,
             playback: Playback::default(),
             renderer: None,
             pending: Pending::default(),
+            history: History::default(),
             times: FrameTimes::default(),
             since_voxels_s: 0.0,
             generation: 0,
@@ -143,6 +153,7 @@ impl Explorer {
     pub fn open(&mut self, mut opened: Opened) {
         self.camera = opened.camera.clone();
         self.positions = opened.positions();
+        self.stored.clear();
         self.playback = Playback::of(&opened);
         self.fitted = opened.grid_bounds.take();
         let last = self.opened.as_ref().map(|last| &last.scene);
@@ -155,6 +166,7 @@ impl Explorer {
         self.since_voxels_s = 0.0;
         self.renderer = None;
         self.pending = Pending::default();
+        self.history = History::default();
         self.times.clear();
     }
 
@@ -162,6 +174,7 @@ impl Explorer {
     pub fn close(&mut self) {
         self.opened = None;
         self.positions = [None, None];
+        self.stored.clear();
         self.playback = Playback::default();
         self.settings.grid_bounds = None;
         self.accepted.grid_bounds = None;
@@ -170,6 +183,7 @@ impl Explorer {
         self.since_voxels_s = 0.0;
         self.renderer = None;
         self.pending = Pending::default();
+        self.history = History::default();
         self.times.clear();
     }
 
@@ -214,11 +228,28 @@ impl Explorer {
         self.preset
     }
 
-    /// Asks for settings and makes them so at once: where the renderer refuses them, those of before this call are asked
+    /// Asks for settings, and takes note of what they are instead of, for [`Self::undo`]: what a user asks for, where
+    /// [`Self::set_settings`] is for what only passes.
+    ///
+    /// # Errors
+    /// As [`Self::set_settings`].
+    pub fn choose_settings(
+        &mut self,
+        settings: RenderSettings,
+        preset: PresetChoice,
+    ) -> Result<(), ExplorerError> {
+        settings.validate(&self.gpu.device.limits())?;
+        self.keep(Key::Settings);
+        self.settings = settings;
+        self.preset = preset;
+        Ok(())
+    }
+
+    /// [`Self::choose_settings`], and makes them so at once: where the renderer refuses them, those of before this call are asked
     /// for again, and nothing else is lost. Without a renderer they are only asked for.
     ///
     /// # Errors
-    /// As [`Self::set_settings`] and [`Self::update`].
+    /// As [`Self::choose_settings`] and [`Self::update`].
     pub async fn try_settings(
         &mut self,
         settings: RenderSettings,
@@ -226,8 +257,7 @@ impl Explorer {
         tell: &mut dyn FnMut(Progress),
     ) -> Result<(), ExplorerError> {
         let before = (self.settings.clone(), self.preset, self.fitted);
-        self.set_settings(settings)?;
-        self.preset = preset;
+        self.choose_settings(settings, preset)?;
         if self.renderer.is_none() {
             return Ok(());
         }
@@ -285,6 +315,32 @@ impl Explorer {
         }
     }
 
+    /// The cameras that were stored under names, in the order of these.
+    pub fn stored_cameras(&self) -> impl Iterator<Item = (&str, &Camera)> {
+        self.stored.iter().map(|(name, camera)| (name.as_str(), camera))
+    }
+
+    /// Keeps the present camera under a name, instead of the one that was stored under it before.
+    ///
+    /// # Errors
+    /// [`ExplorerError::CameraName`] when the name is empty, or that of a camera of the scene.
+    pub fn store_camera(&mut self, name: &str) -> Result<(), ExplorerError> {
+        let cameras = self.scene().map_or(&[][..], |scene| &scene.cameras);
+        let problem = if name.trim().is_empty() {
+            Some("it has no letter")
+        } else if cameras.iter().any(|camera| camera.name == name) {
+            Some("a camera of the scene has it")
+        } else {
+            None
+        };
+        if let Some(problem) = problem {
+            return Err(ExplorerError::CameraName { name: name.to_owned(), problem });
+        }
+        let camera = Camera { name: name.to_owned(), ..self.camera.clone() };
+        self.stored.insert(name.to_owned(), camera);
+        Ok(())
+    }
+
     /// The renderer, once there is one.
     pub fn renderer(&self) -> Option<&Renderer> {
         self.renderer.as_ref()
@@ -292,6 +348,8 @@ impl Explorer {
 
     /// Changes lights and surroundings.
     pub fn edit_lights(&mut self, edit: impl FnOnce(&mut Scene)) {
+        self.keep(Key::Lights);
+        self.keep(Key::Environment);
         if let Some(opened) = &mut self.opened {
             edit(&mut opened.scene);
             self.pending.lights = true;
@@ -304,6 +362,7 @@ impl Explorer {
         number: usize,
         edit: impl FnOnce(&mut lumivox_scene::Material),
     ) -> bool {
+        self.keep(Key::Material(number));
         let scene = self.opened.as_mut().map(|opened| &mut opened.scene);
         let Some(material) = scene.and_then(|scene| scene.materials.get_mut(number)) else {
             return false;
@@ -319,5 +378,7 @@ impl Explorer {
     }
 }
 
+#[cfg(test)]
+mod history_tests;
 #[cfg(test)]
 mod tests;

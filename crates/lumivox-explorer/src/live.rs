@@ -9,10 +9,11 @@ use crate::Explorer;
 use crate::opened::Opened;
 
 impl Explorer {
-    /// Shows a scene that was read again: the camera, the stored positions and the changes of objects that are still there
+    /// Shows a scene that was read again: the camera, those that were stored and the changes of objects that are still there
     /// stay. Returns for how many objects changes were kept.
     pub fn reopen(&mut self, mut opened: Opened) -> usize {
         let (camera, positions) = (self.camera.clone(), self.positions.clone());
+        let stored = std::mem::take(&mut self.stored);
         if let Some(old) = &mut self.opened {
             let edits = std::mem::take(&mut old.edits);
             let names: HashSet<&String> = opened.names.iter().collect();
@@ -21,7 +22,7 @@ impl Explorer {
         opened.apply_edits();
         let kept = opened.edits.len();
         self.open(opened);
-        (self.camera, self.positions) = (camera, positions);
+        (self.camera, self.positions, self.stored) = (camera, positions, stored);
         kept
     }
 

@@ -3,6 +3,7 @@
 use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
 
 use crate::Explorer;
+use crate::history::Key;
 use crate::names::NotFound;
 use crate::opened::Opened;
 
@@ -13,6 +14,19 @@ pub(crate) struct Edit {
     local: Mat4,
     is_hidden: Option<bool>,
     is_static: Option<bool>,
+}
+
+/// What its file says of an object.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Marks {
+    is_hidden: bool,
+    is_static: bool,
+}
+
+impl Marks {
+    pub(crate) fn of(instance: &lumivox_scene::Instance) -> Self {
+        Self { is_hidden: instance.is_hidden, is_static: instance.is_static }
+    }
 }
 
 impl Default for Edit {
@@ -57,21 +71,17 @@ impl Opened {
     }
 
     /// Brings one of them up to date.
-    fn apply_edit(&mut self, object: usize) {
-        let (Some(instance), Some(posed)) =
-            (self.scene.instances.get_mut(object), self.posed.get(object))
+    pub(crate) fn apply_edit(&mut self, object: usize) {
+        let (Some(instance), Some(posed), Some(marks)) =
+            (self.scene.instances.get_mut(object), self.posed.get(object), self.marks.get(object))
         else {
             return;
         };
         let edit = self.names.get(object).and_then(|name| self.edits.get(name));
         let edit = edit.cloned().unwrap_or_default();
         instance.world_from_local = *posed * edit.local;
-        if let Some(is_hidden) = edit.is_hidden {
-            instance.is_hidden = is_hidden;
-        }
-        if let Some(is_static) = edit.is_static {
-            instance.is_static = is_static;
-        }
+        instance.is_hidden = edit.is_hidden.unwrap_or(marks.is_hidden);
+        instance.is_static = edit.is_static.unwrap_or(marks.is_static);
     }
 
     fn edit_of(&self, object: usize) -> Option<&Edit> {
@@ -149,6 +159,9 @@ impl Explorer {
     }
 
     fn edit(&mut self, object: usize, change: impl FnOnce(&mut Edit)) {
+        if let Some(name) = self.known_objects().get(object) {
+            self.keep(Key::Object(name.clone()));
+        }
         let Some(opened) = &mut self.opened else { return };
         if let Some(name) = opened.names.get(object) {
             let edit = opened.edits.entry(name.clone()).or_default();

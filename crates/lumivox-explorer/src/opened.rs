@@ -9,7 +9,7 @@ use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Note, Scene, Sight
 
 use crate::ExplorerError;
 use crate::names::names_of_objects;
-use crate::objects::Edit;
+use crate::objects::{Edit, Marks};
 use crate::original::Original;
 
 /// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it since.
@@ -24,6 +24,8 @@ pub struct Opened {
     pub(crate) names: Vec<String>,
     /// The objects' places without edits, in the same order.
     pub(crate) posed: Vec<Mat4>,
+    /// What the file says of them, in the same order.
+    pub(crate) marks: Vec<Marks>,
     /// Changes of objects by their names.
     pub(crate) edits: BTreeMap<String, Edit>,
     /// Lights and materials before they were changed.
@@ -64,9 +66,10 @@ impl Opened {
         let Sight { camera, notes, .. } = sight;
         let grid_bounds = bounds_of_all_poses(&mut scene, tell)?;
         let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
+        let marks = scene.instances.iter().map(Marks::of).collect();
         let (names, original) = (names_of_objects(&scene), Original::of(&scene));
         let edits = BTreeMap::new();
-        Ok(Self { scene, camera, grid_bounds, names, posed, edits, original, notes })
+        Ok(Self { scene, camera, grid_bounds, names, posed, marks, edits, original, notes })
     }
 
     /// The scene, lit.

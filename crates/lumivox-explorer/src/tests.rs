@@ -31,7 +31,7 @@ fn gpu() -> Gpu {
     GPU.get_or_init(open).clone()
 }
 
-fn small() -> RenderSettings {
+pub(crate) fn small() -> RenderSettings {
     RenderSettings {
         size: UVec2::new(32, 24),
         resolution: 32,
@@ -42,12 +42,12 @@ fn small() -> RenderSettings {
     }
 }
 
-fn opened(scene: &str) -> Opened {
+pub(crate) fn opened(scene: &str) -> Opened {
     let scene = lumivox_scene::builtin::scene(scene).unwrap();
     Opened::new(scene, &SightOptions::default(), &mut |_| {}).unwrap()
 }
 
-fn explorer(scene: &str) -> Explorer {
+pub(crate) fn explorer(scene: &str) -> Explorer {
     let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
     explorer.open(opened(scene));
     explorer
@@ -57,12 +57,12 @@ fn shown(explorer: &mut Explorer) -> Option<lumivox_render::Picture> {
     block_on(explorer.picture(&mut |_| {})).unwrap()
 }
 
-fn picture(explorer: &mut Explorer) -> lumivox_render::Picture {
+pub(crate) fn picture(explorer: &mut Explorer) -> lumivox_render::Picture {
     shown(explorer).expect("something to show")
 }
 
 /// What a renderer makes of the same scene, camera and settings at once.
-fn fresh(explorer: &Explorer) -> lumivox_render::Picture {
+pub(crate) fn fresh(explorer: &Explorer) -> lumivox_render::Picture {
     let (scene, camera) = (explorer.scene().unwrap(), explorer.camera());
     let settings = explorer.settings().clone();
     let ignore = &mut |_| {};
@@ -195,6 +195,7 @@ fn many_objects_of_a_name_are_told_apart() {
     opened.scene.instances = vec![like; 3000];
     opened.scene.instances[1].name = "a (3)".to_owned();
     opened.posed = vec![Mat4::IDENTITY; 3000];
+    opened.marks = opened.scene.instances.iter().map(objects::Marks::of).collect();
     opened.names = names::names_of_objects(&opened.scene);
     let names = explorer.object_names();
     assert_eq!(names[..5], ["a", "a (3)", "a (2)", "a (4)", "a (5)"]);
@@ -226,6 +227,32 @@ fn positions_are_kept() {
     assert_eq!(explorer.position(2), None);
     let seen = picture(&mut explorer);
     assert!(seen == fresh(&explorer));
+}
+
+#[test]
+fn cameras_are_stored_under_names() {
+    let mut explorer = explorer("cornell");
+    let own = explorer.scene().unwrap().cameras[0].name.clone();
+    let first = explorer.camera().clone();
+    explorer.store_camera("window seat").unwrap();
+    explorer.set_camera(Camera::look_at(Vec3::ONE, Vec3::ZERO, 1.0));
+    explorer.store_camera("above").unwrap();
+    let names: Vec<&str> = explorer.stored_cameras().map(|(name, _)| name).collect();
+    assert_eq!(names, ["above", "window seat"]);
+    let seat = explorer.stored_cameras().nth(1).unwrap().1.clone();
+    assert_eq!(seat, Camera { name: "window seat".to_owned(), ..first });
+    for name in ["", "  ", own.as_str()] {
+        let error = explorer.store_camera(name).unwrap_err().to_string();
+        assert!(error.contains(&format!("as \"{name}\"")), "{error}");
+    }
+    // Again under the same name: what is there now.
+    explorer.store_camera("window seat").unwrap();
+    let stored: Vec<Camera> = explorer.stored_cameras().map(|(_, camera)| camera.clone()).collect();
+    assert_eq!(stored[1].position, Vec3::ONE);
+    explorer.reopen(opened("cornell"));
+    assert_eq!(explorer.stored_cameras().count(), 2);
+    explorer.open(opened("cornell"));
+    assert_eq!(explorer.stored_cameras().count(), 0);
 }
 
 /// A scene that is dark is lit unless that is not wanted, and says by what; one that shines is left alone.

@@ -67,6 +67,7 @@ impl Explorer {
                 Err(error) => {
                     self.settings = self.accepted.clone();
                     self.preset = self.accepted_preset;
+                    self.history.refuse_settings();
                     return Err(error.into());
                 }
             }
@@ -80,6 +81,7 @@ impl Explorer {
             let is_fitted = self.settings.grid_bounds == self.fitted;
             self.settings = renderer.settings().clone();
             self.preset = self.accepted_preset;
+            self.history.refuse_settings();
             if is_fitted {
                 self.fitted = self.settings.grid_bounds;
             }
@@ -87,6 +89,7 @@ impl Explorer {
         }
         self.accepted = self.settings.clone();
         self.accepted_preset = self.preset;
+        self.history.accept();
         let pending = std::mem::take(&mut self.pending);
         if let Err(error) = show(renderer, scene, pending, self.revoxelize, tell).await {
             // Whatever it holds now: the next one is made from the scene as it stands.
@@ -106,6 +109,7 @@ impl Explorer {
     fn accept(&mut self) {
         self.accepted = self.settings.clone();
         self.accepted_preset = self.preset;
+        self.history.accept();
     }
 
     /// Widens the grid if something has left it, unless its box is the scene's or the user's own; it does not follow

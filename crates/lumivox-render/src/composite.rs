@@ -7,7 +7,7 @@
 use bytemuck::{Pod, Zeroable};
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, TextureView, uniform_buffer,
+    ShaderLibrary, Texture, TextureView, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, Lights, TraceTargets};
 
@@ -19,13 +19,17 @@ use crate::textures::ScreenTextures;
 /// Format of pictures before tone mapping: full floats, so that the mean over frames is exact.
 pub(crate) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
+/// Of the one number a pixel that can be read and written in place on every device.
+const ILLUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
 /// `CompositeSettings` of `composite.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct CompositeSettings {
     pub(crate) shown: u32,
     pub(crate) has_cones: u32,
-    padding: [u32; 2],
+    pub(crate) frames: u32,
+    padding: u32,
 }
 
 /// Puts the parts of a picture together.
@@ -42,6 +46,9 @@ pub struct CompositePass {
 pub struct CompositeTargets {
     /// Radiance or a quantity in rgb; in a 1 where there is a surface, 0 elsewhere.
     pub picture: TextureView,
+    /// The mean over frames of the surface's illuminance, in lux divided by the unit of radiance; negative where there is no
+    /// surface.
+    pub illuminance: Texture,
     settings: Buffer,
     group: BindGroup,
 }
@@ -56,6 +63,7 @@ impl CompositePass {
         let layout = (0..5)
             .fold(layout, |layout, _| layout.texture_2d_unfilterable())
             .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
+            .storage_texture_in_place(ILLUMINANCE_FORMAT)
             .build(device, "composite");
         let nothing = LayoutBuilder::compute().build(device, "nothing");
         let groups = [&nothing, &layout, gi.lights_layout(), gi.gbuffer_layout()];
@@ -73,6 +81,8 @@ impl CompositePass {
         traced: &TraceTargets,
     ) -> CompositeTargets {
         let picture = textures.storage("picture", PICTURE_FORMAT);
+        let usage = wgpu::TextureUsages::STORAGE_BINDING;
+        let illuminance = textures.create("illuminance", ILLUMINANCE_FORMAT, usage);
         let settings = uniform_buffer(device, "composite", &CompositeSettings::zeroed());
         let group = BindGroupBuilder::new(&self.layout)
             .buffer(&settings)
@@ -82,21 +92,22 @@ impl CompositePass {
             .view(&traced.specular)
             .view(&gbuffer.tint)
             .view(&picture)
+            .view(&illuminance.view())
             .build(device, "composite");
-        CompositeTargets { picture, settings, group }
+        CompositeTargets { picture, illuminance, settings, group }
     }
 
-    /// Makes the picture; `has_cones` says whether cones were traced for it. The view takes effect at the next submission: one frame per recorder.
+    /// Makes the picture; `has_cones` says whether cones were traced for it, `frames` how many are in the mean before it. The view takes effect at the next submission: one frame per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
         lights: &Lights,
         gbuffer: &GBuffer,
         targets: &CompositeTargets,
-        (view, has_cones): (View, bool),
+        (view, has_cones, frames): (View, bool, u32),
     ) {
         let has_cones = u32::from(has_cones);
-        let settings = CompositeSettings { shown: view as u32, has_cones, padding: [0; 2] };
+        let settings = CompositeSettings { shown: view as u32, has_cones, frames, padding: 0 };
         recorder.queue().write_buffer(&targets.settings, 0, bytemuck::bytes_of(&settings));
         let groups = [&self.nothing, &targets.group, &lights.group, &gbuffer.group];
         self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);

@@ -16,13 +16,15 @@ struct CompositeSettings {
     shown: u32,
     // Whether cones were traced for this frame; else their textures hold what an earlier one left.
     has_cones: u32,
+    // Frames in the mean so far.
+    frames: u32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 @group(1) @binding(0) var<uniform> composite_settings: CompositeSettings;
 // Reflected radiance; visibility of the lights in a of the first.
 @group(1) @binding(1) var direct_diffuse: texture_2d<f32>;
+// And in a of the second the illuminance.
 @group(1) @binding(2) var direct_specular: texture_2d<f32>;
 // Irradiance in rgb, openness in a.
 @group(1) @binding(3) var irradiance: texture_2d<f32>;
@@ -31,6 +33,8 @@ struct CompositeSettings {
 // What coloured glass in front lets through, in rgb; one white texel where the scene has none.
 @group(1) @binding(5) var tint: texture_2d<f32>;
 @group(1) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
+// The mean over frames of what arrives at the surface; negative where there is none.
+@group(1) @binding(7) var illuminance: texture_storage_2d<r32float, read_write>;
 
 // Irradiance in rgb, openness in a.
 fn traced_irradiance(pixel: vec2u) -> vec4f {
@@ -127,6 +131,25 @@ fn shows_environment() -> bool {
     }
 }
 
+// What arrives at the surface from everywhere.
+fn arriving(pixel: vec2u) -> f32 {
+    // ITU-R BT.709-6, section 3.2.
+    let indirect = dot(traced_irradiance(pixel).rgb, vec3f(0.2126, 0.7152, 0.0722));
+    return textureLoad(direct_specular, pixel, 0).a + indirect;
+}
+
+fn accumulate_illuminance(pixel: vec2u, is_surface: bool) {
+    let is_first = composite_settings.frames == 0u;
+    if is_surface {
+        let value = arriving(pixel);
+        let old = textureLoad(illuminance, pixel).r;
+        let mean = old + (value - old) / f32(composite_settings.frames + 1u);
+        textureStore(illuminance, pixel, vec4f(select(mean, value, is_first || old < 0.0)));
+    } else if is_first {
+        textureStore(illuminance, pixel, vec4f(-1.0));
+    }
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;
@@ -134,6 +157,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let surface = load_surface(pixel);
+    accumulate_illuminance(pixel, surface.depth > 0.0);
     if surface.depth > 0.0 {
         textureStore(picture, pixel, vec4f(shade(pixel, surface) * tint_at(pixel), 1.0));
     } else if shows_environment() {

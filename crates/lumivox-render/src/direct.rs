@@ -23,7 +23,7 @@ pub struct DirectPass {
 pub struct DirectTargets {
     /// Diffusely reflected radiance in rgb, the share of light that is not blocked in a.
     pub diffuse: TextureView,
-    /// Glossily reflected radiance in rgb.
+    /// Glossily reflected radiance in rgb, the illuminance of the surface in a.
     pub specular: TextureView,
     group: BindGroup,
 }

@@ -11,7 +11,7 @@ import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_specular, load_surface
 
 // Reflected radiance in rgb, visibility in a.
 @group(1) @binding(0) var direct_diffuse: texture_storage_2d<rgba16float, write>;
-// Reflected radiance in rgb.
+// Reflected radiance in rgb, illuminance in a.
 @group(1) @binding(1) var direct_specular: texture_storage_2d<rgba16float, write>;
 
 // The largest half float: a mirror's highlight may exceed it.
@@ -46,6 +46,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var diffuse = vec3f(0.0);
     var glossy = vec3f(0.0);
     var varnish = vec3f(0.0);
+    var illuminance = 0.0;
     var arriving = 0.0;
     var sent = 0.0;
     for (var index = 0u; index < light_globals.light_count; index++) {
@@ -63,6 +64,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
             light, incident, surface.position_in_world, surface.geometric_normal);
         arriving += visible * brightness;
         let irradiance = visible * n_dot_l * incident.irradiance;
+        illuminance += luminance(irradiance);
         let half_vector = normalize(incident.direction + to_camera);
         let fresnel = fresnel_schlick(specular.rgb, dot(half_vector, to_camera));
         // What the gloss reflects does not enter: glTF 2.0, appendix B.3.
@@ -79,5 +81,5 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     glossy = below * glossy + varnish;
     let visibility = select(1.0, arriving / sent, sent > 0.0);
     textureStore(direct_diffuse, pixel, vec4f(min(diffuse, vec3f(MAX_HALF)), visibility));
-    textureStore(direct_specular, pixel, vec4f(min(glossy, vec3f(MAX_HALF)), 1.0));
+    textureStore(direct_specular, pixel, min(vec4f(glossy, illuminance), vec4f(MAX_HALF)));
 }

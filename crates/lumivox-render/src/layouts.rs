@@ -49,7 +49,7 @@ fn structs_lie_in_memory_alike() {
         library,
         "render::composite",
         "CompositeSettings",
-        CompositeSettings { shown, has_cones }
+        CompositeSettings { shown, has_cones, frames }
     );
     assert_layout!(
         library,

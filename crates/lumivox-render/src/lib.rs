@@ -70,10 +70,10 @@ pub use image::{ImageFormat, Picture};
 pub use memory::MemoryUse;
 pub use overlay::{Overlay, OverlayLine, Wireframe, Wires};
 pub use preset::{Companions, PresetChoice};
-pub use renderer::{Progress, Renderer, global_illumination};
+pub use renderer::{Photometry, Progress, Renderer, global_illumination};
 pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
 pub use srgb::srgb_encode;
-pub use tone_map::{EV100_RANGE, ExposureWarning, Metering};
+pub use tone_map::{EV100_RANGE, ExposureWarning, Histogram, Metering};
 pub use upload::{GpuScene, Lighting, radiance_unit};
 pub use voxel_sets::{
     EXTRA_COLOR, MISSING_COLOR, SetDifference, Voxel, VoxelSet, voxel_set_picture,

@@ -10,6 +10,39 @@ use crate::{Gpu, RenderError};
 /// The most bytes that are read at once, well below WebGPU's default limit of 256 MiB a buffer.
 const BAND_BYTES: u64 = 64 << 20;
 
+/// One texel of a 2D texture; `T` is one texel, and the texture needs `COPY_SRC`.
+pub(crate) async fn read_texel<T: Pod>(
+    gpu: &Gpu,
+    texture: &Texture,
+    at: UVec2,
+) -> Result<T, RenderError> {
+    let descriptor = wgpu::BufferDescriptor {
+        label: Some("a texel"),
+        size: size_of::<T>() as u64,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    };
+    let buffer = Buffer::new(&gpu.device, &descriptor);
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d { x: at.x, y: at.y, z: 0 },
+            aspect: wgpu::TextureAspect::All,
+        },
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout::default(),
+        },
+        extent(UVec2::ONE),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = 0..size_of::<T>() as u64;
+    let texels: Vec<T> = lumivox::gpu::read_buffer(&gpu.device, &gpu.queue, &buffer, bytes).await?;
+    Ok(texels.first().copied().unwrap_or_else(T::zeroed))
+}
+
 /// All texels of a 2D texture, row by row; `T` is one texel, and the texture needs `COPY_SRC`.
 pub(crate) async fn read_texture<T: Pod>(
     gpu: &Gpu,

@@ -3,6 +3,7 @@
 mod change;
 mod overlay;
 mod passes;
+mod photometry;
 mod prepare;
 mod screen;
 
@@ -20,6 +21,7 @@ use crate::upload::{GpuScene, Lighting, radiance_unit_within};
 use crate::vxct::{VxctFrame, VxctLook};
 use crate::{Gpu, Look, Picture, RenderError, RenderSettings, View};
 use passes::Passes;
+pub use photometry::Photometry;
 pub use prepare::global_illumination;
 use prepare::{bind_lights, compile, environment_map, upload, voxelize};
 
@@ -263,7 +265,7 @@ impl Renderer {
                 }
                 recorder.stage("picture");
                 let composite = &targets.composite;
-                let shown = (settings.view, has_cones);
+                let shown = (settings.view, has_cones, frame);
                 passes.composite.record(&mut recorder, lights, gbuffer, composite, shown);
             }
         }

@@ -33,8 +33,8 @@ pub(crate) struct Targets {
 }
 
 /// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
-/// resolution 16 + 20 / 4), picture and mean 48, screen 4.
-pub(crate) const BYTES_PER_PIXEL: u64 = 116;
+/// resolution 16 + 20 / 4), picture and mean 48, illuminance 4, screen 4.
+pub(crate) const BYTES_PER_PIXEL: u64 = 120;
 /// And of the tint, where there is coloured glass.
 pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
 

@@ -4,6 +4,7 @@
 //! a screen (sRGB, IEC 61966-2-1). Data is scaled alone, or shown as colours of a heat map.
 
 mod curve;
+mod histogram;
 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
@@ -11,6 +12,8 @@ use lumivox::gpu::{
     BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, Texture, TextureView, uniform_buffer,
 };
+
+pub use histogram::Histogram;
 
 use crate::textures::ScreenTextures;
 use crate::{Exposure, ToneMap};
@@ -216,7 +219,9 @@ impl Exposure {
         } else {
             None
         };
-        Metering { stops, warning }
+        let histogram =
+            Some(Histogram::of(picture.iter().map(|&[r, g, b, _]| luminance([r, g, b]))));
+        Metering { stops, warning, histogram }
     }
 }
 
@@ -227,6 +232,8 @@ pub struct Metering {
     pub stops: f32,
     /// What is wrong with it.
     pub warning: Option<ExposureWarning>,
+    /// How bright its pixels are; `None` where it shows no light.
+    pub histogram: Option<Histogram>,
 }
 
 /// Why a picture is not what a camera would make of the scene.

@@ -326,7 +326,7 @@ impl Session {
         let Some(renderer) = self.explorer.renderer() else { return Ok(false) };
         let (frame, frames) = (renderer.frame_count(), self.explorer.settings().frames);
         if self.exposing.is_due(frame, frame >= frames) {
-            let Metering { stops, warning } = self.explorer.meter().await?;
+            let Metering { stops, warning, .. } = self.explorer.meter().await?;
             self.exposing.measured(stops);
             self.warning = warning;
         }

@@ -69,8 +69,10 @@ pub enum Takes {
     Material,
     /// A light.
     Light,
-    /// A camera of the scene.
+    /// A camera of the scene, or one that was stored.
     Camera,
+    /// Where a camera is stored.
+    Stored,
     /// A scene: a file, a name in a folder of scenes, or a built-in one.
     Scene,
     /// A file.

@@ -101,7 +101,10 @@ fn possible(
         Takes::Object => names.objects.clone(),
         Takes::Material => names.materials.clone(),
         Takes::Light => names.lights.clone(),
-        Takes::Camera => names.cameras.clone(),
+        Takes::Camera => names.cameras.iter().chain(&names.stored).cloned().collect(),
+        Takes::Stored => {
+            ["1", "2"].map(str::to_owned).into_iter().chain(names.stored.iter().cloned()).collect()
+        }
         Takes::Animation => names.animations.clone(),
         Takes::Scene => {
             let is_one = |path: &String| path.ends_with('/') || is_scene(Path::new(path));

@@ -182,6 +182,22 @@ impl Console {
     /// When there is no such command, an argument is wrong, or it cannot be done. The message says what would have been
     /// right. Nothing has changed then.
     pub fn run(&mut self, line: &str) -> anyhow::Result<Reply> {
+        let reply = self.run_on(line);
+        self.explorer.end_gesture();
+        reply
+    }
+
+    /// The same as a part of what the last line did, such as a drag: what changes the same things is one step for `undo`.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_on(&mut self, line: &str) -> anyhow::Result<Reply> {
+        let reply = self.obey(line);
+        self.explorer.note_change();
+        reply
+    }
+
+    fn obey(&mut self, line: &str) -> anyhow::Result<Reply> {
         let commands = split(line).map_err(|error| Failure::input(error.to_string()))?;
         let words = match commands.as_slice() {
             [] => return Ok(Reply::default()),
@@ -250,8 +266,7 @@ impl Console {
         };
         let Self { explorer, hear, .. } = self;
         if of_voxels(explorer.settings()) == of_voxels(&settings) {
-            explorer.set_settings(settings)?;
-            explorer.note_preset(preset);
+            explorer.choose_settings(settings, preset)?;
             return Ok(());
         }
         pollster::block_on(explorer.try_settings(settings, preset, &mut |progress| {

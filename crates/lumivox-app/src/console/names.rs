@@ -19,6 +19,8 @@ pub struct Names {
     pub lights: Vec<String>,
     /// Cameras of the scene, and the views that every scene has.
     pub cameras: Vec<String>,
+    /// Cameras that were stored under names.
+    pub stored: Vec<String>,
     /// Animations, and `all`.
     pub animations: Vec<String>,
     /// Built-in scenes, and those in folders of scenes.
@@ -43,6 +45,7 @@ impl Console {
                 .map(|camera| camera.name.clone())
                 .chain([FRAMING, OUTSIDE, INSIDE].map(str::to_owned))
                 .collect(),
+            stored: explorer.stored_cameras().map(|(name, _)| name.to_owned()).collect(),
             animations: animations.into_iter().chain(all).collect(),
             scenes: scenes(&folders(self)),
         }

@@ -21,17 +21,13 @@ impl Renderer {
     }
 
     /// The stops that the exposure asks for, given the frames so far: what [`Self::finish`] takes; and what is wrong
-    /// with them. Reads the picture back where it is exposed automatically.
+    /// with them; and how bright its pixels are. Reads the picture back.
     ///
     /// # Errors
     /// When the device fails.
     pub async fn meter(&self) -> Result<Metering, RenderError> {
-        let fixed = |stops| Ok(Metering { stops, warning: None });
         if !self.settings.view.is_light() {
-            return fixed(0.0);
-        }
-        if let Some(stops) = self.settings.exposure.fixed_stops() {
-            return fixed(stops);
+            return Ok(Metering { stops: 0.0, warning: None, histogram: None });
         }
         Ok(self.settings.exposure.meter(&self.read_mean().await?))
     }

@@ -8,6 +8,7 @@ mod furnace;
 mod moving;
 mod octree;
 mod overlay;
+mod photometry;
 mod photons;
 mod pipelines;
 mod render;

@@ -135,6 +135,16 @@ impl LayoutBuilder {
         })
     }
 
+    /// A 2D texture that is read and written in place; of the formats of one channel of 32 bits alone.
+    #[must_use]
+    pub fn storage_texture_in_place(self, format: wgpu::TextureFormat) -> Self {
+        self.binding(wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::ReadWrite,
+            format,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        })
+    }
+
     /// A filtering sampler.
     #[must_use]
     pub fn sampler(self) -> Self {

@@ -5,7 +5,7 @@ use lumivox_scene::Camera;
 
 use crate::args::camera::{self, CameraChoice, FRAMING, INSIDE, OUTSIDE, resolve};
 use crate::console::arguments::{
-    PLACE, angle, choice, commas, degrees, direction, number, refused, spaces, vector,
+    PLACE, angle, commas, degrees, direction, number, refused, spaces, vector,
 };
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show, suggest};
@@ -25,7 +25,7 @@ pub const TABLE: &[Command] = &[
         usage: "[NAME|NUMBER|PX,PY,PZ,TX,TY,TZ[,FOV]]",
         count: (0, 1),
         takes: &[Takes::Camera],
-        summary: "Look from one of the scene's cameras, or from a position to a target, or print the camera",
+        summary: "Look from one of the scene's cameras, a stored one, or from a position to a target, or print the camera",
         details: "Numbers count from 0; `framing` is the view that shows the scene best. Positions are in metres, FOV is \
                   the vertical field of view in degrees, 1 to 170 (the present one where it is left out).",
         example: "camera 2,1.5,3,0,0.5,0,60",
@@ -34,7 +34,7 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "cameras",
-        summary: "List the scene's cameras",
+        summary: "List the scene's cameras, and those that were stored under names",
         example: "cameras",
         run: |console, _| {
             let scene = console.explorer.scene().ok_or_else(nothing_to_show)?;
@@ -44,6 +44,12 @@ pub const TABLE: &[Command] = &[
                 .enumerate()
                 .map(|(number, camera)| format!("{number} \"{}\"", shown::line(&camera.name)));
             let lines: Vec<String> = lines
+                .chain(
+                    console
+                        .explorer
+                        .stored_cameras()
+                        .map(|(name, _)| format!("  \"{}\", stored", shown::line(name))),
+                )
                 .chain([
                     format!("  \"{FRAMING}\", the view that shows it best"),
                     format!("  \"{OUTSIDE}\" and \"{INSIDE}\", the same from there"),
@@ -145,17 +151,14 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "store",
-        usage: "1|2",
+        usage: "1|2|NAME",
         count: (1, 1),
-        takes: &[Takes::Word(&["1", "2"])],
-        summary: "Keep the present camera, to come back to it by `pos1` or `pos2`",
-        example: "store 1",
-        run: |console, arguments| {
-            let text = arguments.first().copied().unwrap_or_default();
-            let number = choice(text, "the position", &["1", "2"])?;
-            console.explorer.store_position(usize::from(number == "2"));
-            Ok(Reply::default())
-        },
+        takes: &[Takes::Stored],
+        summary: "Keep the present camera, to come back to it by `pos1`, `pos2` or `camera NAME`",
+        details: "What was stored there before goes. Names are neither numbers nor those of the scene's cameras; `cameras` \
+                  lists them. They are kept until another scene is opened, and in what `script` prints.",
+        example: "store 'window seat'",
+        run: store,
         ..CAMERA
     },
 ];
@@ -165,6 +168,13 @@ fn camera(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         return Ok(Reply::say(told(console.explorer.camera())));
     };
     let scene = console.explorer.scene().ok_or_else(nothing_to_show)?;
+    let is_own = scene.cameras.iter().any(|camera| camera.name == *text);
+    let stored = console.explorer.stored_cameras().find(|(name, _)| name == text && !is_own);
+    if let Some((_, stored)) = stored {
+        let stored = stored.clone();
+        console.explorer.set_camera(stored);
+        return Ok(Reply::default());
+    }
     let mut chosen = camera::camera(text).map_err(refused("camera", text))?;
     if let CameraChoice::LookAt { vertical_fov_rad, .. } = &mut chosen
         && text.split(',').count() == 6
@@ -177,11 +187,31 @@ fn camera(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             .cameras
             .iter()
             .map(|camera| camera.name.as_str())
+            .chain(console.explorer.stored_cameras().map(|(name, _)| name))
             .chain([FRAMING, OUTSIDE, INSIDE]);
         let like = suggest::like(text, names).map(|like| format!("; did you mean \"{like}\"?"));
         Failure::input(format!("{error}{}", like.unwrap_or_default()))
     })?;
     console.explorer.set_camera(found);
+    Ok(Reply::default())
+}
+
+fn store(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let text = arguments.first().copied().unwrap_or_default();
+    if let Some(number) = ["1", "2"].iter().position(|number| *number == text) {
+        console.explorer.store_position(number);
+        return Ok(Reply::default());
+    }
+    console.explorer.scene().ok_or_else(nothing_to_show)?;
+    // What `camera` would read as something else could not be come back to.
+    let is_name = matches!(camera::camera(text), Ok(CameraChoice::Name(name)) if name == text);
+    if !text.trim().is_empty() && (!is_name || [FRAMING, OUTSIDE, INSIDE].contains(&text)) {
+        return Err(Failure::input(format!(
+            "no camera can be stored as \"{text}\": `camera {text}` means something else; the position is 1, 2 or a name"
+        ))
+        .into());
+    }
+    console.explorer.store_camera(text).map_err(|error| Failure::input(error.to_string()))?;
     Ok(Reply::default())
 }
 

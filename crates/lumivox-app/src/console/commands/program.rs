@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
 use crate::console::{Console, Effect, Line, Reply, help, script};
 use crate::exit::Failure;
+use crate::shown;
 
 pub const TABLE: &[Command] = &[
     Command {
@@ -60,6 +61,33 @@ pub const TABLE: &[Command] = &[
                   preset's, camera, changes of objects, materials and lights. What is left out is said in comments.",
         example: "script evening.txt",
         run: super::script::run,
+        ..PROGRAM
+    },
+    Command {
+        name: "undo",
+        summary: "Take the last change back, and tell what it was",
+        details: "Changes of objects, materials, lights, surroundings and settings; the last 100, until another scene is \
+                  opened. A drag in the window is one. The camera, what plays and `revoxelize` stay as they are.",
+        example: "undo",
+        run: |console, _| {
+            let what =
+                console.explorer.undo().map_err(|error| Failure::input(error.to_string()))?;
+            console.strengths.clear();
+            Ok(Reply::say(format!("undone: {}", shown::line(&what))))
+        },
+        ..PROGRAM
+    },
+    Command {
+        name: "redo",
+        summary: "Do again what `undo` has taken back, and tell what it is",
+        details: "Until something else is changed.",
+        example: "redo",
+        run: |console, _| {
+            let what =
+                console.explorer.redo().map_err(|error| Failure::input(error.to_string()))?;
+            console.strengths.clear();
+            Ok(Reply::say(format!("redone: {}", shown::line(&what))))
+        },
         ..PROGRAM
     },
     Command {

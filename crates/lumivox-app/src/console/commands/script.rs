@@ -196,6 +196,10 @@ fn camera_lines(console: &Console) -> Vec<String> {
             lines.push(format!("store {}", number + 1));
         }
     }
+    for (name, stored) in explorer.stored_cameras() {
+        lines.push(format!("camera_axes {}", camera::axes_words(stored)));
+        lines.push(format!("store {}", quote(name)));
+    }
     let is_original = explorer.original_camera() == Some(explorer.camera()) && lines.is_empty();
     if !is_original {
         lines.push(format!("camera_axes {}", camera::axes_words(explorer.camera())));

@@ -297,7 +297,7 @@ impl Worker {
         let is_last = frames >= explorer.settings().frames;
         if explorer.settings().exposure.fixed_stops().is_some() || self.pace.is_due(frames, is_last)
         {
-            let Metering { stops, warning } = pollster::block_on(explorer.meter())?;
+            let Metering { stops, warning, .. } = pollster::block_on(explorer.meter())?;
             self.pace.stops = stops;
             self.pace.measured = Some(Instant::now());
             // Once for each reason: the first frames are as dark as the last.

@@ -18,7 +18,7 @@ use crate::common::{folder, lumivox};
 use session::rehearse;
 
 /// The tests that tell a command by what it does.
-const SESSIONS: [fn(); 21] = [
+const SESSIONS: [fn(); 23] = [
     files::scenes_are_loaded_by_path_and_by_name,
     files::pictures_are_written_and_compared,
     files::animations_play,
@@ -32,6 +32,8 @@ const SESSIONS: [fn(); 21] = [
     objects::materials_change,
     objects::materials_have_the_names_of_vxct,
     objects::the_camera_goes_about,
+    objects::cameras_are_stored_under_names,
+    objects::changes_are_taken_back_and_done_again,
     program::help_echo_and_lists,
     program::settings_are_printed_set_and_reset,
     program::scripts_run_scripts,

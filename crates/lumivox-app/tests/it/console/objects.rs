@@ -100,6 +100,48 @@ pub fn the_camera_goes_about() {
     // A turn upwards ends at the vertical, whence half a right angle leads back to where it came from.
     session.does("camera_axes 0 0 0 0 0 -1 0 1 0 55; turn 0 170; turn 0 -45; move 0 0 2");
     session.says("camera", &[",-1.4"]);
-    session.says("script", &["store 1", "store 2"]);
+    session.does("store 'window seat'");
+    session.says("script", &["store 1", "store 2", "store 'window seat'"]);
+    session.finish();
+}
+
+#[test]
+pub fn cameras_are_stored_under_names() {
+    let mut session = Session::new("--scene builtin:cornell");
+    let start = session.picture();
+    session.does("store 'window seat'");
+    let second = session.changes("camera 0.5,1,1.2,0,0.6,-0.5,60; store corner");
+    session.says("cameras", &["\"corner\", stored", "\"window seat\", stored"]);
+    session.equals("camera 'window seat'", start);
+    session.says("camera", &["(\"window seat\""]);
+    session.equals("camera corner", second);
+    // What is stored later under a name takes its place.
+    session.equals("camera 0; store corner; camera framing; camera corner", start);
+    session.finish();
+}
+
+#[test]
+pub fn changes_are_taken_back_and_done_again() {
+    let mut session = Session::new("--scene builtin:cornell");
+    let start = session.picture();
+    let moved = session.changes("translate 'tall block' 0.3 0 0.1");
+    let hidden = session.changes("hide 'left wall'");
+    let red = session.changes("material red albedo 0.1 0.1 0.8");
+    let dark = session.changes("bounces 1; add_light point lamp strength 5");
+    session.equals("camera framing; camera 0", dark);
+    session.says("undo", &["undone: lights"]);
+    session.says("undo", &["undone: bounces"]);
+    session.equals("echo", red);
+    session.says("undo", &["undone: material \"red\""]);
+    session.equals("echo", hidden);
+    session.says("undo", &["undone: object \"left wall\""]);
+    session.equals("echo", moved);
+    session.equals("undo", start);
+    session.says("redo", &["redone: object \"tall block\""]);
+    session.equals("echo", moved);
+    session.equals("redo; redo; redo; redo", dark);
+    // Of two settings in two lines one is taken back, and what is printed or refused is no step.
+    session.does("frames 3; frames 2; frames; undo");
+    session.says("frames", &["frames 3"]);
     session.finish();
 }

@@ -1,0 +1,91 @@
+//! The light at a pixel, against closed forms and against the picture.
+
+use std::f32::consts::PI;
+
+use glam::{Mat4, UVec2, Vec3};
+use lumivox_render::{Exposure, Photometry, RenderSettings, Renderer, View};
+use lumivox_scene::{Camera, Light, LightKind, Material, Scene};
+
+use crate::common::{builtin, gpu, picture, renderer, zoo};
+
+fn small() -> RenderSettings {
+    RenderSettings {
+        size: UVec2::new(48, 32),
+        resolution: 32,
+        frames: 8,
+        ..RenderSettings::default()
+    }
+}
+
+fn measured(renderer: &Renderer, x: u32, y: u32) -> Option<Photometry> {
+    pollster::block_on(renderer.photometry(UVec2::new(x, y))).expect("a device at work")
+}
+
+/// A floor of 20 % albedo, 10 m wide, and a lamp of 100 cd two metres above its middle.
+fn lamp_over_floor() -> Scene {
+    let mut scene = Scene::default();
+    let floor = zoo::quad(Vec3::ZERO, Vec3::X * 5.0, Vec3::NEG_Z * 5.0);
+    zoo::place(&mut scene, floor, Material::diffuse("floor", Vec3::splat(0.2)), Mat4::IDENTITY);
+    let kind = LightKind::Point { intensity_cd: 100.0, range_m: None };
+    scene.lights.push(Light { kind, position: Vec3::Y * 2.0, ..Light::default() });
+    scene.cameras.push(Camera::look_at(Vec3::Y * 1.0, Vec3::ZERO, 1.0));
+    scene
+}
+
+#[test]
+fn a_lamp_lights_the_floor_by_the_inverse_square() {
+    let mut renderer = renderer(&gpu(), &lamp_over_floor(), small());
+    assert_eq!(measured(&renderer, 24, 16), None, "no frame yet");
+    let picture = picture(&mut renderer);
+    let below = measured(&renderer, 24, 16).expect("a surface");
+    let lux = below.illuminance_lux.expect("a surface");
+    // 100 cd / (2 m)² and nothing else to light it; half a pixel off the middle, and half floats.
+    assert!((lux / 25.0 - 1.0).abs() < 2e-3, "{lux} lux");
+    // The albedo has 8 bits.
+    assert!((below.luminance_cd_m2 / (0.2 / PI * lux) - 1.0).abs() < 0.02, "{below:?}");
+    let [r, g, b, _] = picture.hdr[16 * 48 + 24];
+    let seen = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    assert!((below.luminance_cd_m2 / seen - 1.0).abs() < 1e-5, "{below:?}, {seen}");
+    assert_eq!(measured(&renderer, 48, 0), None, "beyond the picture");
+}
+
+/// In the furnace 2 cd/m² come from everywhere, so pi times as much arrives; what the surface adds to its own 1 cd/m² is its
+/// albedo over pi of that.
+#[test]
+fn indirect_light_counts_and_is_the_mean_of_all_frames() {
+    let settings = RenderSettings { bounces: 12, ..small() };
+    let mut renderer = renderer(&gpu(), &builtin("furnace"), settings);
+    picture(&mut renderer);
+    for (x, y) in [(3, 3), (24, 16), (40, 28), (10, 20)] {
+        let here = measured(&renderer, x, y).expect("a wall");
+        let lux = here.illuminance_lux.expect("a wall");
+        assert!((5.2..6.6).contains(&lux), "{lux} lux at {x}, {y}");
+        let by_luminance = (here.luminance_cd_m2 - 1.0) * PI / 0.5;
+        assert!(
+            (lux / by_luminance - 1.0).abs() < 0.01,
+            "{lux} and {by_luminance} lux at {x}, {y}"
+        );
+    }
+}
+
+#[test]
+fn where_nothing_is_lit_there_is_no_illuminance() {
+    let mut scene = lamp_over_floor();
+    scene.environment.radiance = Vec3::splat(3.0);
+    scene.cameras[0] = Camera::look_at(Vec3::Y, Vec3::Y * 2.0 + Vec3::NEG_Z, 1.0);
+    let mut at_the_sky = renderer(&gpu(), &scene, small());
+    picture(&mut at_the_sky);
+    let sky = measured(&at_the_sky, 24, 2).expect("the sky is bright");
+    assert_eq!(sky.illuminance_lux, None);
+    assert!((sky.luminance_cd_m2 - 3.0).abs() < 0.01, "{sky:?}");
+
+    let views = [(View::Direct, true), (View::Normal, false)];
+    for (view, is_light) in views {
+        let settings = RenderSettings { view, exposure: Exposure::Stops(0.0), ..small() };
+        let mut renderer = renderer(&gpu(), &lamp_over_floor(), settings);
+        picture(&mut renderer);
+        let here = measured(&renderer, 24, 16);
+        assert_eq!(here.is_some(), is_light, "{view:?}");
+        assert_eq!(here.and_then(|here| here.illuminance_lux), None, "{view:?}");
+    }
+}
