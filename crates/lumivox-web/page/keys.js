@@ -4,6 +4,9 @@
 import { byId } from "./dom.js";
 import { closeNewest, say } from "./messages.js";
 
+/** Fields that take back what was typed themselves. */
+const TYPED = `input:not([type="range"], [type="checkbox"], [type="radio"], [type="color"])`;
+
 /** Letters that press a button. */
 const SHORTCUTS = /** @type {Record<string, string>} */ ({ o: "open", p: "picture", l: "link", "?": "help" });
 
@@ -28,8 +31,19 @@ function followFullScreen(hadPanel) {
     if (!isFull) showPanel(hadPanel);
 }
 
+/** What can be taken back and done again.
+ * @param {{ undo?: string, redo?: string }} report */
+export function showSteps({ undo, redo }) {
+    for (const [id, what, keys] of [["undo", undo, "Ctrl + Z"], ["redo", redo, "Ctrl + Shift + Z"]]) {
+        const button = byId(String(id), HTMLButtonElement);
+        const name = id === "undo" ? "Undo" : "Redo";
+        button.disabled = what === undefined;
+        button.title = what === undefined ? `${name}: nothing (${keys})` : `${name}: ${what} (${keys})`;
+    }
+}
+
 /** Listens to the buttons, and to their keys while no field has the focus.
- * @param {{ picture: () => void, link: () => void }} actions */
+ * @param {{ picture: () => void, link: () => void, undo: () => void, redo: () => void }} actions */
 export function listenToTools(actions) {
     const keys = byId("keys", HTMLDialogElement);
     let hadPanel = true;
@@ -53,6 +67,15 @@ export function listenToTools(actions) {
         if (event.altKey && event.key === "Enter" && !keys.open) {
             event.preventDefault();
             return clicks.fullscreen();
+        }
+        const isTyped = event.target instanceof Element && event.target.matches(TYPED);
+        if ((event.ctrlKey || event.metaKey) && !event.altKey && !keys.open && !isTyped) {
+            const key = event.key.toLowerCase();
+            const way = key === "y" || (key === "z" && event.shiftKey) ? "redo" : key === "z" ? "undo" : undefined;
+            if (way) {
+                event.preventDefault();
+                byId(way).click();
+            }
         }
         if (event.ctrlKey || event.metaKey || event.altKey || keys.open) return;
         if (event.key === "Escape" && closeNewest()) event.preventDefault();

@@ -2,7 +2,7 @@
 // The scene's lights and objects.
 
 import { hex, linear } from "./color.js";
-import { byId, h, number, row } from "./dom.js";
+import { byId, h, number, numberInput, plain, row } from "./dom.js";
 
 /** @typedef {import("./types.js").Camera} Camera */
 /** @typedef {import("./types.js").Light} Light */

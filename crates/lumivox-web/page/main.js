@@ -7,12 +7,14 @@ import { Client, WorkerError } from "./client.js";
 import { Controls } from "./controls.js";
 import { byId, plain } from "./dom.js";
 import { listenForFiles } from "./drop.js";
-import { listenToTools, showPanel } from "./keys.js";
-import { newLight, showLights } from "./lights.js";
+import { followHistogram } from "./histogram.js";
+import { listenToTools, showPanel, showSteps } from "./keys.js";
+import { newLight, showLights, showObjects } from "./lights.js";
 import { decode } from "./link.js";
 import { showMaterials } from "./materials.js";
 import { announce, loading, say, showUnsupported } from "./messages.js";
 import { Parameters, radios, same } from "./parameters.js";
+import { Probe } from "./probe.js";
 import { showChosen, showFacts, showScene, showTime } from "./scene.js";
 import { copyLink, download, linkState, showLink } from "./share.js";
 import { isPanorama, nameOf } from "./source.js";
@@ -34,6 +36,7 @@ import { addReport, clearReports, showMemory } from "./timing.js";
 /** @typedef {import("./types.js").Progress} Progress */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
+/** @typedef {import("./types.js").Stepped} Stepped */
 
 /** The preset that the renderer starts with. */
 const FIRST_PRESET = "balanced";
@@ -55,7 +58,7 @@ let split;
 let opened = null;
 /** @type {Source | null} */
 let source = null;
-/** The panorama that was put around it by itself. @type {Source | null} */
+/** The panorama that was put around it by itself. @type {{ source: Source, name?: string } | null} */
 let panorama = null;
 /** How often something was opened: what was overtaken is silent. */
 let openings = 0;
@@ -162,11 +165,13 @@ async function open(from, place, around) {
     /** @type {Opened | undefined} */
     const now = await opening(nameOf(from), (onProgress) => ask("load", data, onProgress));
     if (!now) return;
-    [opened, source, panorama, chosen] = [now, from, around ?? null, undefined];
-    surroundings.value = around === undefined ? options.surroundings : "panorama";
+    [opened, source, panorama, chosen] = [now, from, null, undefined];
+    if (around !== undefined) panorama = { source: around, name: now.scene.environment.panorama };
+    surroundings.value = options.surroundings;
     camera = place ?? now.scene.camera;
     clearReports();
     showScene(now.scene, typeof from === "string" ? from : "", (call, data) => void attempt(ask(call, data)));
+    showAllObjects();
     cameras.open(now.scene, typeof from === "string" ? from : now.scene.name);
     showAllLights(now.scene.lights);
     showSurroundings(now.scene.environment);
@@ -181,18 +186,45 @@ async function open(from, place, around) {
 async function surround(from) {
     const now = await opening(nameOf(from), (onProgress) => ask("panorama", from, onProgress));
     if (!now || !opened) return;
-    panorama = from;
-    surroundings.value = "panorama";
+    panorama = { source: from, name: now.environment.panorama };
     showSurroundings(now.environment);
     showAllLights(now.lights);
     announce(`${now.environment.panorama} is around the scene`);
 }
 
+/** Whether the one that was put there is still there. */
+const isPanoramaThere = () => panorama !== null && opened?.scene.environment.panorama === panorama.name;
+
 /** @param {Environment} environment */
 function showSurroundings(environment) {
     if (!opened) return;
     opened.scene.environment = environment;
+    if (isPanoramaThere()) surroundings.value = "panorama";
+    else if (surroundings.value === "panorama") surroundings.value = "auto";
     showEnvironment(environment, (change) => void attempt(ask("environment", change)));
+}
+
+function showAllObjects() {
+    showObjects(opened?.scene.objects ?? [], (object, hidden) => void attempt(ask("hide", { object, hidden })));
+    showChosen(chosen?.object);
+}
+
+/** Takes the last change back, or does it again.
+ * @param {"undo" | "redo"} way */
+async function step(way) {
+    if (!opened || byId(way, HTMLButtonElement).disabled) return;
+    /** @type {Stepped | undefined} */
+    const now = await attempt(ask(way, null));
+    if (!now) return;
+    Object.assign(opened, { materials: now.materials });
+    Object.assign(opened.scene, { lights: now.scene.lights, objects: now.scene.objects, voxels: now.scene.voxels });
+    showFacts(opened.scene);
+    showAllObjects();
+    showAllLights(now.scene.lights);
+    showSurroundings(now.scene.environment);
+    showAllMaterials();
+    showSettings(now.settings);
+    announce(`${way === "undo" ? "Taken back" : "Done again"}: ${now.words}`);
 }
 
 function showAllMaterials() {
@@ -308,7 +340,7 @@ function link() {
     const scale = byId("scale", HTMLInputElement).valueAsNumber;
     const changed = { preset: preset === FIRST_PRESET ? undefined : preset, scale: scale === usualScale ? undefined : scale };
     const environment = opened?.scene.environment;
-    return linkState({ ...changed, source, panorama, environment, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
+    return linkState({ ...changed, source, panorama: isPanoramaThere() ? panorama?.source : null, environment, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
 }
 
 async function savePicture() {
@@ -344,8 +376,15 @@ function listenToWorker() {
         if (last) byId("status").textContent = statusText({ ...last, complete }, performance.now() - waitedSince);
     };
     setInterval(showStatus, STATUS_MS);
+    const probe = new Probe(canvas, (place) => opened ? client.call("probe", place) : Promise.resolve(undefined));
+    const measure = () => attempt(followHistogram(() => client.call("histogram")));
+    byId("picture-section").addEventListener("toggle", measure);
     client.on("frame", (/** @type {FrameReport} */ report) => {
         addReport(report);
+        probe.look();
+        showSteps(report);
+        byId("hint").hidden = !report.emission_alone;
+        void measure();
         [last, waitedSince] = [report, performance.now()];
         showTime(report.time_s);
         showStatus();
@@ -441,7 +480,10 @@ async function start() {
     new ResizeObserver(resize).observe(canvas);
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
     listenForCamera();
-    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()) });
+    const steps = { undo: () => void step("undo"), redo: () => void step("redo") };
+    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), ...steps });
+    // A slider that is let go of, a number that was typed: what comes next is a change of its own.
+    addEventListener("change", () => void client.call("endGesture"), true);
     listenForFiles((files) => void open(files), (text) => say(text));
     addEventListener("hashchange", () => location.reload());
     resize();

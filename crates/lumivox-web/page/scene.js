@@ -2,7 +2,6 @@
 // What the panel says of a scene: its name and size, animations, objects, and what was approximated.
 
 import { byId, fillSelect, grouped, h } from "./dom.js";
-import { showObjects } from "./lights.js";
 
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {(call: string, data: unknown) => void} Tell to the worker */
@@ -16,7 +15,6 @@ export function showScene(scene, address, tell) {
     scenes.value = [...scenes.options].some(({ value }) => value === address) ? address : "";
     scenes.options[0].textContent = scenes.value === "" ? scene.name : "a file or an address";
     showFacts(scene);
-    showObjects(scene.objects, (object, hidden) => tell("hide", { object, hidden }));
     showNotes(scene.notes);
     showAnimations(scene, tell);
 }

@@ -21,7 +21,7 @@ export function showEnvironment(environment, change) {
         tell();
     }, { min: 0 });
     const { panorama } = environment;
-    if (panorama !== null) {
+    if (panorama !== undefined) {
         const turn = slider("Rotation", environment.rotation_deg, { min: -180, max: 180, step: 1 }, (rotation_deg) => {
             environment.rotation_deg = rotation_deg;
             change({ rotation_deg });

@@ -1,13 +1,13 @@
 // What the page's modules pass to each other. The renderer's own types come from the package.
 
 import type {
-    Camera as AnyCamera, EnvironmentChange, EnvironmentInfo as Environment, FrameReport, Light, Material, MaterialChange,
-    ParameterInfo, Picked, Progress, SceneInfo as AnySceneInfo, SceneOptions,
+    Camera as AnyCamera, EnvironmentChange, EnvironmentInfo as Environment, FrameReport,
+    HistogramInfo as Histogram, Light, LightHere, Material, MaterialChange, ParameterInfo, Picked, Progress, SceneInfo as AnySceneInfo, SceneOptions,
 } from "./lumivox/lumivox.js";
 
 export type {
-    Environment, EnvironmentChange, FrameReport, Light, Material, MaterialChange, ParameterInfo, Picked, Progress,
-    SceneOptions,
+    Environment, EnvironmentChange, FrameReport, Histogram, Light, LightHere, Material, MaterialChange, ParameterInfo,
+    Picked, Progress, SceneOptions,
 };
 export type Vec3 = [number, number, number];
 /** What comes from the renderer has all that may be left out on the way to it. */
@@ -49,6 +49,9 @@ export interface Catalogue {
 
 /** A scene that was opened; its number tells cameras of the one before apart. */
 export interface Opened { scene: SceneInfo; materials: Material[]; settings: Settings; number: number }
+
+/** All that may be another after a step back, and what was taken back. */
+export interface Stepped { words: string; scene: SceneInfo; materials: Material[]; settings: Settings }
 
 /** What a change of settings leads to. */
 export interface Changed { settings: Settings; voxels?: number }

@@ -19,6 +19,7 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
+/** @typedef {import("./types.js").Stepped} Stepped */
 /** @typedef {import("./coalesce.js").OnProgress} OnProgress */
 
 /** A frame that takes longer, ms, has fewer pixels while the camera moves: as in the window. */
@@ -154,6 +155,15 @@ function another() {
     return loading.signal;
 }
 
+/** Takes a step back or does it again; gives all that may be another now.
+ * @param {"undo" | "redo"} way @returns {Promise<Stepped>} */
+async function step(way) {
+    await last.settled();
+    const words = await renderer[way]();
+    const scene = /** @type {SceneInfo} */ (await renderer.scene());
+    return { words, scene, materials: await renderer.materials(), settings: await renderer.settings() };
+}
+
 const outcome = async () => ({ settings: await renderer.settings(), voxels: (await renderer.scene())?.voxels });
 
 const calls = {
@@ -256,6 +266,20 @@ const calls = {
     async time(seconds) {
         await renderer.setTime(seconds);
     },
+    /** The light there, from 0 to 1. @param {{ x: number, y: number }} place */
+    async probe({ x, y }) {
+        return renderer.probe(x, y);
+    },
+    async histogram() {
+        return renderer.histogram();
+    },
+    undo: () => step("undo"),
+    redo: () => step("redo"),
+    /** What comes after is a step of its own. */
+    async endGesture() {
+        await last.settled();
+        await renderer.endGesture();
+    },
     /** The picture as a PNG. */
     async picture() {
         const { width, height, data } = await renderer.readPixels();
@@ -275,7 +299,7 @@ const calls = {
 };
 
 /** Calls that change nothing. */
-const LOOKS = new Set(["picture", "memory", "pick", "cancel"]);
+const LOOKS = new Set(["picture", "memory", "pick", "cancel", "probe", "histogram", "endGesture"]);
 
 /** @param {unknown} error @returns {Failure} */
 function failure(error) {

@@ -1,14 +1,14 @@
-//! What a page changes of a scene, and what it asks where.
+//! What a page changes of a scene, and takes back.
 
 use std::sync::Arc;
 
-use glam::Vec2;
-use lumivox_scene::{Bounds, EnvironmentMap, Picker};
+use lumivox_scene::EnvironmentMap;
 
 use crate::error::WebError;
+use crate::listener::Listener;
 use crate::session::{Session, no_scene, out_of_range};
 use crate::types::{
-    EnvironmentChange, EnvironmentInfo, Light, Material, MaterialChange, Picked, of_panorama,
+    EnvironmentChange, EnvironmentInfo, Light, Material, MaterialChange, of_panorama,
 };
 
 impl Session {
@@ -23,7 +23,7 @@ impl Session {
         let mut lights = self.explorer.scene().ok_or_else(no_scene)?.lights.clone();
         let result = edit(&mut lights)?;
         self.explorer.edit_lights(|scene| scene.lights = lights);
-        self.change();
+        self.note();
         Ok(result)
     }
 
@@ -65,8 +65,7 @@ impl Session {
             return Err(out_of_range("object", object, count));
         }
         self.explorer.set_hidden(object, is_hidden);
-        self.picker = None;
-        self.change();
+        self.note();
         Ok(())
     }
 
@@ -90,7 +89,7 @@ impl Session {
             .ok_or_else(|| out_of_range("material", number, materials.len()))?;
         let changed = change.of(present)?;
         self.explorer.edit_material(number, |material| *material = changed);
-        self.change();
+        self.note();
         Ok(())
     }
 
@@ -109,7 +108,7 @@ impl Session {
     pub fn set_environment(&mut self, change: &EnvironmentChange) -> Result<(), WebError> {
         let changed = change.of(&self.explorer.scene().ok_or_else(no_scene)?.environment)?;
         self.explorer.edit_lights(|scene| scene.environment = changed);
-        self.change();
+        self.note();
         Ok(())
     }
 
@@ -119,7 +118,7 @@ impl Session {
     /// Without a scene.
     pub fn surround(&mut self, map: Arc<EnvironmentMap>) -> Result<EnvironmentInfo, WebError> {
         self.explorer.scene().ok_or_else(no_scene)?;
-        let staged = std::mem::take(&mut self.staged);
+        let staged = self.staged.clone();
         for object in staged.objects() {
             self.explorer.set_hidden(object, true);
         }
@@ -127,40 +126,35 @@ impl Session {
             scene.environment = of_panorama(map);
             scene.lights.retain(|light| !staged.has_light(light));
         });
-        self.picker = None;
-        self.change();
+        self.note();
         self.environment()
     }
 
-    /// What is at a place of the picture, from 0 to 1 from its upper left corner to its lower right one.
+    /// Takes the last step back, or does it again; what it was, in words.
     ///
     /// # Errors
-    /// When the place is outside, or there is no scene.
-    pub fn pick(&mut self, at: Vec2) -> Result<Option<Picked>, WebError> {
-        let is_inside = at.to_array().iter().all(|share| (0.0..=1.0).contains(share));
-        if !is_inside {
-            return Err(WebError::value(format!(
-                "the place is {}, {}, but both must be from 0 to 1",
-                at.x, at.y
-            )));
-        }
-        let scene = self.explorer.scene().ok_or_else(no_scene)?;
-        let picker = self.picker.get_or_insert_with(|| Picker::new(scene));
-        let size = self.explorer.size();
-        let (eye, direction) = self.explorer.camera().ray(at * size.as_vec2(), size);
-        let Some(pick) = picker.pick(eye, direction) else { return Ok(None) };
-        let Some(instance) = scene.instances.get(pick.instance) else { return Ok(None) };
-        let mesh = scene.meshes.get(instance.mesh);
-        let corners = mesh.iter().flat_map(|mesh| &mesh.positions);
-        let place = instance.world_from_local;
-        let bounds = Bounds::from_points(corners.map(|corner| place.transform_point3(*corner)));
-        Ok(Some(Picked {
-            object: pick.instance,
-            material: instance.material,
-            position: pick.position,
-            normal: pick.normal,
-            distance_m: pick.distance_m,
-            bounds: bounds.into(),
-        }))
+    /// When there is none, or the device refuses.
+    pub async fn step(&mut self, is_back: bool) -> Result<String, WebError> {
+        self.show_view_of_left()?;
+        let words = if is_back { self.explorer.undo()? } else { self.explorer.redo()? };
+        self.view = self.explorer.settings().view;
+        self.picker = None;
+        self.follow_light();
+        self.change();
+        self.update(&Listener::new(None)).await?;
+        Ok(words)
+    }
+
+    /// What is changed from now on is a step of its own.
+    pub fn end_gesture(&mut self) {
+        self.explorer.end_gesture();
+    }
+
+    /// Makes a step of what was changed.
+    fn note(&mut self) {
+        self.explorer.note_change();
+        self.picker = None;
+        self.follow_light();
+        self.change();
     }
 }

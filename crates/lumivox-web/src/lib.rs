@@ -8,7 +8,8 @@
 //! | `renderer.rs` | what JavaScript calls; calls wait for each other |
 //! | `session.rs` | the state behind it: an explorer, the canvas, what is beside |
 //! | `opening.rs` | another scene in the place of the last |
-//! | `edits.rs` | what a page changes of a scene, and what it asks where |
+//! | `edits.rs` | what a page changes of a scene, and takes back |
+//! | `looking.rs` | what a page asks of the picture: what is there, how bright it is |
 //! | `staged.rs` | what was put around a scene that its file does not have |
 //! | `beside.rs` | another view or the path-traced reference on the right |
 //! | `present.rs` | the last step onto the canvas |
@@ -36,6 +37,8 @@ mod exposing;
 mod listener;
 #[cfg(target_arch = "wasm32")]
 mod load;
+#[cfg(target_arch = "wasm32")]
+mod looking;
 #[cfg(target_arch = "wasm32")]
 mod opening;
 #[cfg(target_arch = "wasm32")]

@@ -56,6 +56,7 @@ impl Session {
         }
         self.exposing = Exposing::default();
         self.picker = None;
+        self.follow_light();
         self.change();
         self.preview(listener).await?;
         self.update(listener).await?;

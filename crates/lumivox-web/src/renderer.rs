@@ -16,8 +16,9 @@ use crate::present::Canvas;
 use crate::session::Session;
 use crate::settings::Settings;
 use crate::types::{
-    Camera, EnvironmentChange, EnvironmentInfo, FrameReport, Light, LoadingOptions, Material,
-    MaterialChange, MemoryInfo, Named, ParameterInfo, Picked, SceneInfo, SceneOptions, Split,
+    Camera, EnvironmentChange, EnvironmentInfo, FrameReport, HistogramInfo, Light, LightHere,
+    LoadingOptions, Material, MaterialChange, MemoryInfo, Named, ParameterInfo, Picked, SceneInfo,
+    SceneOptions, Split,
 };
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -269,6 +270,34 @@ impl Renderer {
     /// bottom; undefined where there is nothing.
     pub async fn pick(&self, x: f32, y: f32) -> Result<Option<Ts<Picked>>, JsValue> {
         self.session().await.pick(Vec2::new(x, y))?.as_ref().map(to_js).transpose()
+    }
+
+    /// The light at a place of the picture, as `pick` counts it, in its frames so far; undefined before the first one, beside
+    /// another picture, and in views without light.
+    pub async fn probe(&self, x: f32, y: f32) -> Result<Option<Ts<LightHere>>, JsValue> {
+        self.session().await.probe(Vec2::new(x, y)).await?.as_ref().map(to_js).transpose()
+    }
+
+    /// How bright the picture's pixels are; undefined before the first frame.
+    pub async fn histogram(&self) -> Result<Option<Ts<HistogramInfo>>, JsValue> {
+        self.session().await.histogram().as_ref().map(to_js).transpose()
+    }
+
+    /// Takes back the last change of settings, lights, materials, surroundings or objects; what it was, in words. The
+    /// reports of frames tell whether there is one.
+    pub async fn undo(&self) -> Result<String, JsValue> {
+        Ok(self.session().await.step(true).await?)
+    }
+
+    /// Does again what was taken back last.
+    pub async fn redo(&self) -> Result<String, JsValue> {
+        Ok(self.session().await.step(false).await?)
+    }
+
+    /// Ends a drag: changes of the same thing are one step for `undo` until then.
+    #[wasm_bindgen(js_name = endGesture)]
+    pub async fn end_gesture(&self) {
+        self.session().await.end_gesture();
     }
 
     /// Hides the object of a number in `scene().objects`, or shows it.

@@ -3,7 +3,7 @@
 use glam::UVec2;
 use lumivox_explorer::Explorer;
 use lumivox_render::{
-    ExposureWarning, Gpu, GpuOptions, Metering, PresetChoice, RenderSettings, View,
+    ExposureWarning, Gpu, GpuOptions, Histogram, Metering, PresetChoice, RenderSettings, View,
 };
 use lumivox_scene::Picker;
 use web_time::Instant;
@@ -25,12 +25,16 @@ pub struct Session {
     pub(crate) exposing: Exposing,
     /// The view on the left; the explorer has that of the right while its turn lasts.
     pub(crate) view: View,
-    beside: Option<Beside>,
+    pub(crate) beside: Option<Beside>,
     pub(crate) notes: Vec<String>,
     /// What was put around the scene that its file does not have.
     pub(crate) staged: Staged,
     /// The triangles as they stand, once something was picked.
     pub(crate) picker: Option<Picker>,
+    /// How bright the picture was when it was measured last.
+    pub(crate) histogram: Option<Histogram>,
+    /// Whether the scene's own emission is all its light.
+    is_emission_alone: bool,
     /// Why the picture is not what a camera would make of the scene.
     warning: Option<ExposureWarning>,
     /// When time was last let go on.
@@ -64,6 +68,8 @@ impl Session {
             notes,
             staged,
             picker,
+            histogram: None,
+            is_emission_alone: false,
             warning,
             ticked,
             frame_ms,
@@ -144,9 +150,23 @@ impl Session {
         let mut tell = tell_of(listener);
         // Where it is refused the view may be that of the right; its turn begins anew.
         self.start_again();
+        self.show_view_of_left()?;
         self.explorer.try_settings(asked, preset, &mut tell).await?;
+        self.explorer.note_change();
         self.view = view;
         Ok(())
+    }
+
+    /// The explorer has the view of the left, which is the one that was asked for.
+    pub(crate) fn show_view_of_left(&mut self) -> Result<(), WebError> {
+        let settings = RenderSettings { view: self.view, ..self.explorer.settings().clone() };
+        Ok(self.explorer.set_settings(settings)?)
+    }
+
+    /// Looks anew at what lights the scene.
+    pub(crate) fn follow_light(&mut self) {
+        self.is_emission_alone =
+            self.explorer.scene().is_some_and(lumivox_scene::Scene::is_lit_by_emission_alone);
     }
 
     /// Gives canvas and picture another size, px.
@@ -311,6 +331,9 @@ impl Session {
             frame_ms: self.frame_ms,
             time_s: self.explorer.playback().animation.map(|_| self.explorer.playback().time_s),
             stages,
+            emission_alone: self.is_emission_alone,
+            undo: self.explorer.undoable().map(str::to_owned),
+            redo: self.explorer.redoable().map(str::to_owned),
             warning: self.warning.map(|warning| warning.to_string()),
             reference_samples: self.beside.as_ref().and_then(Beside::samples),
         })
@@ -326,8 +349,9 @@ impl Session {
         let Some(renderer) = self.explorer.renderer() else { return Ok(false) };
         let (frame, frames) = (renderer.frame_count(), self.explorer.settings().frames);
         if self.exposing.is_due(frame, frame >= frames) {
-            let Metering { stops, warning, .. } = self.explorer.meter().await?;
+            let Metering { stops, warning, histogram } = self.explorer.meter().await?;
             self.exposing.measured(stops);
+            self.histogram = histogram;
             self.warning = warning;
         }
         self.explorer.draw(self.exposing.stops()).await?;

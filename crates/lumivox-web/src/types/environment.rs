@@ -18,7 +18,9 @@ pub struct EnvironmentInfo {
     /// Linear red, green and blue in cd/m2; of a panorama what its texels are multiplied by.
     #[tsify(type = "[number, number, number]")]
     pub radiance: Vec3,
-    /// The panorama's name; null where there is none.
+    /// The panorama's name, where there is one.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub panorama: Option<String>,
     /// The panorama's turn about the vertical, in degrees, counter-clockwise seen from above.
     pub rotation_deg: f32,

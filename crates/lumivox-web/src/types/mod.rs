@@ -5,6 +5,7 @@ mod environment;
 mod light;
 mod material;
 mod parameter;
+mod photometry;
 
 use std::cell::OnceCell;
 
@@ -22,6 +23,7 @@ pub use environment::{EnvironmentChange, EnvironmentInfo, of_panorama};
 pub use light::{Light, LightKind};
 pub use material::{Material, MaterialChange, Shading};
 pub use parameter::ParameterInfo;
+pub use photometry::{HistogramInfo, LightHere};
 
 /// How far something is that takes time.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
@@ -169,6 +171,16 @@ pub struct FrameReport {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+    /// Whether its own emission is all the light that the scene has.
+    pub emission_alone: bool,
+    /// What `undo` would take back, in words.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undo: Option<String>,
+    /// What `redo` would do again, in words.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub redo: Option<String>,
     /// Samples of each pixel in the reference, where one is shown.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -200,7 +212,7 @@ fn usual_samples() -> u32 {
 }
 
 /// How a scene is seen that is loaded.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneOptions {
     /// What is put around it. Default: `auto`.
@@ -213,21 +225,18 @@ pub struct SceneOptions {
     #[tsify(optional)]
     pub camera: Option<Camera>,
     /// A panorama around it: an address or a `File`, as `loadPanorama` takes it.
-    #[serde(skip_serializing)]
     #[tsify(optional, type = "string | URL | File")]
     pub panorama: IgnoredAny,
     /// Cancels loading; what was shown stays.
-    #[serde(skip_serializing)]
     #[tsify(optional, type = "AbortSignal")]
     pub signal: IgnoredAny,
 }
 
 /// How something is loaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct LoadingOptions {
     /// Cancels loading; what was shown stays.
-    #[serde(skip_serializing)]
     #[tsify(optional, type = "AbortSignal")]
     pub signal: IgnoredAny,
 }
