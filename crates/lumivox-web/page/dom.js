@@ -101,8 +101,8 @@ export function fillSelect(select, options, chosen) {
 /** A row of name and field.
  * @param {string} label @param {string} unit @param {HTMLElement} field @param {HTMLElement[]} more */
 export function row(label, unit, field, ...more) {
-    // Of a slider and its number the number bears the name: the slider has its own.
-    const named = field.querySelector(`input:not([type="range"])`) ?? field;
+    // Of several fields the number bears the name: the others have their own.
+    const named = field.querySelector(`input[type="number"]:not([aria-label])`) ?? field;
     named.id ||= `field-${(last += 1)}`;
     const name = h("label", { for: named.id }, label);
     if (unit) name.append(" ", h("small", {}, unit));

@@ -386,7 +386,7 @@ function listenToWorker() {
         byId("hint").hidden = !report.emission_alone;
         void measure();
         [last, waitedSince] = [report, performance.now()];
-        showTime(report.time_s);
+        if (asked === 0) showTime(report.time_s);
         showStatus();
         if (state() === "loading") return;
         if (report.warning !== undefined && report.warning !== warned) {

@@ -66,11 +66,12 @@ function showAnimations({ animations }, tell) {
     };
 }
 
-/** The slider follows what plays.
+/** The slider follows what plays, unless somebody drags it.
  * @param {number | undefined} seconds */
 export function showTime(seconds) {
-    if (seconds === undefined || byId("play").getAttribute("aria-pressed") !== "true") return;
-    byId("time", HTMLInputElement).value = String(seconds);
+    const time = byId("time", HTMLInputElement);
+    if (seconds === undefined || time.matches(":active")) return;
+    time.value = String(seconds);
     byId("time-value").textContent = seconds.toFixed(2);
 }
 
