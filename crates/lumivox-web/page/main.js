@@ -19,7 +19,7 @@ import { showChosen, showFacts, showScene, showTime } from "./scene.js";
 import { copyLink, download, linkState, showLink } from "./share.js";
 import { isPanorama, nameOf } from "./source.js";
 import { SplitLine } from "./split.js";
-import { statusText } from "./status.js";
+import { EVERY_MS, statusText } from "./status.js";
 import { showEnvironment } from "./surroundings.js";
 import { addReport, clearReports, showMemory } from "./timing.js";
 
@@ -40,8 +40,6 @@ import { addReport, clearReports, showMemory } from "./timing.js";
 
 /** The preset that the renderer starts with. */
 const FIRST_PRESET = "balanced";
-/** How often the time that is waited is told anew, ms. */
-const STATUS_MS = 250;
 /** Browsers' default limit of a texture's edge, pixels. */
 const LARGEST_PX = 8192;
 
@@ -339,8 +337,8 @@ async function setPreset(name) {
 function link() {
     const scale = byId("scale", HTMLInputElement).valueAsNumber;
     const changed = { preset: preset === FIRST_PRESET ? undefined : preset, scale: scale === usualScale ? undefined : scale };
-    const environment = opened?.scene.environment;
-    return linkState({ ...changed, source, panorama: isPanoramaThere() ? panorama?.source : null, environment, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
+    const around = { panorama: isPanoramaThere() ? panorama?.source : null, environment: opened?.scene.environment };
+    return linkState({ ...changed, ...around, source, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
 }
 
 async function savePicture() {
@@ -365,7 +363,6 @@ function resize() {
 }
 
 // --- What the worker tells -----------------------------------------------------------------------------------------
-
 function listenToWorker() {
     /** @type {{ end: () => void } | null} */
     let restoring = null;
@@ -375,7 +372,7 @@ function listenToWorker() {
         const complete = state() === "complete";
         if (last) byId("status").textContent = statusText({ ...last, complete }, performance.now() - waitedSince);
     };
-    setInterval(showStatus, STATUS_MS);
+    setInterval(showStatus, EVERY_MS);
     const probe = new Probe(canvas, (place) => opened ? client.call("probe", place) : Promise.resolve(undefined));
     const measure = () => attempt(followHistogram(() => client.call("histogram")));
     byId("picture-section").addEventListener("toggle", measure);
@@ -446,11 +443,11 @@ function fillPanel() {
     return list;
 }
 
-/** Strength and turn of a panorama, as a link has them.
- * @param {Opened} to @param {LinkState} linked */
-async function turnSurroundings({ scene }, { environment_intensity: factor = 1, environment_rotation: rotation_deg = 0 }) {
+/** Strength and turn of a panorama, as a link has them. @param {LinkState} linked */
+async function turnSurroundings({ environment_intensity: factor = 1, environment_rotation: rotation_deg = 0 }) {
+    if (!opened) return;
     await attempt(ask("environment", { radiance: [factor, factor, factor], rotation_deg }));
-    showSurroundings({ ...scene.environment, radiance: [factor, factor, factor], rotation_deg });
+    showSurroundings({ ...opened.scene.environment, radiance: [factor, factor, factor], rotation_deg });
 }
 
 async function start() {
@@ -480,8 +477,7 @@ async function start() {
     new ResizeObserver(resize).observe(canvas);
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
     listenForCamera();
-    const steps = { undo: () => void step("undo"), redo: () => void step("redo") };
-    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), ...steps });
+    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), undo: () => void step("undo"), redo: () => void step("redo") });
     // A slider that is let go of, a number that was typed: what comes next is a change of its own.
     addEventListener("change", () => void client.call("endGesture"), true);
     listenForFiles((files) => void open(files), (text) => say(text));
@@ -495,7 +491,7 @@ async function start() {
         void attempt(ask("split", linked.split));
     }
     await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera, linked.environment);
-    if (linked.environment !== undefined && opened) await turnSurroundings(opened, linked);
+    if (linked.environment !== undefined) await turnSurroundings(linked);
     // An address that is gone leaves no empty page.
     if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
 }

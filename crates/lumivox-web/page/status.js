@@ -5,6 +5,8 @@ import { grouped } from "./dom.js";
 
 /** @typedef {import("./types.js").FrameReport} FrameReport */
 
+/** How often the time that is waited is told anew, ms. */
+export const EVERY_MS = 250;
 /** What comes sooner is not waited for, ms. */
 const PATIENCE_MS = 500;
 

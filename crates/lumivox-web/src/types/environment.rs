@@ -53,6 +53,7 @@ pub struct EnvironmentChange {
 }
 
 /// Tells null from nothing.
+#[allow(clippy::option_option, reason = "null takes the panorama away, nothing leaves it")]
 fn given<'a, D: serde::Deserializer<'a>>(value: D) -> Result<Option<Option<String>>, D::Error> {
     Deserialize::deserialize(value).map(Some)
 }

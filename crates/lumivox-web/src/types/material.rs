@@ -206,7 +206,7 @@ fn vector(
     value: Option<Vec3>,
     most: f32,
 ) -> Result<Option<Vec3>, WebError> {
-    for channel in value.iter().flat_map(|vector| vector.to_array()) {
+    for channel in value.iter().flat_map(Vec3::to_array) {
         number(name, property, Some(channel), 0.0..=most)?;
     }
     Ok(value)

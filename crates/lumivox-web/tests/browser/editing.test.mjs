@@ -355,7 +355,7 @@ test("a first, coarse picture comes before the one that was asked for", async ()
             events.push("picture");
             return texture.call(this);
         };
-        const scene = await renderer.loadScene("builtin:spheres", ({ stage }) => void (events.at(-1) !== stage && events.push(stage)));
+        const scene = await renderer.loadScene("builtin:spheres", (/** @type {{ stage: string }} */ { stage }) => void (events.at(-1) !== stage && events.push(stage)));
         context.getCurrentTexture = texture;
         return { events, voxels: scene.voxels, resolution: (await renderer.settings()).resolution };
     });
