@@ -106,6 +106,12 @@ export function frame(camera, bounds) {
     return { ...camera, target, position: subtract(target, scale(axes(camera).forward, distance)) };
 }
 
+/** Turns the camera where it stands towards a point, which it orbits from then on.
+ * @param {Camera} camera @param {Vec3} point @returns {Camera} */
+export function lookAt(camera, point) {
+    return length(subtract(point, camera.position)) > 0 ? { ...camera, target: point } : camera;
+}
+
 /** The camera for a picture of this aspect (width by height): an upright one sees as far to the sides as a square one,
  * so that a phone shows what a desktop does, up to 150 degrees.
  * @param {Camera} camera @param {number} aspect @returns {Camera} */

@@ -28,6 +28,11 @@ export class LastOf {
         return run;
     }
 
+    /** Ends when nothing waits any more, however it ended. */
+    async settled() {
+        await Promise.allSettled(this.#runs.values());
+    }
+
     /** @param {string} thing */
     async #all(thing) {
         for (let change = this.#waiting.get(thing); change; change = this.#waiting.get(thing)) {

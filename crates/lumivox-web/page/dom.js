@@ -66,6 +66,31 @@ export function numberInput(attributes, change) {
     return input;
 }
 
+/** A number's field with a value.
+ * @param {number} value @param {(value: number) => void} change @param {Attributes} [attributes] */
+export function number(value, change, attributes = {}) {
+    const input = numberInput(attributes, change);
+    input.value = plain(value);
+    return input;
+}
+
+/** A slider with a number's field beside it.
+ * @param {string} label @param {number} value @param {{ min?: number, max: number, step?: number }} range
+ * @param {(value: number) => void} change */
+export function slider(label, value, { min = 0, max, step = 0.01 }, change) {
+    const range = h("input", { type: "range", min, max, step: "any", "aria-label": label });
+    range.value = String(value);
+    const field = number(value, (now) => {
+        range.value = String(now);
+        change(now);
+    }, { step, min, max, class: "short" });
+    range.addEventListener("input", () => {
+        field.value = String(Number(range.valueAsNumber.toFixed(2)));
+        change(Number(field.value));
+    });
+    return h("span", { class: "pair" }, range, field);
+}
+
 /** Options of a list, with the one that is chosen.
  * @param {HTMLSelectElement} select @param {{ value: string, label: string }[]} options @param {string} chosen */
 export function fillSelect(select, options, chosen) {
@@ -76,8 +101,10 @@ export function fillSelect(select, options, chosen) {
 /** A row of name and field.
  * @param {string} label @param {string} unit @param {HTMLElement} field @param {HTMLElement[]} more */
 export function row(label, unit, field, ...more) {
-    field.id ||= `field-${(last += 1)}`;
-    const name = h("label", { for: field.id }, label);
+    // Of several fields the number bears the name: the others have their own.
+    const named = field.querySelector(`input[type="number"]:not([aria-label])`) ?? field;
+    named.id ||= `field-${(last += 1)}`;
+    const name = h("label", { for: named.id }, label);
     if (unit) name.append(" ", h("small", {}, unit));
     return h("div", { class: "row" }, name, field, ...more);
 }

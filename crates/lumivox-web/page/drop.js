@@ -40,7 +40,7 @@ export function listenForFiles(open, refuse) {
     /** @param {SourceFile[]} files */
     const offer = (files) => {
         if (files.length > 0) open(files);
-        else refuse("There is no file in what was dropped: drop a .glb, a .gltf with its files, or an .obj with its .mtl");
+        else refuse("There is no file in what was dropped: drop a .glb, a .gltf with its files, an .obj with its .mtl, or an .hdr or .exr panorama");
     };
 }
 

@@ -2,7 +2,10 @@
 // The tool bar's buttons and their keys.
 
 import { byId } from "./dom.js";
-import { closeNewest } from "./messages.js";
+import { closeNewest, say } from "./messages.js";
+
+/** Fields that take back what was typed themselves. */
+const TYPED = `input:not([type="range"], [type="checkbox"], [type="radio"], [type="color"])`;
 
 /** Letters that press a button. */
 const SHORTCUTS = /** @type {Record<string, string>} */ ({ o: "open", p: "picture", l: "link", "?": "help" });
@@ -13,20 +16,67 @@ export function showPanel(isOpen) {
     byId("panel-toggle").setAttribute("aria-expanded", String(isOpen));
 }
 
+/** Shows the page on the whole screen, without its panel at first, or no longer. */
+async function toggleFullScreen() {
+    if (document.fullscreenElement) return document.exitFullscreen();
+    await document.documentElement.requestFullscreen();
+    showPanel(false);
+}
+
+/** The button says what it will do, whoever has ended the full screen.
+ * @param {boolean} hadPanel whether the panel was there before */
+function followFullScreen(hadPanel) {
+    const isFull = document.fullscreenElement !== null;
+    byId("fullscreen").setAttribute("aria-pressed", String(isFull));
+    if (!isFull) showPanel(hadPanel);
+}
+
+/** What can be taken back and done again.
+ * @param {{ undo?: string, redo?: string }} report */
+export function showSteps({ undo, redo }) {
+    for (const [id, what, keys] of [["undo", undo, "Ctrl + Z"], ["redo", redo, "Ctrl + Shift + Z"]]) {
+        const button = byId(String(id), HTMLButtonElement);
+        const name = id === "undo" ? "Undo" : "Redo";
+        button.disabled = what === undefined;
+        button.title = what === undefined ? `${name}: nothing (${keys})` : `${name}: ${what} (${keys})`;
+    }
+}
+
 /** Listens to the buttons, and to their keys while no field has the focus.
- * @param {{ picture: () => void, link: () => void }} actions */
+ * @param {{ picture: () => void, link: () => void, undo: () => void, redo: () => void }} actions */
 export function listenToTools(actions) {
     const keys = byId("keys", HTMLDialogElement);
+    let hadPanel = true;
+    // Phones of one maker have none.
+    byId("fullscreen").hidden = !document.fullscreenEnabled;
+    document.addEventListener("fullscreenchange", () => followFullScreen(hadPanel));
     /** @type {Record<string, () => void>} */
     const clicks = {
         ...actions,
         open: () => byId("files").click(),
         help: () => keys.showModal(),
+        fullscreen: () => {
+            if (!document.fullscreenElement) hadPanel = !byId("panel").hidden;
+            toggleFullScreen().catch((error) => say(`The browser gives no full screen: ${error.message}`));
+        },
         "panel-toggle": () => showPanel(byId("panel").hidden),
         "panel-close": () => (showPanel(false), byId("panel-toggle").focus()),
     };
     for (const [id, click] of Object.entries(clicks)) byId(id).addEventListener("click", click);
     addEventListener("keydown", (event) => {
+        if (event.altKey && event.key === "Enter" && !keys.open) {
+            event.preventDefault();
+            return clicks.fullscreen();
+        }
+        const isTyped = event.target instanceof Element && event.target.matches(TYPED);
+        if ((event.ctrlKey || event.metaKey) && !event.altKey && !keys.open && !isTyped) {
+            const key = event.key.toLowerCase();
+            const way = key === "y" || (key === "z" && event.shiftKey) ? "redo" : key === "z" ? "undo" : undefined;
+            if (way) {
+                event.preventDefault();
+                byId(way).click();
+            }
+        }
         if (event.ctrlKey || event.metaKey || event.altKey || keys.open) return;
         if (event.key === "Escape" && closeNewest()) event.preventDefault();
         // Letters belong to the field that has the focus.

@@ -1,7 +1,8 @@
 // @ts-check
 // The scene's lights and objects.
 
-import { byId, h, numberInput, plain, row } from "./dom.js";
+import { hex, linear } from "./color.js";
+import { byId, h, number, numberInput, plain, row } from "./dom.js";
 
 /** @typedef {import("./types.js").Camera} Camera */
 /** @typedef {import("./types.js").Light} Light */
@@ -83,13 +84,6 @@ function lightFields(light, open, change, remove) {
     return h("details", { "data-name": name, open }, h("summary", {}, dot, name, " ", h("small", {}, KINDS[kind])), fields);
 }
 
-/** @param {number} value @param {(value: number) => void} change */
-function number(value, change) {
-    const input = numberInput({}, change);
-    input.value = plain(value);
-    return input;
-}
-
 /** @param {string} label @param {string} unit @param {Vec3} vector @param {(vector: Vec3) => void} change */
 function three(label, unit, vector, change) {
     const now = /** @type {Vec3} */ ([...vector]);
@@ -106,27 +100,6 @@ function three(label, unit, vector, change) {
     return h("div", { class: "row", role: "group", "aria-label": label }, name, h("span", { class: "pair" }, ...inputs));
 }
 
-/** A linear colour as the screen shows it, as bright as its strongest part (IEC 61966-2-1).
- * @param {Vec3} color */
-function hex(color) {
-    const peak = Math.max(...color, 1e-12);
-    const byte = (/** @type {number} */ part) => {
-        const share = Math.max(0, part / peak);
-        const encoded = share <= 0.0031308 ? 12.92 * share : 1.055 * share ** (1 / 2.4) - 0.055;
-        return Math.round(encoded * 255).toString(16).padStart(2, "0");
-    };
-    return `#${color.map(byte).join("")}`;
-}
-
-/** @param {string} text @returns {Vec3} */
-function linear(text) {
-    const part = (/** @type {number} */ at) => {
-        const encoded = Number.parseInt(text.slice(at, at + 2), 16) / 255;
-        return encoded <= 0.04045 ? encoded / 12.92 : ((encoded + 0.055) / 1.055) ** 2.4;
-    };
-    return [part(1), part(3), part(5)];
-}
-
 /** Objects by name, each with a box that hides it.
  * @param {SceneInfo["objects"]} objects @param {(object: number, hidden: boolean) => void} hide */
 export function showObjects(objects, hide) {
@@ -141,7 +114,7 @@ export function showObjects(objects, hide) {
                 object.hidden = !box.checked;
                 hide(index, object.hidden);
             });
-            return h("label", { class: "object" }, box, object.name || `object ${index + 1}`);
+            return h("label", { class: "object", "data-object": index }, box, object.name || `object ${index + 1}`);
         });
         list.replaceChildren(...boxes);
         if (found.length > MOST_OBJECTS) list.append(h("p", { class: "weak" }, `and ${found.length - MOST_OBJECTS} more: filter by name`));

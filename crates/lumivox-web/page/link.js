@@ -18,6 +18,9 @@ export function encode(state) {
     /** @type {[string, string][]} */
     const fields = [];
     if (state.scene !== undefined) fields.push(["scene", state.scene]);
+    if (state.environment !== undefined) fields.push(["environment", state.environment]);
+    if (state.environment_intensity !== undefined) fields.push(["environment_intensity", short(state.environment_intensity)]);
+    if (state.environment_rotation !== undefined) fields.push(["environment_rotation", short(state.environment_rotation)]);
     if (state.preset !== undefined) fields.push(["preset", state.preset]);
     if (state.camera) fields.push(["camera", cameraText(state.camera)]);
     if (state.split) fields.push(["split", `${state.split.right},${short(state.split.at)}`]);
@@ -57,6 +60,9 @@ export function decode(hash, known) {
  * @param {{ parameters: ParameterInfo[], presets: { name: string }[] }} known */
 function readField(state, name, text, { parameters, presets }) {
     if (name === "scene") state.scene = sceneOf(text);
+    else if (name === "environment") state.environment = addressOf(name, text);
+    else if (name === "environment_intensity") state.environment_intensity = between(name, text, 0, 1e10);
+    else if (name === "environment_rotation") state.environment_rotation = between(name, text, -360, 360);
     else if (name === "camera") state.camera = cameraOf(text);
     else if (name === "split") state.split = splitOf(text, parameters);
     else if (name === "preset") state.preset = oneOf(name, text, presets.map((preset) => preset.name));
@@ -102,7 +108,7 @@ function short(number) {
 }
 
 /** @param {Camera} camera */
-function cameraText(camera) {
+export function cameraText(camera) {
     const numbers = [...camera.position, ...camera.target, camera.vertical_fov_deg];
     const [x, y, z] = camera.up;
     if (x !== 0 || y !== 1 || z !== 0) numbers.push(x, y, z);
@@ -110,7 +116,7 @@ function cameraText(camera) {
 }
 
 /** @param {string} text @returns {Camera} */
-function cameraOf(text) {
+export function cameraOf(text) {
     const numbers = text.split(",").map(numberOf);
     const format = "camera must be 7 or 10 numbers: position, target, vertical angle in degrees, and up";
     if (numbers.length !== 7 && numbers.length !== 10) throw new Error(format);
@@ -136,10 +142,14 @@ function splitOf(text, parameters) {
 
 /** @param {string} text */
 function sceneOf(text) {
-    if (/^builtin:[a-z0-9-]+$/.test(text)) return text;
-    // Only what a page may fetch: no scripts, no data from within the link.
+    return /^builtin:[a-z0-9-]+$/.test(text) ? text : addressOf("scene", text, "builtin:NAME or ");
+}
+
+/** Only what a page may fetch: no scripts, no data from within the link.
+ * @param {string} name @param {string} text @param {string} [others] what it may be besides */
+function addressOf(name, text, others = "") {
     if (/^https?:\/\/[^/\s]/i.test(text) || (text !== "" && !/^[a-z][a-z0-9+.-]*:/i.test(text))) return text;
-    throw new Error(`scene must be builtin:NAME or an address with http or https, not "${text}"`);
+    throw new Error(`${name} must be ${others}an address with http or https, not "${text}"`);
 }
 
 /** @param {string} field @returns {[string, string]} */

@@ -1,31 +1,42 @@
 // @ts-check
 // The page: what is shown, what was asked for, and how the parts come together. The renderer is in the worker.
 
-import { fitted, frame } from "./camera.js";
+import { fitted, frame, lookAt } from "./camera.js";
+import { CameraList } from "./cameras.js";
 import { Client, WorkerError } from "./client.js";
 import { Controls } from "./controls.js";
 import { byId, plain } from "./dom.js";
 import { listenForFiles } from "./drop.js";
-import { listenToTools, showPanel } from "./keys.js";
-import { newLight, showLights } from "./lights.js";
+import { followHistogram } from "./histogram.js";
+import { listenToTools, showPanel, showSteps } from "./keys.js";
+import { newLight, showLights, showObjects } from "./lights.js";
 import { decode } from "./link.js";
+import { showMaterials } from "./materials.js";
 import { announce, loading, say, showUnsupported } from "./messages.js";
 import { Parameters, radios, same } from "./parameters.js";
-import { cameraChoices, showFacts, showScene } from "./scene.js";
+import { Probe } from "./probe.js";
+import { showChosen, showFacts, showScene, showTime } from "./scene.js";
 import { copyLink, download, linkState, showLink } from "./share.js";
+import { isPanorama, nameOf } from "./source.js";
 import { SplitLine } from "./split.js";
-import { addReport, clearReports, milliseconds, showMemory } from "./timing.js";
+import { EVERY_MS, statusText } from "./status.js";
+import { showEnvironment } from "./surroundings.js";
+import { addReport, clearReports, showMemory } from "./timing.js";
 
 /** @typedef {import("./types.js").Camera} Camera */
 /** @typedef {import("./types.js").Catalogue} Catalogue */
 /** @typedef {import("./types.js").Changed} Changed */
+/** @typedef {import("./types.js").Environment} Environment */
 /** @typedef {import("./types.js").FrameReport} FrameReport */
 /** @typedef {import("./types.js").Light} Light */
+/** @typedef {import("./types.js").LinkState} LinkState */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").Picked} Picked */
 /** @typedef {import("./types.js").Progress} Progress */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
+/** @typedef {import("./types.js").Stepped} Stepped */
 
 /** The preset that the renderer starts with. */
 const FIRST_PRESET = "balanced";
@@ -45,6 +56,12 @@ let split;
 let opened = null;
 /** @type {Source | null} */
 let source = null;
+/** The panorama that was put around it by itself. @type {{ source: Source, name?: string } | null} */
+let panorama = null;
+/** How often something was opened: what was overtaken is silent. */
+let openings = 0;
+/** The object that was chosen last. @type {Picked | undefined} */
+let chosen;
 /** What the last picture was warned of. @type {string | undefined} */
 let warned;
 /** @type {Camera | null} */
@@ -56,6 +73,7 @@ let preset = FIRST_PRESET;
  * @type {Set<string>} */
 const touched = new Set();
 let aspect = 1;
+const cameras = new CameraList(() => camera, (to) => moveTo(to, false));
 /** Phones and the like have more pixels than one sees. */
 const usualScale = devicePixelRatio >= 2 ? 0.5 : 1;
 
@@ -64,13 +82,18 @@ const usualScale = devicePixelRatio >= 2 ? 0.5 : 1;
 const state = (now = document.documentElement.dataset.state) => (document.documentElement.dataset.state = now);
 /** Changes that the worker has not answered. */
 let asked = 0;
+/** Since when the next frame is waited for, ms. */
+let waitedSince = 0;
 
 /** Asks the worker for a change: until it is answered and rendered, no picture is complete.
  * @template T
  * @param {string} call @param {unknown} data @param {(progress: Progress) => void} [onProgress] @returns {Promise<T>} */
 function ask(call, data, onProgress) {
     asked += 1;
-    if (state() === "complete") state("rendering");
+    if (state() === "complete") {
+        state("rendering");
+        waitedSince = performance.now();
+    }
     return client.call(call, data, onProgress).finally(() => (asked -= 1));
 }
 
@@ -103,35 +126,129 @@ function startAgain() {
 
 // --- Scene and camera ----------------------------------------------------------------------------------------------
 
-/** What is put around scenes. */
-const surroundings = () => /** @type {"auto" | "studio" | "sky" | "none"} */ (byId("surroundings", HTMLSelectElement).value);
+const surroundings = byId("surroundings", HTMLSelectElement);
 
-/** Opens a scene; the one before stays if that fails.
- * @param {Source} from @param {Camera} [place] where the camera shall be */
-async function open(from, place) {
-    const name = typeof from === "string" ? from.replace(/^builtin:/, "") : (from.find(({ path }) => /\.(glb|gltf|obj)$/i.test(path)) ?? from[0]).path;
-    const busy = loading(`Loading ${name}`);
+/** Shows what takes a while and can be cancelled; gives what came of it, or nothing where the last scene stays.
+ * @template T
+ * @param {string} name @param {(onProgress: (progress: Progress) => void) => Promise<T>} load @returns {Promise<T | undefined>} */
+async function opening(name, load) {
+    const mine = (openings += 1);
+    const busy = loading(`Loading ${name}`, () => void client.call("cancel"));
     state("loading");
     announce(`Loading ${name}`);
     try {
-        /** @type {Opened} */
-        const now = await ask("load", { source: from, camera: place && fitted(place, aspect), options: { surroundings: surroundings() } }, busy.progress);
-        [opened, source] = [now, from];
-        camera = place ?? now.scene.camera;
-        clearReports();
-        showScene(now.scene, typeof from === "string" ? from : "", (call, data) => void attempt(ask(call, data)));
-        showAllLights(now.scene.lights);
-        showSettings(now.settings);
-        if (!place && aspect < 1) sendCamera(false);
-        announce(`${now.scene.name} is loaded: ${byId("facts").textContent}`);
+        const now = await load(busy.progress);
         state("rendering");
+        return now;
     } catch (error) {
-        fail(error);
+        // Another has taken its place.
+        if (mine !== openings) return undefined;
         state(opened ? "rendering" : "empty");
+        if (error instanceof WorkerError && error.code === "aborted") say(`Loading ${name} was cancelled`, { kind: "note" });
+        else fail(error);
         byId("scene", HTMLSelectElement).value = typeof source === "string" ? source : "";
+        return undefined;
     } finally {
         busy.end();
     }
+}
+
+/** Opens a scene, or puts a panorama around the one that is there; the one before stays if that fails.
+ * @param {Source} from @param {Camera} [place] where the camera shall be
+ * @param {string} [around] the address of a panorama */
+async function open(from, place, around) {
+    if (isPanorama(from)) return surround(from);
+    const options = { surroundings: surroundings.value === "panorama" ? "auto" : surroundings.value };
+    const data = { source: from, panorama: around, camera: place && fitted(place, aspect), options };
+    /** @type {Opened | undefined} */
+    const now = await opening(nameOf(from), (onProgress) => ask("load", data, onProgress));
+    if (!now) return;
+    [opened, source, panorama, chosen] = [now, from, null, undefined];
+    if (around !== undefined) panorama = { source: around, name: now.scene.environment.panorama };
+    surroundings.value = options.surroundings;
+    camera = place ?? now.scene.camera;
+    clearReports();
+    showScene(now.scene, typeof from === "string" ? from : "", (call, data) => void attempt(ask(call, data)));
+    showAllObjects();
+    cameras.open(now.scene, typeof from === "string" ? from : now.scene.name);
+    showAllLights(now.scene.lights);
+    showSurroundings(now.scene.environment);
+    showAllMaterials();
+    showSettings(now.settings);
+    if (!place && aspect < 1) sendCamera(false);
+    announce(`${now.scene.name} is loaded: ${byId("facts").textContent}`);
+}
+
+/** Puts a panorama around the scene.
+ * @param {Source} from */
+async function surround(from) {
+    const now = await opening(nameOf(from), (onProgress) => ask("panorama", from, onProgress));
+    if (!now || !opened) return;
+    panorama = { source: from, name: now.environment.panorama };
+    showSurroundings(now.environment);
+    showAllLights(now.lights);
+    announce(`${now.environment.panorama} is around the scene`);
+}
+
+/** Whether the one that was put there is still there. */
+const isPanoramaThere = () => panorama !== null && opened?.scene.environment.panorama === panorama.name;
+
+/** @param {Environment} environment */
+function showSurroundings(environment) {
+    if (!opened) return;
+    opened.scene.environment = environment;
+    if (isPanoramaThere()) surroundings.value = "panorama";
+    else if (surroundings.value === "panorama") surroundings.value = "auto";
+    showEnvironment(environment, (change) => void attempt(ask("environment", change)));
+}
+
+function showAllObjects() {
+    showObjects(opened?.scene.objects ?? [], (object, hidden) => void attempt(ask("hide", { object, hidden })));
+    showChosen(chosen?.object);
+}
+
+/** Takes the last change back, or does it again.
+ * @param {"undo" | "redo"} way */
+async function step(way) {
+    if (!opened || byId(way, HTMLButtonElement).disabled) return;
+    /** @type {Stepped | undefined} */
+    const now = await attempt(ask(way, null));
+    if (!now) return;
+    Object.assign(opened, { materials: now.materials });
+    Object.assign(opened.scene, { lights: now.scene.lights, objects: now.scene.objects, voxels: now.scene.voxels });
+    showFacts(opened.scene);
+    showAllObjects();
+    showAllLights(now.scene.lights);
+    showSurroundings(now.scene.environment);
+    showAllMaterials();
+    showSettings(now.settings);
+    announce(`${way === "undo" ? "Taken back" : "Done again"}: ${now.words}`);
+}
+
+function showAllMaterials() {
+    const change = (/** @type {number} */ index, /** @type {object} */ change) => void attempt(ask("material", { index, change }));
+    showMaterials(opened?.materials ?? [], chosen?.material, change);
+}
+
+/** @param {Picked | undefined} object */
+function choose(object) {
+    chosen = object;
+    showChosen(object?.object);
+    showAllMaterials();
+    announce(object && opened ? `${opened.scene.objects[object.object].name} is chosen` : "Nothing is chosen");
+}
+
+/** Chooses what is at a place of the picture, and looks at it, or shows all of it.
+ * @param {MouseEvent} event */
+async function pick({ clientX, clientY, shiftKey }) {
+    if (!opened) return;
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    const { number } = opened;
+    /** @type {Picked | undefined} */
+    const found = await attempt(client.call("pick", { x: (clientX - left) / width, y: (clientY - top) / height }));
+    if (number !== opened?.number || !camera) return;
+    choose(found);
+    if (found) moveTo(shiftKey ? frame(camera, found.bounds) : lookAt(camera, found.position), false);
 }
 
 /** @param {boolean} isMoving */
@@ -145,19 +262,15 @@ function moveTo(to, isMoving) {
     sendCamera(isMoving);
 }
 
-function goHome() {
-    if (opened) moveTo(cameraChoices(opened.scene)[Number(byId("camera", HTMLSelectElement).value)], false);
-}
-
 function listenForCamera() {
     new Controls(canvas, () => (camera && opened ? { camera, scene: opened.scene } : null), (to) => moveTo(to, true));
-    byId("camera").addEventListener("change", goHome);
-    byId("surroundings").addEventListener("change", () => source && void open(source, camera ?? undefined));
-    byId("home").addEventListener("click", goHome);
+    surroundings.addEventListener("change", () => source && void open(source, camera ?? undefined));
+    canvas.addEventListener("dblclick", (event) => void pick(event));
     canvas.addEventListener("keydown", ({ code, ctrlKey, metaKey, altKey }) => {
         if (ctrlKey || metaKey || altKey) return;
-        if (code === "Home") goHome();
-        if (code === "KeyF" && camera && opened) moveTo(frame(camera, opened.scene.bounds), false);
+        if (code === "Home") cameras.home();
+        if (code === "KeyF" && camera && opened) moveTo(frame(camera, chosen?.bounds ?? opened.scene.bounds), false);
+        if (code === "Escape" && chosen) choose(undefined);
     });
 }
 
@@ -224,7 +337,8 @@ async function setPreset(name) {
 function link() {
     const scale = byId("scale", HTMLInputElement).valueAsNumber;
     const changed = { preset: preset === FIRST_PRESET ? undefined : preset, scale: scale === usualScale ? undefined : scale };
-    return linkState({ ...changed, source, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
+    const around = { panorama: isPanoramaThere() ? panorama?.source : null, environment: opened?.scene.environment };
+    return linkState({ ...changed, ...around, source, camera, split: split?.value, settings, touched }, catalogue?.parameters ?? []);
 }
 
 async function savePicture() {
@@ -249,14 +363,28 @@ function resize() {
 }
 
 // --- What the worker tells -----------------------------------------------------------------------------------------
-
 function listenToWorker() {
     /** @type {{ end: () => void } | null} */
     let restoring = null;
+    /** @type {FrameReport | undefined} */
+    let last;
+    const showStatus = () => {
+        const complete = state() === "complete";
+        if (last) byId("status").textContent = statusText({ ...last, complete }, performance.now() - waitedSince);
+    };
+    setInterval(showStatus, EVERY_MS);
+    const probe = new Probe(canvas, (place) => opened ? client.call("probe", place) : Promise.resolve(undefined));
+    const measure = () => attempt(followHistogram(() => client.call("histogram")));
+    byId("picture-section").addEventListener("toggle", measure);
     client.on("frame", (/** @type {FrameReport} */ report) => {
         addReport(report);
-        const reference = report.reference_samples === undefined ? "" : ` · reference ${report.reference_samples} samples`;
-        byId("status").textContent = `${report.frame}/${report.frames} frames · ${milliseconds(report.frame_ms)}${reference}`;
+        probe.look();
+        showSteps(report);
+        byId("hint").hidden = !report.emission_alone;
+        void measure();
+        [last, waitedSince] = [report, performance.now()];
+        if (asked === 0) showTime(report.time_s);
+        showStatus();
         if (state() === "loading") return;
         if (report.warning !== undefined && report.warning !== warned) {
             say(`${report.warning}: choose other surroundings, add a light, or set the exposure`, { kind: "note" });
@@ -264,6 +392,7 @@ function listenToWorker() {
         warned = report.warning;
         const isComplete = report.complete && asked === 0;
         state(isComplete ? "complete" : "rendering");
+        showStatus();
         if (isComplete) void attempt(client.call("memory")).then((memory) => memory && showMemory(/** @type {Memory[]} */ (memory)));
     });
     const endRestoring = () => {
@@ -314,6 +443,13 @@ function fillPanel() {
     return list;
 }
 
+/** Strength and turn of a panorama, as a link has them. @param {LinkState} linked */
+async function turnSurroundings({ environment_intensity: factor = 1, environment_rotation: rotation_deg = 0 }) {
+    if (!opened) return;
+    await attempt(ask("environment", { radiance: [factor, factor, factor], rotation_deg }));
+    showSurroundings({ ...opened.scene.environment, radiance: [factor, factor, factor], rotation_deg });
+}
+
 async function start() {
     byId("scale", HTMLInputElement).value = String(usualScale);
     // A phone shows the picture first.
@@ -341,7 +477,9 @@ async function start() {
     new ResizeObserver(resize).observe(canvas);
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
     listenForCamera();
-    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()) });
+    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), undo: () => void step("undo"), redo: () => void step("redo") });
+    // A slider that is let go of, a number that was typed: what comes next is a change of its own.
+    addEventListener("change", () => void client.call("endGesture"), true);
     listenForFiles((files) => void open(files), (text) => say(text));
     addEventListener("hashchange", () => location.reload());
     resize();
@@ -352,7 +490,8 @@ async function start() {
         split.show(linked.split);
         void attempt(ask("split", linked.split));
     }
-    await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera);
+    await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera, linked.environment);
+    if (linked.environment !== undefined) await turnSurroundings(linked);
     // An address that is gone leaves no empty page.
     if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
 }

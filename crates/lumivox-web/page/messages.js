@@ -2,6 +2,7 @@
 // What the page says: errors that stay until they are closed, how far a loading is, and news for screen readers.
 
 import { byId, h, iconButton, title } from "./dom.js";
+import { seconds } from "./status.js";
 
 /** @typedef {import("./types.js").Progress} Progress */
 
@@ -12,6 +13,7 @@ const PATIENCE_MS = 200;
 
 /** Words for the renderer's stages. */
 const STAGES = /** @type {Record<string, string>} */ ({
+    fetching: "Fetching",
     reading: "Reading",
     compile: "Compiling shaders",
     upload: "Uploading",
@@ -53,26 +55,46 @@ export function announce(text) {
     byId("live").textContent = text;
 }
 
+/** Stages from which on there is no way back to what was before. */
+const FINAL = new Set(["compile", "upload", "voxelize", "light"]);
+
 let loadings = 0;
 
-/** Shows that something is going on, if it takes a moment. `end` must be called whatever happens.
- * @param {string} what @returns {{ progress: (progress: Progress) => void, end: () => void }} */
-export function loading(what) {
+/** Shows what is waited for and for how long, if it takes a moment. `end` must be called whatever happens.
+ * @param {string} what @param {() => void} [cancel]
+ * @returns {{ progress: (progress: Progress) => void, end: () => void }} */
+export function loading(what, cancel) {
     loadings += 1;
-    const show = (/** @type {string} */ text, /** @type {number | undefined} */ share) => {
+    const start = performance.now();
+    let text = what;
+    const button = byId("loading-cancel");
+    const show = () => {
         byId("loading-stage").textContent = text;
-        const bar = byId("loading-bar", HTMLProgressElement);
-        if (share === undefined) bar.removeAttribute("value");
-        else bar.value = share;
+        byId("loading-time").textContent = seconds(performance.now() - start);
     };
-    show(what, undefined);
+    const bar = byId("loading-bar", HTMLProgressElement);
+    bar.removeAttribute("value");
+    show();
+    button.hidden = !cancel;
+    button.onclick = () => {
+        text = `${what}: cancelling`;
+        button.hidden = true;
+        show();
+        cancel?.();
+    };
     const timer = setTimeout(() => (byId("loading").hidden = false), PATIENCE_MS);
+    const clock = setInterval(show, 100);
     return {
         progress({ stage, done, total }) {
-            show(`${what}: ${(STAGES[stage] ?? title(stage)).toLowerCase()}`, total > 1 ? done / total : undefined);
+            text = `${what}: ${(STAGES[stage] ?? title(stage)).toLowerCase()}`;
+            if (FINAL.has(stage)) button.hidden = true;
+            if (total > 1) bar.value = done / total;
+            else bar.removeAttribute("value");
+            show();
         },
         end() {
             clearTimeout(timer);
+            clearInterval(clock);
             loadings -= 1;
             if (loadings === 0) byId("loading").hidden = true;
         },

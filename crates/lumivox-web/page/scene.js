@@ -1,18 +1,10 @@
 // @ts-check
-// What the panel says of a scene: its name and size, cameras, animations, objects, and what was approximated.
+// What the panel says of a scene: its name and size, animations, objects, and what was approximated.
 
 import { byId, fillSelect, grouped, h } from "./dom.js";
-import { showObjects } from "./lights.js";
 
-/** @typedef {import("./types.js").Camera} Camera */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {(call: string, data: unknown) => void} Tell to the worker */
-
-/** The cameras that one can choose, the one of the beginning first.
- * @param {SceneInfo} scene @returns {Camera[]} */
-export function cameraChoices({ camera, cameras }) {
-    return [camera, ...cameras.filter(({ name }) => !name || name !== camera.name)];
-}
 
 /** @param {SceneInfo} scene @param {string} address @param {Tell} tell */
 export function showScene(scene, address, tell) {
@@ -23,9 +15,6 @@ export function showScene(scene, address, tell) {
     scenes.value = [...scenes.options].some(({ value }) => value === address) ? address : "";
     scenes.options[0].textContent = scenes.value === "" ? scene.name : "a file or an address";
     showFacts(scene);
-    const cameras = cameraChoices(scene).map(({ name }, index) => ({ value: String(index), label: name || `camera ${index + 1}` }));
-    fillSelect(byId("camera", HTMLSelectElement), cameras, "0");
-    showObjects(scene.objects, (object, hidden) => tell("hide", { object, hidden }));
     showNotes(scene.notes);
     showAnimations(scene, tell);
 }
@@ -69,8 +58,29 @@ function showAnimations({ animations }, tell) {
     time.value = "0";
     play.onclick = () => set(play.getAttribute("aria-pressed") !== "true");
     select.onchange = () => set(true);
+    byId("time-value").textContent = "0.00";
     time.oninput = () => {
         if (play.getAttribute("aria-pressed") === "true") set(false);
+        byId("time-value").textContent = time.valueAsNumber.toFixed(2);
         tell("time", time.valueAsNumber);
     };
+}
+
+/** The slider follows what plays, unless somebody drags it.
+ * @param {number | undefined} seconds */
+export function showTime(seconds) {
+    const time = byId("time", HTMLInputElement);
+    if (seconds === undefined || time.matches(":active")) return;
+    time.value = String(seconds);
+    byId("time-value").textContent = seconds.toFixed(2);
+}
+
+/** Marks the chosen object in the list, and brings it into view.
+ * @param {number | undefined} object */
+export function showChosen(object) {
+    for (const label of byId("objects").querySelectorAll(".object")) {
+        const isChosen = label.getAttribute("data-object") === String(object);
+        label.toggleAttribute("aria-current", isChosen);
+        if (isChosen) label.scrollIntoView({ block: "nearest" });
+    }
 }

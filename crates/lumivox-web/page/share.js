@@ -6,6 +6,7 @@ import { encode } from "./link.js";
 import { say } from "./messages.js";
 
 /** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").Environment} Environment */
 /** @typedef {import("./types.js").LinkState} LinkState */
 /** @typedef {import("./types.js").ParameterInfo} ParameterInfo */
 /** @typedef {import("./types.js").Settings} Settings */
@@ -15,15 +16,21 @@ import { say } from "./messages.js";
 /** What a link has to carry. Of the settings those that were set by hand, since others follow from these: VXCT's own
  * change with the volume, and setting them would ask for its look. What is back at its default is left out, but not
  * behind a preset, which has its own.
- * @param {{ source: Source | null, preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
+ * @param {{ source: Source | null, panorama?: Source | null, environment?: Environment, preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
  *   settings: Settings, touched: Set<string> }} now
  * @param {ParameterInfo[]} parameters @returns {LinkState} */
-export function linkState({ source, preset, camera, split, scale, settings, touched }, parameters) {
+export function linkState({ source, panorama, environment, preset, camera, split, scale, settings, touched }, parameters) {
     const carried = parameters.filter(({ name, default: first }) =>
         settings[name] !== undefined && touched.has(name) && (preset !== undefined || !same(settings[name], first)));
     /** @type {LinkState} */
     const state = { settings: Object.fromEntries(carried.map(({ name }) => [name, settings[name]])) };
     if (typeof source === "string") state.scene = source;
+    if (typeof panorama === "string" && environment) {
+        const [red] = environment.radiance;
+        state.environment = panorama;
+        if (red !== 1) state.environment_intensity = red;
+        if (environment.rotation_deg !== 0) state.environment_rotation = environment.rotation_deg;
+    }
     if (preset !== undefined) state.preset = preset;
     if (camera) state.camera = camera;
     if (split) state.split = split;

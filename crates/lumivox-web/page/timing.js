@@ -1,7 +1,8 @@
 // @ts-check
 // Times of frames and stages: bars of the last frames, stage over stage, and the last one's numbers.
 
-import { byId, grouped, h, mebibytes } from "./dom.js";
+import { byId, h, mebibytes } from "./dom.js";
+import { milliseconds } from "./status.js";
 
 /** @typedef {import("./types.js").FrameReport} FrameReport */
 /** @typedef {import("./types.js").Memory} Memory */
@@ -38,9 +39,6 @@ export function clearReports() {
 
 /** @param {string} stage */
 const color = (stage) => COLORS[stages.indexOf(stage) % COLORS.length];
-
-/** @param {number} ms */
-export const milliseconds = (ms) => `${ms < 10 ? ms.toFixed(1) : grouped(Math.round(ms))} ms`;
 
 function show() {
     const last = reports.at(-1);

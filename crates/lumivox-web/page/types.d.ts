@@ -1,11 +1,14 @@
 // What the page's modules pass to each other. The renderer's own types come from the package.
 
 import type {
-    Camera as AnyCamera, FrameReport, Light, ParameterInfo, Progress, SceneInfo as AnySceneInfo,
-    SceneOptions,
+    Camera as AnyCamera, EnvironmentChange, EnvironmentInfo as Environment, FrameReport,
+    HistogramInfo as Histogram, Light, LightHere, Material, MaterialChange, ParameterInfo, Picked, Progress, SceneInfo as AnySceneInfo, SceneOptions,
 } from "./lumivox/lumivox.js";
 
-export type { FrameReport, Light, ParameterInfo, Progress, SceneOptions };
+export type {
+    Environment, EnvironmentChange, FrameReport, Histogram, Light, LightHere, Material, MaterialChange, ParameterInfo,
+    Picked, Progress, SceneOptions,
+};
 export type Vec3 = [number, number, number];
 /** What comes from the renderer has all that may be left out on the way to it. */
 export type Camera = Required<Omit<AnyCamera, "name">> & { name?: string };
@@ -25,6 +28,10 @@ export interface Split { right: string; at: number }
 /** What a link carries: all but what is as it would be anyway. */
 export interface LinkState {
     scene?: string;
+    /** The address of a panorama, what it is multiplied by, and its turn in degrees. */
+    environment?: string;
+    environment_intensity?: number;
+    environment_rotation?: number;
     preset?: string;
     camera?: Camera;
     split?: Split;
@@ -41,7 +48,10 @@ export interface Catalogue {
 }
 
 /** A scene that was opened; its number tells cameras of the one before apart. */
-export interface Opened { scene: SceneInfo; settings: Settings; number: number }
+export interface Opened { scene: SceneInfo; materials: Material[]; settings: Settings; number: number }
+
+/** All that may be another after a step back, and what was taken back. */
+export interface Stepped { words: string; scene: SceneInfo; materials: Material[]; settings: Settings }
 
 /** What a change of settings leads to. */
 export interface Changed { settings: Settings; voxels?: number }

@@ -8,8 +8,10 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 
 /** @typedef {import("./lumivox/lumivox.js").Renderer} Renderer */
 /** @typedef {import("./types.js").Camera} Camera */
+/** @typedef {import("./types.js").EnvironmentChange} EnvironmentChange */
 /** @typedef {import("./types.js").Failure} Failure */
 /** @typedef {import("./types.js").Light} Light */
+/** @typedef {import("./types.js").MaterialChange} MaterialChange */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
@@ -17,6 +19,7 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
+/** @typedef {import("./types.js").Stepped} Stepped */
 /** @typedef {import("./coalesce.js").OnProgress} OnProgress */
 
 /** A frame that takes longer, ms, has fewer pixels while the camera moves: as in the window. */
@@ -38,6 +41,8 @@ let isLost = false;
 let losses = 0;
 /** @type {Camera | null} */
 let camera = null;
+/** Cancels what is being loaded. */
+let loading = new AbortController();
 
 const size = { width: 1, height: 1, factor: 1, coarser: true, movedAt: -Infinity, fullMs: 0 };
 
@@ -143,6 +148,22 @@ function sourceFor(source) {
     return files.length === 1 ? files[0] : files;
 }
 
+/** The signal of another loading, in the place of the last. */
+function another() {
+    loading.abort();
+    loading = new AbortController();
+    return loading.signal;
+}
+
+/** Takes a step back or does it again; gives all that may be another now.
+ * @param {"undo" | "redo"} way @returns {Promise<Stepped>} */
+async function step(way) {
+    await last.settled();
+    const words = await renderer[way]();
+    const scene = /** @type {SceneInfo} */ (await renderer.scene());
+    return { words, scene, materials: await renderer.materials(), settings: await renderer.settings() };
+}
+
 const outcome = async () => ({ settings: await renderer.settings(), voxels: (await renderer.scene())?.voxels });
 
 const calls = {
@@ -157,14 +178,28 @@ const calls = {
         const settings = await renderer.settings();
         return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings };
     },
-    /** @param {{ source: Source, camera?: Camera, options?: SceneOptions }} data @param {OnProgress} onProgress @returns {Promise<Opened>} */
+    /** A scene, with a panorama around it if one is named. What is being loaded gives way.
+     * @param {{ source: Source, panorama?: Source, camera?: Camera, options?: SceneOptions }} data @param {OnProgress} onProgress
+     * @returns {Promise<Opened>} */
     async load(data, onProgress) {
-        const scene = /** @type {SceneInfo} */ (await renderer.loadScene(sourceFor(data.source), onProgress, data.options));
+        const signal = another();
+        const panorama = data.panorama && /** @type {string | File} */ (sourceFor(data.panorama));
+        const options = { ...data.options, panorama, signal, camera: data.camera };
+        const scene = /** @type {SceneInfo} */ (await renderer.loadScene(sourceFor(data.source), onProgress, options));
         number += 1;
-        camera = data.camera ?? null;
+        camera = null;
         isReady = true;
         isPlaying = false;
-        return { scene, settings: await renderer.settings(), number };
+        return { scene, materials: await renderer.materials(), settings: await renderer.settings(), number };
+    },
+    /** @param {Source} source @param {OnProgress} onProgress */
+    async panorama(source, onProgress) {
+        const signal = another();
+        const environment = await renderer.loadPanorama(/** @type {File} */ (sourceFor(source)), onProgress, { signal });
+        return { environment, lights: (await renderer.scene())?.lights ?? [] };
+    },
+    async cancel() {
+        loading.abort();
     },
     /** @param {Settings} changes @param {OnProgress} onProgress */
     async set(changes, onProgress) {
@@ -196,6 +231,18 @@ const calls = {
     async light({ index, light }) {
         await last.run(`light ${index}`, () => renderer.setLight(index, light));
     },
+    /** @param {EnvironmentChange} change */
+    async environment(change) {
+        await last.run(`environment ${Object.keys(change)}`, () => renderer.setEnvironment(change));
+    },
+    /** @param {{ index: number, change: MaterialChange }} data */
+    async material({ index, change }) {
+        await last.run(`material ${index} ${Object.keys(change)}`, () => renderer.setMaterial(index, change));
+    },
+    /** What is at a place of the picture. @param {{ x: number, y: number }} place */
+    async pick({ x, y }) {
+        return renderer.pick(x, y);
+    },
     /** @param {Light} light */
     async addLight(light) {
         await renderer.addLight(light);
@@ -219,6 +266,20 @@ const calls = {
     async time(seconds) {
         await renderer.setTime(seconds);
     },
+    /** The light there, from 0 to 1. @param {{ x: number, y: number }} place */
+    async probe({ x, y }) {
+        return renderer.probe(x, y);
+    },
+    async histogram() {
+        return renderer.histogram();
+    },
+    undo: () => step("undo"),
+    redo: () => step("redo"),
+    /** What comes after is a step of its own. */
+    async endGesture() {
+        await last.settled();
+        await renderer.endGesture();
+    },
     /** The picture as a PNG. */
     async picture() {
         const { width, height, data } = await renderer.readPixels();
@@ -238,12 +299,14 @@ const calls = {
 };
 
 /** Calls that change nothing. */
-const LOOKS = new Set(["picture", "memory"]);
+const LOOKS = new Set(["picture", "memory", "pick", "cancel", "probe", "histogram", "endGesture"]);
 
 /** @param {unknown} error @returns {Failure} */
 function failure(error) {
     const message = error instanceof Error ? error.message : String(error);
-    const code = /** @type {{ code?: string }} */ (error)?.code;
+    const { name, code } = /** @type {{ name?: string, code?: string }} */ (error ?? {});
+    // An exception of the browser's own has a number for a code.
+    if (name === "AbortError") return { message, code: "aborted", fatal: false };
     // A trap in WASM leaves its memory in the middle of something.
     return { message, code, fatal: error instanceof WebAssembly.RuntimeError };
 }

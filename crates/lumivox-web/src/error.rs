@@ -21,6 +21,8 @@ pub enum Code {
     Scene,
     /// A file or an address cannot be fetched.
     Fetch,
+    /// The page has cancelled it: it is told by the reason of the page's own signal.
+    Aborted,
     /// A value, a name or a number is not allowed.
     Value,
 }
@@ -35,6 +37,7 @@ impl Code {
             Self::Limit => "limit",
             Self::Scene => "scene",
             Self::Fetch => "fetch",
+            Self::Aborted => "aborted",
             Self::Value => "value",
         }
     }

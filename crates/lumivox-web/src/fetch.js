@@ -4,10 +4,11 @@
  * The bytes of an address; null where nothing is there (404).
  * @param {string} address
  * @param {(done: number, total: number) => void} tell hears of bytes so far, and of all (0 if unknown)
+ * @param {AbortSignal | undefined} signal ends it
  * @returns {Promise<Uint8Array | null>}
  */
-export async function fetchBytes(address, tell) {
-  const response = await fetch(address);
+export async function fetchBytes(address, tell, signal) {
+  const response = await fetch(address, { signal });
   if (response.status === 404) return null;
   if (!response.ok) throw new Error(`the server answers ${response.status} ${response.statusText}`);
   const encoded = response.headers.get("content-encoding");
@@ -44,6 +45,16 @@ export async function readBytes(file) {
 /** Whether this browser has WebGPU here: it has not on addresses without https, but for localhost. */
 export function hasWebGpu() {
   return globalThis.navigator?.gpu != null;
+}
+
+/** Whether something is a signal that cancels. @param {unknown} signal */
+export function isSignal(signal) {
+  return signal instanceof AbortSignal;
+}
+
+/** Whether a signal has cancelled. @param {AbortSignal | undefined} signal */
+export function isAborted(signal) {
+  return signal?.aborted === true;
 }
 
 /** Lets messages and pictures through. */

@@ -9,6 +9,9 @@ use lumivox_scene::{EXTENSIONS, FileSource, extensions_in_words};
 
 use crate::error::WebError;
 
+/// What panoramas are called that no scene names as a texture.
+const PANORAMAS: [&str; 3] = ["hdr", "exr", "pic"];
+
 /// Files by their paths, separated by `/`. Remembers what was asked for in vain.
 #[derive(Debug, Default)]
 pub struct Files {
@@ -63,6 +66,39 @@ impl Files {
         }
     }
 
+    /// The one that is a panorama, if there is one: a file that is there alone, or else one of a format that is no
+    /// texture's.
+    ///
+    /// # Errors
+    /// When there are several.
+    pub fn panorama(&self) -> Result<Option<&str>, WebError> {
+        let is_one = |path: &&String| {
+            let extension = path.rsplit_once('.').map(|(_, found)| found.to_ascii_lowercase());
+            extension.is_some_and(|extension| PANORAMAS.contains(&extension.as_str()))
+        };
+        let found: Vec<&str> = self.files.keys().filter(is_one).map(String::as_str).collect();
+        match (found.as_slice(), self.scene()) {
+            ([panorama], _) => Ok(Some(panorama)),
+            ([], Err(_)) if self.files.len() == 1 => {
+                Ok(self.files.keys().next().map(String::as_str))
+            }
+            ([], _) => Ok(None),
+            (several, _) => Err(WebError::value(format!(
+                "there are several panoramas: {}; open one at a time",
+                several.join(", ")
+            ))),
+        }
+    }
+
+    /// What to say where there is none.
+    pub fn no_panorama(&self) -> WebError {
+        let names: Vec<&str> = self.files.keys().take(8).map(String::as_str).collect();
+        WebError::value(format!(
+            "none of these is a panorama: {}; open a .hdr or .exr file",
+            names.join(", ")
+        ))
+    }
+
     /// A file of that path, or else the only one that bears its name: files chosen in a dialog come without their
     /// folders.
     fn find(&self, path: &str) -> Option<&Vec<u8>> {
@@ -114,6 +150,20 @@ mod tests {
         assert!(several.message.contains("a.glb, b.glb"), "{several}");
         let none = of(&["wood.png"]).scene().unwrap_err();
         assert!(none.message.contains("wood.png") && none.message.contains(".glb"), "{none}");
+    }
+
+    #[test]
+    fn the_panorama_among_files_is_found() {
+        let found = |paths: &[&str]| of(paths).panorama().map(|found| found.map(str::to_owned));
+        assert_eq!(found(&["hall.HDR"]), Ok(Some("hall.HDR".to_owned())));
+        assert_eq!(found(&["room.glb", "sky/day.exr"]), Ok(Some("sky/day.exr".to_owned())));
+        // A picture is one where there is nothing else; beside a scene it is a texture.
+        assert_eq!(found(&["hall.jpg"]), Ok(Some("hall.jpg".to_owned())));
+        assert_eq!(found(&["room.obj", "wood.jpg"]), Ok(None));
+        assert_eq!(found(&["room.glb"]), Ok(None));
+        let several = found(&["room.glb", "a.hdr", "b.exr"]).unwrap_err();
+        assert!(several.message.contains("a.hdr, b.exr"), "{several}");
+        assert!(of(&["a.jpg", "b.txt"]).no_panorama().message.contains("a.jpg, b.txt"));
     }
 
     #[test]

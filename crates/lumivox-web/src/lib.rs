@@ -7,10 +7,15 @@
 //! | --- | --- |
 //! | `renderer.rs` | what JavaScript calls; calls wait for each other |
 //! | `session.rs` | the state behind it: an explorer, the canvas, what is beside |
+//! | `opening.rs` | another scene in the place of the last |
+//! | `edits.rs` | what a page changes of a scene, and takes back |
+//! | `looking.rs` | what a page asks of the picture: what is there, how bright it is |
+//! | `staged.rs` | what was put around a scene that its file does not have |
 //! | `beside.rs` | another view or the path-traced reference on the right |
 //! | `present.rs` | the last step onto the canvas |
 //! | `exposing.rs` | when pictures are exposed anew |
-//! | `load.rs`, `files.rs` | scenes from addresses and files |
+//! | `load.rs`, `files.rs` | scenes and panoramas from addresses and files |
+//! | `listener.rs` | who hears of progress, and may cancel |
 //! | `settings.rs`, `types/` | what is handed over, with declarations for TypeScript |
 //! | `error.rs` | exceptions and their codes |
 
@@ -19,14 +24,23 @@
 pub mod error;
 pub mod files;
 pub mod settings;
+pub mod staged;
 pub mod types;
 
 #[cfg(target_arch = "wasm32")]
 mod beside;
 #[cfg(target_arch = "wasm32")]
+mod edits;
+#[cfg(target_arch = "wasm32")]
 mod exposing;
 #[cfg(target_arch = "wasm32")]
+mod listener;
+#[cfg(target_arch = "wasm32")]
 mod load;
+#[cfg(target_arch = "wasm32")]
+mod looking;
+#[cfg(target_arch = "wasm32")]
+mod opening;
 #[cfg(target_arch = "wasm32")]
 mod present;
 #[cfg(target_arch = "wasm32")]

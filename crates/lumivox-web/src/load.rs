@@ -1,12 +1,14 @@
-//! Scenes from where a page has them: built in, at an address, in files.
+//! Scenes and panoramas from where a page has them: built in, at an address, in files.
+
+use std::sync::Arc;
 
 use js_sys::{Array, Uint8Array};
-use lumivox_scene::{LoadOptions, MemoryBudget, Scene, builtin};
+use lumivox_scene::{EnvironmentMap, LoadOptions, MemoryBudget, Scene, builtin};
 use wasm_bindgen::prelude::*;
 
 use crate::error::{Code, WebError};
 use crate::files::Files;
-use crate::types::Progress;
+use crate::listener::Listener;
 
 const BUILTIN: &str = "builtin:";
 
@@ -19,96 +21,149 @@ extern "C" {
     async fn fetch_bytes(
         address: &str,
         tell: &Closure<dyn FnMut(f64, f64)>,
+        signal: &JsValue,
     ) -> Result<JsValue, JsValue>;
 
     #[wasm_bindgen(js_name = readBytes, catch)]
     async fn read_bytes(file: &web_sys::Blob) -> Result<JsValue, JsValue>;
 }
 
-/// What hears how far loading is.
-#[derive(Clone, Debug)]
-pub struct Listener(Option<js_sys::Function>);
+/// A scene, and what came with it.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The scene.
+    pub scene: Scene,
+    /// What is to be around it.
+    pub panorama: Option<Arc<EnvironmentMap>>,
+    /// Sentences on what was passed over.
+    pub notes: Vec<String>,
+}
 
-impl Listener {
-    /// A page's function, or nobody.
-    pub fn new(function: Option<js_sys::Function>) -> Self {
-        Self(function)
-    }
+/// Where something is to be had.
+enum Source {
+    Files(Array),
+    Address(String),
+}
 
-    /// Tells it. What it throws is its own affair.
-    pub fn tell(&self, stage: &str, done: f64, total: f64) {
-        if let Some(function) = &self.0 {
-            let progress = Progress { stage: stage.to_owned(), done, total };
-            let _ = function.call1(
-                &JsValue::NULL,
-                &tsify::Tsify::into_js(&progress).map_or(JsValue::NULL, Into::into),
-            );
+impl Source {
+    fn of(source: &JsValue, what: &str) -> Result<Self, WebError> {
+        if let Some(file) = source.dyn_ref::<web_sys::File>() {
+            return Ok(Self::Files(Array::of1(file)));
         }
+        if let Some(url) = source.dyn_ref::<web_sys::Url>() {
+            return Ok(Self::Address(url.href()));
+        }
+        if source.is_object()
+            && let Ok(Some(files)) = js_sys::try_iter(source)
+        {
+            return Ok(Self::Files(files.filter_map(Result::ok).collect()));
+        }
+        source.as_string().map(Self::Address).ok_or_else(|| WebError::value(what))
     }
 }
 
-/// Loads what `source` says: text, a `URL`, a `File` or several.
+/// Loads the scene that `source` says: text, a `URL`, a `File` or several; with a panorama from elsewhere, if there is one.
 ///
 /// # Errors
-/// When it is none of these, cannot be fetched, or is no scene.
-pub async fn load(source: &JsValue, listener: &Listener) -> Result<Scene, WebError> {
-    if let Some(file) = source.dyn_ref::<web_sys::File>() {
-        return load_files(&Array::of1(file), listener).await;
-    }
-    if source.is_object() && !source.is_instance_of::<web_sys::Url>() {
-        if let Ok(Some(files)) = js_sys::try_iter(source) {
-            let files: Array = files.filter_map(Result::ok).collect();
-            return load_files(&files, listener).await;
+/// When it is none of these, cannot be fetched, is no scene, or was cancelled.
+pub async fn load(
+    source: &JsValue,
+    panorama: &JsValue,
+    listener: &Listener,
+) -> Result<Loaded, WebError> {
+    listener.check().await?;
+    let what = "a scene is an address, \"builtin:NAME\", a File, or a list of Files";
+    let mut loaded = match Source::of(source, what)? {
+        Source::Files(files) => load_files(&files, listener).await?,
+        Source::Address(text) => {
+            let scene = match text.strip_prefix(BUILTIN) {
+                Some(name) => builtin::scene(name)?,
+                None => fetch(&text, listener).await?,
+            };
+            Loaded { scene, panorama: None, notes: Vec::new() }
         }
-    }
-    let text =
-        source.as_string().or_else(|| source.dyn_ref::<web_sys::Url>().map(web_sys::Url::href));
-    let Some(text) = text else {
-        return Err(WebError::value(
-            "a scene is an address, \"builtin:NAME\", a File, or a list of Files",
-        ));
     };
-    match text.strip_prefix(BUILTIN) {
-        Some(name) => Ok(builtin::scene(name)?),
-        None => fetch(&text, listener).await,
+    if !panorama.is_undefined() && !panorama.is_null() {
+        loaded.panorama = Some(Arc::new(load_panorama(panorama, listener).await?));
     }
+    for warning in loaded.panorama.iter().flat_map(|map| &map.warnings) {
+        loaded.notes.push(warning.clone());
+    }
+    listener.check().await?;
+    Ok(loaded)
 }
 
-async fn load_files(list: &Array, listener: &Listener) -> Result<Scene, WebError> {
+/// Loads a panorama.
+///
+/// # Errors
+/// As [`load`].
+pub async fn load_panorama(
+    source: &JsValue,
+    listener: &Listener,
+) -> Result<EnvironmentMap, WebError> {
+    let what = "a panorama is an address or a File";
+    let (name, bytes) = match Source::of(source, what)? {
+        Source::Files(list) => {
+            let files = read_files(&list, listener).await?;
+            let name = files.panorama()?.ok_or_else(|| files.no_panorama())?.to_owned();
+            let bytes = files.get(&name).unwrap_or_default().to_vec();
+            (name, bytes)
+        }
+        Source::Address(address) => {
+            let url = address_of(&address)?;
+            (name_in(&url), fetch_there(&url, listener).await?)
+        }
+    };
+    listener.check().await?;
+    listener.tell("reading", 0.0, 0.0);
+    Ok(EnvironmentMap::from_memory(&name, &bytes)?)
+}
+
+async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebError> {
+    let files = read_files(list, listener).await?;
+    let scene = parse(&files, listener)?;
+    // Of several none is chosen: which one is meant nobody knows, and the scene needs none.
+    let (name, notes) = match files.panorama() {
+        Ok(name) => (name, Vec::new()),
+        Err(error) => (None, vec![error.message]),
+    };
+    let read = |name: &str| {
+        EnvironmentMap::from_memory(name, files.get(name).unwrap_or_default()).map(Arc::new)
+    };
+    let panorama = name.map(read).transpose()?;
+    Ok(Loaded { scene, panorama, notes })
+}
+
+async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError> {
     let mut files = Files::default();
     let total = f64::from(list.length());
     for (number, file) in list.iter().enumerate() {
         let Ok(file) = file.dyn_into::<web_sys::File>() else {
             return Err(WebError::value("what is in a list of files must be File objects"));
         };
+        listener.check().await?;
         listener.tell("fetching", number as f64, total);
         // Of a whole folder that was chosen; else empty.
         let path = js_sys::Reflect::get(&file, &"webkitRelativePath".into()).ok();
         let path = path.and_then(|path| path.as_string()).filter(|path| !path.is_empty());
         let path = path.unwrap_or_else(|| file.name());
-        let bytes = read_bytes(&file).await.map_err(|error| unreadable(&path, &error))?;
+        let bytes = read_bytes(&file).await;
+        let bytes = bytes.map_err(|error| unreadable(&path, &error, listener))?;
         files.add(&path, Uint8Array::new(&bytes).to_vec());
     }
-    parse(&files, listener)
+    listener.check().await?;
+    Ok(files)
 }
 
 /// Fetches a scene, and what it names: loaders ask for files, and are asked again when these are there.
 async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
-    let url = resolve(address, None).ok_or_else(|| {
-        WebError::new(Code::Fetch, format!("{address}: is no address of the web"))
-    })?;
-    let path = url.pathname();
-    let name = path.rsplit('/').next().unwrap_or_default();
-    let name = js_sys::decode_uri_component(name).map_or_else(|_| name.to_owned(), String::from);
-    let Some(bytes) = get(&url.href(), listener).await? else {
-        let reason =
-            format!("{}: there is no such file on the server; check the address", url.href());
-        return Err(WebError::new(Code::Fetch, reason));
-    };
+    let url = address_of(address)?;
+    let name = name_in(&url);
     let mut files = Files::default();
-    files.add(&name, bytes);
+    files.add(&name, fetch_there(&url, listener).await?);
     let mut tried = std::collections::BTreeSet::new();
     loop {
+        listener.check().await?;
         // What is missing in this round may be there in the next: only the last one's warnings are true.
         let nobody = tracing::subscriber::NoSubscriber::default();
         let loaded = tracing::subscriber::with_default(nobody, || parse(&files, listener));
@@ -132,6 +187,27 @@ async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
     }
 }
 
+fn address_of(address: &str) -> Result<web_sys::Url, WebError> {
+    resolve(address, None)
+        .ok_or_else(|| WebError::new(Code::Fetch, format!("{address}: is no address of the web")))
+}
+
+/// The name of the file at an address.
+fn name_in(url: &web_sys::Url) -> String {
+    let path = url.pathname();
+    let name = path.rsplit('/').next().unwrap_or_default();
+    js_sys::decode_uri_component(name).map_or_else(|_| name.to_owned(), String::from)
+}
+
+/// What is at an address where something must be.
+async fn fetch_there(url: &web_sys::Url, listener: &Listener) -> Result<Vec<u8>, WebError> {
+    get(&url.href(), listener).await?.ok_or_else(|| {
+        let reason =
+            format!("{}: there is no such file on the server; check the address", url.href());
+        WebError::new(Code::Fetch, reason)
+    })
+}
+
 fn resolve(address: &str, base: Option<&web_sys::Url>) -> Option<web_sys::Url> {
     if let Some(base) = base {
         return web_sys::Url::new_with_base(address, &base.href()).ok();
@@ -151,11 +227,15 @@ fn escape(path: &str) -> String {
 async fn get(address: &str, listener: &Listener) -> Result<Option<Vec<u8>>, WebError> {
     let hearer = listener.clone();
     let tell = Closure::new(move |done, total| hearer.tell("fetching", done, total));
-    let bytes = fetch_bytes(address, &tell).await.map_err(|error| unreadable(address, &error))?;
+    let bytes = fetch_bytes(address, &tell, listener.signal()).await;
+    let bytes = bytes.map_err(|error| unreadable(address, &error, listener))?;
     Ok((!bytes.is_null()).then(|| Uint8Array::new(&bytes).to_vec()))
 }
 
-fn unreadable(what: &str, error: &JsValue) -> WebError {
+fn unreadable(what: &str, error: &JsValue, listener: &Listener) -> WebError {
+    if listener.is_cancelled() {
+        return WebError::new(Code::Aborted, "loading was cancelled");
+    }
     let reason = error.dyn_ref::<js_sys::Error>().map(|error| String::from(error.message()));
     let reason = reason.unwrap_or_else(|| "nobody says why".to_owned());
     WebError::new(

@@ -1,6 +1,6 @@
 //! The last step: finished pictures onto the page's canvas.
 
-use glam::UVec2;
+use glam::{UVec2, Vec2};
 use lumivox::gpu::Texture;
 use lumivox_render::Gpu;
 use web_sys::{HtmlCanvasElement, OffscreenCanvas};
@@ -130,7 +130,7 @@ impl Presenter {
         });
         let split = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("split"),
-            contents: &[0; 8],
+            contents: &[0; 16],
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
         let size = canvas.size().max(UVec2::ONE);
@@ -166,7 +166,7 @@ impl Presenter {
         self.surface.configure(&gpu.device, &configuration);
     }
 
-    /// Shows a picture, and on its right another one from a share of the width on.
+    /// Shows a picture, as large as the canvas, and on its right another one from a share of the width on.
     ///
     /// # Errors
     /// When the canvas is gone.
@@ -187,8 +187,9 @@ impl Presenter {
             }
         };
         let at = right.map_or(f32::MAX, |(_, share)| share * self.size.x as f32);
+        let Vec2 { x, y } = self.size.as_vec2();
         let split: Vec<u8> =
-            [at, HALF_LINE].iter().flat_map(|number| number.to_le_bytes()).collect();
+            [at, HALF_LINE, x, y].iter().flat_map(|number| number.to_le_bytes()).collect();
         gpu.queue.write_buffer(&self.split, 0, &split);
         let view =
             |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());

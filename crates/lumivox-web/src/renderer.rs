@@ -1,20 +1,24 @@
 //! The class and the functions that JavaScript sees.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use async_lock::{Mutex, MutexGuard};
-use glam::UVec2;
+use glam::{UVec2, Vec2};
 use lumivox_render::PresetChoice;
 use tsify::{Ts, Tsify};
 use wasm_bindgen::prelude::*;
 
 use crate::error::{Code, WebError};
-use crate::load::{Listener, load};
+use crate::listener::Listener;
+use crate::load::{load, load_panorama};
 use crate::present::Canvas;
 use crate::session::Session;
 use crate::settings::Settings;
 use crate::types::{
-    Camera, FrameReport, Light, MemoryInfo, Named, ParameterInfo, SceneInfo, SceneOptions, Split,
+    Camera, EnvironmentChange, EnvironmentInfo, FrameReport, HistogramInfo, Light, LightHere,
+    LoadingOptions, Material, MaterialChange, MemoryInfo, Named, ParameterInfo, Picked, SceneInfo,
+    SceneOptions, Split,
 };
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -113,9 +117,9 @@ pub struct Renderer {
 #[wasm_bindgen]
 impl Renderer {
     /// Loads a scene and shows it instead of the last one: `"builtin:NAME"`, an address, a `File`, or several files that
-    /// belong together (a .gltf or .obj with what it names). What fails leaves the last scene in place, but for errors
-    /// of the device. Where the file does not see to it, a view and light are chosen; `scene().notes` tells which, and
-    /// `options` overrule it.
+    /// belong together (a .gltf or .obj with what it names, and a .hdr or .exr panorama to put around it). What fails or
+    /// is cancelled leaves the last scene in place, but for errors of the device. Where the file does not see to it, a
+    /// view and light are chosen; `scene().notes` tells which, and `options` overrule it.
     #[wasm_bindgen(js_name = loadScene)]
     pub async fn load_scene(
         &self,
@@ -123,12 +127,50 @@ impl Renderer {
         source: JsValue,
         #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
         on_progress: Option<js_sys::Function>,
-        options: Option<Ts<SceneOptions>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "SceneOptions | null")] options: JsValue,
     ) -> Result<Ts<SceneInfo>, JsValue> {
-        let listener = Listener::new(on_progress);
-        let options = options.map(|options| from_js(&options, "options of a scene")).transpose()?;
-        let scene = load(&source, &listener).await?;
-        to_js(&self.session().await.open(scene, options.unwrap_or_default(), &listener).await?)
+        let listener = Listener::new(on_progress).with_signal(&options)?;
+        let panorama = js_sys::Reflect::get(&options, &"panorama".into()).unwrap_or_default();
+        let options: Option<SceneOptions> = of_text_of(&options, "options of a scene")?;
+        let open = async {
+            let loaded = load(&source, &panorama, &listener).await?;
+            let mut session = self.session().await;
+            session.open(loaded, options.unwrap_or_default(), &listener).await
+        };
+        to_js(&open.await.map_err(|error| listener.exception(error))?)
+    }
+
+    /// Puts a panorama of 360 by 180 degrees around the scene, in the place of its surroundings: an address or a `File`
+    /// (.hdr, .exr; .png and .jpg are read, too).
+    #[wasm_bindgen(js_name = loadPanorama)]
+    pub async fn load_panorama(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "string | URL | File")] source: JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
+        on_progress: Option<js_sys::Function>,
+        #[wasm_bindgen(unchecked_optional_param_type = "LoadingOptions | null")] options: JsValue,
+    ) -> Result<Ts<EnvironmentInfo>, JsValue> {
+        let listener = Listener::new(on_progress).with_signal(&options)?;
+        of_text_of::<Option<LoadingOptions>>(&options, "options of loading")?;
+        let surround = async {
+            let map = load_panorama(&source, &listener).await?;
+            let mut session = self.session().await;
+            listener.check().await?;
+            session.surround(Arc::new(map))
+        };
+        to_js(&surround.await.map_err(|error| listener.exception(error))?)
+    }
+
+    /// What is around the scene.
+    pub async fn environment(&self) -> Result<Ts<EnvironmentInfo>, JsValue> {
+        to_js(&self.session().await.environment()?)
+    }
+
+    /// Changes what is around the scene: strength and turn of a panorama, or plain light.
+    #[wasm_bindgen(js_name = setEnvironment)]
+    pub async fn set_environment(&self, change: Ts<EnvironmentChange>) -> Result<(), JsValue> {
+        let change = from_js(&change, "a change of surroundings")?;
+        Ok(self.session().await.set_environment(&change)?)
     }
 
     /// What is known of the scene; undefined before one was loaded.
@@ -206,6 +248,56 @@ impl Renderer {
     #[wasm_bindgen(js_name = removeLight)]
     pub async fn remove_light(&self, number: usize) -> Result<(), JsValue> {
         Ok(self.session().await.remove_light(number)?)
+    }
+
+    /// The materials, as they are now.
+    pub async fn materials(&self) -> Result<Vec<Ts<Material>>, JsValue> {
+        self.session().await.materials()?.iter().map(to_js).collect()
+    }
+
+    /// Changes the material of a number in `materials()`; what is not named stays.
+    #[wasm_bindgen(js_name = setMaterial)]
+    pub async fn set_material(
+        &self,
+        number: usize,
+        change: Ts<MaterialChange>,
+    ) -> Result<(), JsValue> {
+        let change = from_js(&change, "a change of a material")?;
+        Ok(self.session().await.set_material(number, &change)?)
+    }
+
+    /// What the picture shows at a place, from 0 to 1 from its left edge to its right one and from its top to its
+    /// bottom; undefined where there is nothing.
+    pub async fn pick(&self, x: f32, y: f32) -> Result<Option<Ts<Picked>>, JsValue> {
+        self.session().await.pick(Vec2::new(x, y))?.as_ref().map(to_js).transpose()
+    }
+
+    /// The light at a place of the picture, as `pick` counts it, in its frames so far; undefined before the first one, beside
+    /// another picture, and in views without light.
+    pub async fn probe(&self, x: f32, y: f32) -> Result<Option<Ts<LightHere>>, JsValue> {
+        self.session().await.probe(Vec2::new(x, y)).await?.as_ref().map(to_js).transpose()
+    }
+
+    /// How bright the picture's pixels are; undefined before the first frame.
+    pub async fn histogram(&self) -> Result<Option<Ts<HistogramInfo>>, JsValue> {
+        self.session().await.histogram().as_ref().map(to_js).transpose()
+    }
+
+    /// Takes back the last change of settings, lights, materials, surroundings or objects; what it was, in words. The
+    /// reports of frames tell whether there is one.
+    pub async fn undo(&self) -> Result<String, JsValue> {
+        Ok(self.session().await.step(true).await?)
+    }
+
+    /// Does again what was taken back last.
+    pub async fn redo(&self) -> Result<String, JsValue> {
+        Ok(self.session().await.step(false).await?)
+    }
+
+    /// Ends a drag: changes of the same thing are one step for `undo` until then.
+    #[wasm_bindgen(js_name = endGesture)]
+    pub async fn end_gesture(&self) {
+        self.session().await.end_gesture();
     }
 
     /// Hides the object of a number in `scene().objects`, or shows it.
@@ -308,13 +400,17 @@ fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {
     value.into_ts().map_err(|error| WebError::value(error.to_string()).into())
 }
 
-/// An object of the page. By way of its text, since that way properties that nobody knows are refused.
+/// An object of the page.
 fn from_js<T: Tsify + serde::de::DeserializeOwned>(
     value: &Ts<T>,
     what: &str,
 ) -> Result<T, WebError> {
-    let text = js_sys::JSON::stringify(&value.js_value()).ok().and_then(|text| text.as_string());
-    let text = text.unwrap_or_default();
-    serde_json::from_str(&text)
+    of_text_of(&value.js_value(), what)
+}
+
+/// By way of its text, since that way properties that nobody knows are refused; what is left out is null.
+fn of_text_of<T: serde::de::DeserializeOwned>(value: &JsValue, what: &str) -> Result<T, WebError> {
+    let text = js_sys::JSON::stringify(value).ok().and_then(|text| text.as_string());
+    serde_json::from_str(text.as_deref().unwrap_or("null"))
         .map_err(|error| WebError::value(format!("this is not {what}: {error}")))
 }

@@ -1,35 +1,40 @@
 //! What a page works on: a scene at work, the canvas that shows it, and what is shown beside it.
 
-use std::cell::OnceCell;
-
 use glam::UVec2;
-use lumivox_explorer::{Explorer, Opened};
+use lumivox_explorer::Explorer;
 use lumivox_render::{
-    ExposureWarning, Gpu, GpuOptions, Metering, PresetChoice, RenderSettings, View,
+    ExposureWarning, Gpu, GpuOptions, Histogram, Metering, PresetChoice, RenderSettings, View,
 };
-use lumivox_scene::{Scene, SightOptions};
+use lumivox_scene::Picker;
 use web_time::Instant;
 
 use crate::beside::{Beside, Right};
 use crate::error::{Code, WebError};
 use crate::exposing::Exposing;
-use crate::load::Listener;
+use crate::listener::Listener;
 use crate::present::{Canvas, Presenter};
 use crate::settings::{self, Settings};
-use crate::types::{
-    Camera, FrameReport, Light, MemoryInfo, SceneInfo, SceneOptions, Split, StageMs,
-};
+use crate::staged::Staged;
+use crate::types::{Camera, FrameReport, MemoryInfo, SceneInfo, Split, StageMs};
 
 /// Everything behind one canvas.
 #[derive(Debug)]
 pub struct Session {
-    explorer: Explorer,
-    presenter: Presenter,
-    exposing: Exposing,
+    pub(crate) explorer: Explorer,
+    pub(crate) presenter: Presenter,
+    pub(crate) exposing: Exposing,
     /// The view on the left; the explorer has that of the right while its turn lasts.
-    view: View,
-    beside: Option<Beside>,
-    notes: Vec<String>,
+    pub(crate) view: View,
+    pub(crate) beside: Option<Beside>,
+    pub(crate) notes: Vec<String>,
+    /// What was put around the scene that its file does not have.
+    pub(crate) staged: Staged,
+    /// The triangles as they stand, once something was picked.
+    pub(crate) picker: Option<Picker>,
+    /// How bright the picture was when it was measured last.
+    pub(crate) histogram: Option<Histogram>,
+    /// Whether the scene's own emission is all its light.
+    is_emission_alone: bool,
     /// Why the picture is not what a camera would make of the scene.
     warning: Option<ExposureWarning>,
     /// When time was last let go on.
@@ -53,7 +58,22 @@ impl Session {
         let exposing = Exposing::default();
         let ticked = Instant::now();
         let (beside, notes, warning, frame_ms) = (None, Vec::new(), None, 0.0);
-        Ok(Self { explorer, presenter, exposing, view, beside, notes, warning, ticked, frame_ms })
+        let (staged, picker) = (Staged::default(), None);
+        Ok(Self {
+            explorer,
+            presenter,
+            exposing,
+            view,
+            beside,
+            notes,
+            staged,
+            picker,
+            histogram: None,
+            is_emission_alone: false,
+            warning,
+            ticked,
+            frame_ms,
+        })
     }
 
     /// The device.
@@ -75,41 +95,12 @@ impl Session {
         self.update(listener).await
     }
 
-    /// Shows another scene.
-    ///
-    /// # Errors
-    /// When it does not fit, or the device fails. The last one is gone then: both at once need not fit.
-    pub async fn open(
-        &mut self,
-        scene: Scene,
-        asked: SceneOptions,
-        listener: &Listener,
-    ) -> Result<SceneInfo, WebError> {
-        let size = self.explorer.size();
-        let aspect = size.x as f32 / size.y as f32;
-        let framing = OnceCell::new();
-        let camera = asked.camera(&scene, aspect, &framing)?;
-        let options = SightOptions { camera, aspect, staging: asked.surroundings.into() };
-        let mut tell = |step: lumivox_render::Progress| {
-            listener.tell(step.stage, step.done.into(), step.total.into());
-        };
-        let opened = Opened::surveyed(scene, &options, &framing, &mut tell)?;
-        self.notes.clone_from(&opened.scene().notes.warnings);
-        self.notes
-            .extend(opened.notes().iter().map(|note| format!("{}: {}", note.about, note.text)));
-        self.explorer.open(opened);
-        self.exposing = Exposing::default();
-        self.change();
-        self.update(listener).await?;
-        self.info().ok_or_else(no_scene)
-    }
-
     /// What is known of the scene; none before one was opened.
     pub fn info(&self) -> Option<SceneInfo> {
         let scene = self.explorer.scene()?;
         let objects = self.explorer.object_names();
         let voxels = self.explorer.renderer().map(|renderer| renderer.voxel_stats().voxels);
-        let camera = self.explorer.camera();
+        let camera = self.explorer.original_camera()?;
         Some(SceneInfo::new(scene, camera, &objects, voxels, self.notes.clone()))
     }
 
@@ -159,9 +150,23 @@ impl Session {
         let mut tell = tell_of(listener);
         // Where it is refused the view may be that of the right; its turn begins anew.
         self.start_again();
+        self.show_view_of_left()?;
         self.explorer.try_settings(asked, preset, &mut tell).await?;
+        self.explorer.note_change();
         self.view = view;
         Ok(())
+    }
+
+    /// The explorer has the view of the left, which is the one that was asked for.
+    pub(crate) fn show_view_of_left(&mut self) -> Result<(), WebError> {
+        let settings = RenderSettings { view: self.view, ..self.explorer.settings().clone() };
+        Ok(self.explorer.set_settings(settings)?)
+    }
+
+    /// Looks anew at what lights the scene.
+    pub(crate) fn follow_light(&mut self) {
+        self.is_emission_alone =
+            self.explorer.scene().is_some_and(lumivox_scene::Scene::is_lit_by_emission_alone);
     }
 
     /// Gives canvas and picture another size, px.
@@ -194,63 +199,6 @@ impl Session {
         Ok(())
     }
 
-    /// Changes the lights by their list.
-    ///
-    /// # Errors
-    /// What `edit` has to say; then nothing has changed.
-    pub fn edit_lights<T>(
-        &mut self,
-        edit: impl FnOnce(&mut Vec<lumivox_scene::Light>) -> Result<T, WebError>,
-    ) -> Result<T, WebError> {
-        let mut lights = self.explorer.scene().ok_or_else(no_scene)?.lights.clone();
-        let result = edit(&mut lights)?;
-        self.explorer.edit_lights(|scene| scene.lights = lights);
-        self.change();
-        Ok(result)
-    }
-
-    /// Changes one.
-    ///
-    /// # Errors
-    /// When there is none of that number, or it cannot be so.
-    pub fn set_light(&mut self, number: usize, light: &Light) -> Result<(), WebError> {
-        self.edit_lights(|lights| {
-            let count = lights.len();
-            let place =
-                lights.get_mut(number).ok_or_else(|| out_of_range("light", number, count))?;
-            *place = light.to_scene(place.attenuation)?;
-            Ok(())
-        })
-    }
-
-    /// Removes one.
-    ///
-    /// # Errors
-    /// When there is none of that number.
-    pub fn remove_light(&mut self, number: usize) -> Result<(), WebError> {
-        self.edit_lights(|lights| {
-            if number >= lights.len() {
-                return Err(out_of_range("light", number, lights.len()));
-            }
-            lights.remove(number);
-            Ok(())
-        })
-    }
-
-    /// Hides an object, or shows it.
-    ///
-    /// # Errors
-    /// When there is none of that number.
-    pub fn set_hidden(&mut self, object: usize, is_hidden: bool) -> Result<(), WebError> {
-        let count = self.explorer.scene().ok_or_else(no_scene)?.instances.len();
-        if object >= count {
-            return Err(out_of_range("object", object, count));
-        }
-        self.explorer.set_hidden(object, is_hidden);
-        self.change();
-        Ok(())
-    }
-
     /// Plays the animation of a number, or stops.
     ///
     /// # Errors
@@ -270,6 +218,7 @@ impl Session {
             self.explorer.set_animation(choice)?;
         }
         self.explorer.play(true);
+        self.picker = None;
         self.change();
         Ok(())
     }
@@ -283,6 +232,7 @@ impl Session {
             return Err(WebError::value(format!("the time is {time_s} s, but must be at least 0")));
         }
         self.explorer.seek(time_s)?;
+        self.picker = None;
         self.change();
         Ok(())
     }
@@ -318,7 +268,7 @@ impl Session {
     }
 
     /// Something of the scene has changed, or where it is seen from.
-    fn change(&mut self) {
+    pub(crate) fn change(&mut self) {
         self.start_again();
         self.forget_truth();
     }
@@ -339,7 +289,7 @@ impl Session {
     }
 
     /// Brings everything up to date, so that errors come here and not with the next frame.
-    async fn update(&mut self, listener: &Listener) -> Result<(), WebError> {
+    pub(crate) async fn update(&mut self, listener: &Listener) -> Result<(), WebError> {
         Ok(self.explorer.update(&mut tell_of(listener)).await?)
     }
 
@@ -352,6 +302,7 @@ impl Session {
         if self.explorer.playback().is_playing {
             let seconds = self.ticked.elapsed().as_secs_f32();
             self.explorer.tick(seconds)?;
+            self.picker = None;
             self.change();
         }
         self.ticked = Instant::now();
@@ -378,7 +329,11 @@ impl Session {
             frames: self.explorer.settings().frames,
             complete: is_complete && !self.explorer.playback().is_playing,
             frame_ms: self.frame_ms,
+            time_s: self.explorer.playback().animation.map(|_| self.explorer.playback().time_s),
             stages,
+            emission_alone: self.is_emission_alone,
+            undo: self.explorer.undoable().map(str::to_owned),
+            redo: self.explorer.redoable().map(str::to_owned),
             warning: self.warning.map(|warning| warning.to_string()),
             reference_samples: self.beside.as_ref().and_then(Beside::samples),
         })
@@ -394,8 +349,9 @@ impl Session {
         let Some(renderer) = self.explorer.renderer() else { return Ok(false) };
         let (frame, frames) = (renderer.frame_count(), self.explorer.settings().frames);
         if self.exposing.is_due(frame, frame >= frames) {
-            let Metering { stops, warning, .. } = self.explorer.meter().await?;
+            let Metering { stops, warning, histogram } = self.explorer.meter().await?;
             self.exposing.measured(stops);
+            self.histogram = histogram;
             self.warning = warning;
         }
         self.explorer.draw(self.exposing.stops()).await?;
@@ -478,7 +434,8 @@ impl Drop for Session {
     }
 }
 
-fn tell_of(listener: &Listener) -> impl FnMut(lumivox_render::Progress) {
+/// Tells a page how far the renderer is.
+pub(crate) fn tell_of(listener: &Listener) -> impl FnMut(lumivox_render::Progress) {
     let listener = listener.clone();
     move |step| listener.tell(step.stage, step.done.into(), step.total.into())
 }
@@ -488,7 +445,8 @@ pub(crate) fn no_scene() -> WebError {
     WebError::value("no scene is open; call loadScene first")
 }
 
-fn out_of_range(what: &str, number: usize, count: usize) -> WebError {
+/// There is no thing of that number.
+pub(crate) fn out_of_range(what: &str, number: usize, count: usize) -> WebError {
     let there_are = match count {
         0 => "there are none".to_owned(),
         count => format!("they are numbered from 0 to {}", count - 1),

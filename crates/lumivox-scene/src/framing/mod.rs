@@ -244,6 +244,11 @@ impl Scene {
     pub fn shines(&self) -> bool {
         shines::shines(self)
     }
+
+    /// Whether its own emission is all the light that there is: no lamp shines, and no surroundings do.
+    pub fn is_lit_by_emission_alone(&self) -> bool {
+        shines::by_emission_alone(self)
+    }
 }
 
 #[cfg(test)]

@@ -12,6 +12,14 @@ pub(super) fn shines(scene: &Scene) -> bool {
         || is_unlit(scene)
 }
 
+/// Whether what it emits itself is all the light that there is.
+pub(super) fn by_emission_alone(scene: &Scene) -> bool {
+    !scene.lights.iter().any(light_shines)
+        && !surroundings_shine(scene)
+        && !is_unlit(scene)
+        && used(scene).any(|material| emits(material, &scene.textures))
+}
+
 fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
     let materials = scene.shown().map(|instance| instance.material);
     materials.filter_map(|index| scene.materials.get(index))
@@ -87,6 +95,25 @@ mod tests {
         assert!(!scene.shines());
         scene.materials.iter_mut().for_each(|material| material.shading = unlit);
         assert!(scene.shines());
+    }
+
+    #[test]
+    fn emission_alone_is_told_from_all_else() {
+        assert!(!dark().is_lit_by_emission_alone());
+        let mut glowing = dark();
+        glowing.materials[0].emissive = Vec3::X;
+        assert!(glowing.is_lit_by_emission_alone());
+        let mut scene = glowing.clone();
+        scene.lights.push(Light::default());
+        assert!(!scene.is_lit_by_emission_alone());
+        scene.lights[0].color = Vec3::ZERO;
+        assert!(scene.is_lit_by_emission_alone());
+        let mut scene = glowing.clone();
+        scene.environment.radiance = Vec3::splat(1e-3);
+        assert!(!scene.is_lit_by_emission_alone());
+        let unlit = Shading::Unlit(Unlit::default());
+        glowing.materials.iter_mut().for_each(|material| material.shading = unlit);
+        assert!(!glowing.is_lit_by_emission_alone());
     }
 
     #[test]

@@ -1,22 +1,29 @@
 //! What a page hands over and gets back: plain objects, with declarations for TypeScript made from these types.
 
 mod camera;
+mod environment;
 mod light;
+mod material;
 mod parameter;
+mod photometry;
 
 use std::cell::OnceCell;
 
 use glam::Vec3;
 use lumivox_render::MemoryUse;
 use lumivox_scene::{Bounds, Framing, Scene, Staging};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use tsify::Tsify;
 
 use crate::error::WebError;
 
 pub use camera::Camera;
+pub use environment::{EnvironmentChange, EnvironmentInfo, of_panorama};
 pub use light::{Light, LightKind};
+pub use material::{Material, MaterialChange, Shading};
 pub use parameter::ParameterInfo;
+pub use photometry::{HistogramInfo, LightHere};
 
 /// How far something is that takes time.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
@@ -79,7 +86,7 @@ pub struct SceneInfo {
     pub bounds: Box3,
     /// Those of the file.
     pub cameras: Vec<Camera>,
-    /// The one in use.
+    /// The one that it is seen from at first: its file's first, or the view that was found for it.
     pub camera: Camera,
     /// Meshes at their places.
     pub objects: Vec<ObjectInfo>,
@@ -87,6 +94,8 @@ pub struct SceneInfo {
     pub materials: Vec<String>,
     /// All lights, with those that were added because nothing shone.
     pub lights: Vec<Light>,
+    /// What is around it.
+    pub environment: EnvironmentInfo,
     /// What can be played.
     pub animations: Vec<AnimationInfo>,
     /// What was approximated or passed over while loading, in sentences.
@@ -118,6 +127,7 @@ impl SceneInfo {
                 .collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
             lights: scene.lights.iter().map(Light::from).collect(),
+            environment: (&scene.environment).into(),
             animations: scene
                 .animations()
                 .into_iter()
@@ -151,12 +161,26 @@ pub struct FrameReport {
     pub complete: bool,
     /// What the last frame took, from the call until the GPU was done, in milliseconds.
     pub frame_ms: f64,
+    /// The moment of the animation that is shown, in seconds; none where nothing moves.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f32>,
     /// Where the browser lets GPUs tell times, else empty.
     pub stages: Vec<StageMs>,
     /// Why the picture is not what a camera would make of the scene: too dark, too bright, or black.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+    /// Whether its own emission is all the light that the scene has.
+    pub emission_alone: bool,
+    /// What `undo` would take back, in words.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undo: Option<String>,
+    /// What `redo` would do again, in words.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub redo: Option<String>,
     /// Samples of each pixel in the reference, where one is shown.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -188,7 +212,7 @@ fn usual_samples() -> u32 {
 }
 
 /// How a scene is seen that is loaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Tsify)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneOptions {
     /// What is put around it. Default: `auto`.
@@ -197,6 +221,43 @@ pub struct SceneOptions {
     /// Where from, instead of the scene's own camera or the view that shows it best.
     #[tsify(optional)]
     pub from: Option<Standpoint>,
+    /// Where the first picture is taken from; what surrounds the scene is chosen for its own view. Default: that view.
+    #[tsify(optional)]
+    pub camera: Option<Camera>,
+    /// A panorama around it: an address or a `File`, as `loadPanorama` takes it.
+    #[tsify(optional, type = "string | URL | File")]
+    pub panorama: IgnoredAny,
+    /// Cancels loading; what was shown stays.
+    #[tsify(optional, type = "AbortSignal")]
+    pub signal: IgnoredAny,
+}
+
+/// How something is loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Tsify)]
+#[serde(deny_unknown_fields, default)]
+pub struct LoadingOptions {
+    /// Cancels loading; what was shown stays.
+    #[tsify(optional, type = "AbortSignal")]
+    pub signal: IgnoredAny,
+}
+
+/// What a place of the picture shows.
+#[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+pub struct Picked {
+    /// The number of the object in `scene().objects`.
+    pub object: usize,
+    /// The number of its material in `materials()`.
+    pub material: usize,
+    /// Where it was met, in metres.
+    #[tsify(type = "[number, number, number]")]
+    pub position: Vec3,
+    /// The unit normal of its surface there, towards the eye.
+    #[tsify(type = "[number, number, number]")]
+    pub normal: Vec3,
+    /// From the eye, in metres.
+    pub distance_m: f32,
+    /// Around the whole object.
+    pub bounds: Box3,
 }
 
 impl SceneOptions {
@@ -204,8 +265,8 @@ impl SceneOptions {
     ///
     /// # Errors
     /// When there is no room for it.
-    pub fn camera(
-        self,
+    pub fn standpoint(
+        &self,
         scene: &Scene,
         aspect: f32,
         framing: &OnceCell<Framing>,

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { axes, dolly, dot, fitted, fly, frame, length, look, orbit, pan, subtract } from "../../page/camera.js";
+import { axes, dolly, dot, fitted, fly, frame, length, look, lookAt, orbit, pan, subtract } from "../../page/camera.js";
 
 const camera = { position: [0, 1, 5], target: [0, 1, 0], up: [0, 1, 0], vertical_fov_deg: 46 };
 
@@ -90,4 +90,13 @@ test("another axis may point up", () => {
     const lying = { position: [0, -5, 1], target: [0, 0, 1], up: [0, 0, 1], vertical_fov_deg: 46 };
     assert.ok(orbit(lying, 0.1, 0).position[0] < 0);
     near(fly(lying, [0, 2, 0]).position, [0, -5, 3]);
+});
+
+test("who looks at a point stays where he is, and orbits it", () => {
+    const turned = lookAt(camera, [2, 1, 1]);
+    assert.deepEqual(turned.position, camera.position);
+    near(axes(turned).forward, [2 / Math.hypot(2, 4), 0, -4 / Math.hypot(2, 4)]);
+    assert.deepEqual(orbit(turned, 0.3, 0.1).target, [2, 1, 1]);
+    // There is no direction to where one stands.
+    assert.equal(lookAt(camera, camera.position), camera);
 });

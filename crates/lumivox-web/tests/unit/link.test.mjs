@@ -19,6 +19,9 @@ const known = {
 test("what is written is read again", () => {
     const state = {
         scene: "https://example.org/a b/hall.glb?x=1&y=2#part",
+        environment: "skies/day.exr",
+        environment_intensity: 2500,
+        environment_rotation: -90,
         preset: "high",
         camera: { position: [0.1, -2, 3e-8], target: [4, 5, 6.25], up: [0, 0, 1], vertical_fov_deg: 40 },
         split: { right: "reference", at: 0.375 },
@@ -64,6 +67,10 @@ test("a link carries what is not as it would be anyway", () => {
     // What a preset has set, it sets again; what was set by hand behind it may be a default.
     const behind = linkState({ ...now, preset: "high" }, known.parameters);
     assert.deepEqual(behind, { scene: "builtin:cornell", preset: "high", settings: { resolution: 64, specular: false, grid_offset: [0, 0, 0] } });
+    const environment = { radiance: [3, 3, 3], panorama: "day", rotation_deg: 45 };
+    const surrounded = linkState({ ...now, panorama: "day.hdr", environment }, known.parameters);
+    assert.equal(encode({ ...surrounded, settings: {} }), "scene=builtin:cornell&environment=day.hdr&environment_intensity=3&environment_rotation=45");
+    assert.equal(linkState({ ...now, panorama: [], environment }, known.parameters).environment, undefined);
     // Files stay where they are.
     assert.equal(linkState({ ...now, source: [] }, known.parameters).scene, undefined);
 });
@@ -103,6 +110,10 @@ for (const [field, part] of [
     ["scene=builtin:../etc", "http or https"],
     ["scene=data:model/gltf-binary,x", "http or https"],
     ["scene=", "http or https"],
+    ["environment=builtin:cornell", "http or https"],
+    ["environment=data:image/png,x", "http or https"],
+    ["environment_intensity=-1", "from 0 to"],
+    ["environment_rotation=400", "from -360 to 360"],
     ["scene=%E0%A4%A", "hexadecimal"],
     ["nonsense", "name=value"],
     ["=1", "name=value"],

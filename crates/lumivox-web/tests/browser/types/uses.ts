@@ -2,8 +2,9 @@
 
 import init, {
     builtinScenes, createRenderer, parameters, presets,
-    type Camera, type FrameReport, type Light, type LumivoxError, type ParameterInfo, type Progress, type Renderer,
-    type SceneInfo, type Settings, type Split,
+    type Camera, type EnvironmentInfo, type FrameReport, type Light, type LumivoxError, type Material,
+    type MaterialChange, type ParameterInfo, type Picked, type Progress, type Renderer, type SceneInfo, type Settings,
+    type Split,
 } from "lumivox";
 
 await init();
@@ -23,6 +24,19 @@ await renderer.loadScene(new URL("https://example.org/scene.glb"));
 await renderer.loadScene(new File([], "scene.glb"));
 await renderer.loadScene([new File([], "scene.gltf"), new File([], "scene.bin")]);
 await renderer.loadScene(document.querySelector<HTMLInputElement>("input")!.files!);
+
+const abort = new AbortController();
+const file = new File([], "hall.hdr");
+await renderer.loadScene("hall.glb", null, { signal: abort.signal, panorama: file, surroundings: "auto" });
+const around: EnvironmentInfo = await renderer.loadPanorama(file, hear, { signal: AbortSignal.timeout(1000) });
+await renderer.loadPanorama(new URL("https://example.org/hall.exr"));
+await renderer.setEnvironment({ rotation_deg: around.rotation_deg + 90, radiance: [2, 2, 2] });
+await renderer.setEnvironment({ panorama: null });
+const materials: Material[] = await renderer.materials();
+const change: MaterialChange = { roughness: 0.25, emission: [100, 90, 80] };
+await renderer.setMaterial(0, change);
+const picked: Picked | undefined = await renderer.pick(0.5, 0.5);
+const object: string | undefined = picked && scene.objects[picked.object].name;
 
 const camera: Camera = { position: [0, 1, 4], target: [0, 1, 0] };
 await renderer.setCamera({ ...camera, up: [0, 1, 0], vertical_fov_deg: 40 });
@@ -50,7 +64,8 @@ await renderer.setSplit(null);
 await renderer.resize(640, 360);
 await renderer.setTimed(true);
 const report: FrameReport = await renderer.render();
-const text = `${report.frame}/${report.frames} ${report.complete} ${report.frame_ms} ${report.stages[0]?.name}`;
+const moment: number | undefined = report.time_s;
+const text = `${moment} ${report.frame}/${report.frames} ${report.complete} ${report.frame_ms} ${report.stages[0]?.name}`;
 const image: ImageData = await renderer.readPixels();
 const bytes: number = (await renderer.memory()).reduce((sum, part) => sum + part.bytes, 0);
 const device: GPUDevice = await renderer.device();
@@ -87,6 +102,14 @@ await renderer.set({ resolution: "64" });
 await renderer.setCamera({ position: [0, 0], target: [0, 0, 1] });
 // @ts-expect-error: a camera looks somewhere
 await renderer.setCamera({ position: [0, 0, 0] });
+// @ts-expect-error: a material's name stays
+await renderer.setMaterial(0, { name: "red" });
+// @ts-expect-error: no signal
+await renderer.loadScene("hall.glb", null, { signal: true });
+// @ts-expect-error: two numbers make a place
+await renderer.pick(0.5);
+// @ts-expect-error: another panorama is loaded
+await renderer.setEnvironment({ panorama: 3 });
 // @ts-expect-error: no such kind
 await renderer.addLight({ kind: "sun" });
 // @ts-expect-error: nothing on the right
@@ -96,4 +119,4 @@ await renderer.resize(640);
 // @ts-expect-error: pixels come as an ImageData
 const wrong: Uint8Array = await renderer.readPixels();
 
-export { bytes, device, frames, height, image, names, range, reason, text, wrong };
+export { bytes, device, frames, height, image, materials, names, object, range, reason, text, wrong };

@@ -1,0 +1,26 @@
+// @ts-check
+// What a source is, told by its names.
+
+/** @typedef {import("./types.js").Source} Source */
+
+const SCENE = /\.(gltf|glb|obj|ply|stl|scene|vxct|txt)$/i;
+const PANORAMA = /\.(hdr|exr|pic|png|jpe?g)$/i;
+
+/** The path of an address, without what stands behind it.
+ * @param {string} address */
+const path = (address) => address.replace(/[?#].*$/, "");
+
+/** Whether a source is a panorama alone, to be put around the scene that is there. Beside a scene pictures are its
+ * textures.
+ * @param {Source} source */
+export function isPanorama(source) {
+    if (typeof source === "string") return PANORAMA.test(path(source));
+    return source.some(({ path }) => PANORAMA.test(path)) && !source.some(({ path }) => SCENE.test(path));
+}
+
+/** What a source is called.
+ * @param {Source} source */
+export function nameOf(source) {
+    if (typeof source === "string") return source.replace(/^builtin:/, "");
+    return (source.find(({ path }) => SCENE.test(path)) ?? source.find(({ path }) => PANORAMA.test(path)) ?? source[0]).path;
+}

@@ -1,0 +1,160 @@
+//! What a page changes of a scene, and takes back.
+
+use std::sync::Arc;
+
+use lumivox_scene::EnvironmentMap;
+
+use crate::error::WebError;
+use crate::listener::Listener;
+use crate::session::{Session, no_scene, out_of_range};
+use crate::types::{
+    EnvironmentChange, EnvironmentInfo, Light, Material, MaterialChange, of_panorama,
+};
+
+impl Session {
+    /// Changes the lights by their list.
+    ///
+    /// # Errors
+    /// What `edit` has to say; then nothing has changed.
+    pub fn edit_lights<T>(
+        &mut self,
+        edit: impl FnOnce(&mut Vec<lumivox_scene::Light>) -> Result<T, WebError>,
+    ) -> Result<T, WebError> {
+        let mut lights = self.explorer.scene().ok_or_else(no_scene)?.lights.clone();
+        let result = edit(&mut lights)?;
+        self.explorer.edit_lights(|scene| scene.lights = lights);
+        self.note();
+        Ok(result)
+    }
+
+    /// Changes one.
+    ///
+    /// # Errors
+    /// When there is none of that number, or it cannot be so.
+    pub fn set_light(&mut self, number: usize, light: &Light) -> Result<(), WebError> {
+        self.edit_lights(|lights| {
+            let count = lights.len();
+            let place =
+                lights.get_mut(number).ok_or_else(|| out_of_range("light", number, count))?;
+            *place = light.to_scene(place.attenuation)?;
+            Ok(())
+        })
+    }
+
+    /// Removes one.
+    ///
+    /// # Errors
+    /// When there is none of that number.
+    pub fn remove_light(&mut self, number: usize) -> Result<(), WebError> {
+        self.edit_lights(|lights| {
+            if number >= lights.len() {
+                return Err(out_of_range("light", number, lights.len()));
+            }
+            lights.remove(number);
+            Ok(())
+        })
+    }
+
+    /// Hides an object, or shows it.
+    ///
+    /// # Errors
+    /// When there is none of that number.
+    pub fn set_hidden(&mut self, object: usize, is_hidden: bool) -> Result<(), WebError> {
+        let count = self.explorer.scene().ok_or_else(no_scene)?.instances.len();
+        if object >= count {
+            return Err(out_of_range("object", object, count));
+        }
+        self.explorer.set_hidden(object, is_hidden);
+        self.note();
+        Ok(())
+    }
+
+    /// The materials.
+    ///
+    /// # Errors
+    /// Without a scene.
+    pub fn materials(&self) -> Result<Vec<Material>, WebError> {
+        let scene = self.explorer.scene().ok_or_else(no_scene)?;
+        Ok(scene.materials.iter().map(Material::from).collect())
+    }
+
+    /// Changes one.
+    ///
+    /// # Errors
+    /// When there is none of that number, or it cannot be so.
+    pub fn set_material(&mut self, number: usize, change: &MaterialChange) -> Result<(), WebError> {
+        let materials = &self.explorer.scene().ok_or_else(no_scene)?.materials;
+        let present = materials
+            .get(number)
+            .ok_or_else(|| out_of_range("material", number, materials.len()))?;
+        let changed = change.of(present)?;
+        self.explorer.edit_material(number, |material| *material = changed);
+        self.note();
+        Ok(())
+    }
+
+    /// What is around the scene.
+    ///
+    /// # Errors
+    /// Without a scene.
+    pub fn environment(&self) -> Result<EnvironmentInfo, WebError> {
+        Ok((&self.explorer.scene().ok_or_else(no_scene)?.environment).into())
+    }
+
+    /// Changes it.
+    ///
+    /// # Errors
+    /// When it cannot be so.
+    pub fn set_environment(&mut self, change: &EnvironmentChange) -> Result<(), WebError> {
+        let changed = change.of(&self.explorer.scene().ok_or_else(no_scene)?.environment)?;
+        self.explorer.edit_lights(|scene| scene.environment = changed);
+        self.note();
+        Ok(())
+    }
+
+    /// Puts a panorama around the scene, in the place of what was put around it before.
+    ///
+    /// # Errors
+    /// Without a scene.
+    pub fn surround(&mut self, map: Arc<EnvironmentMap>) -> Result<EnvironmentInfo, WebError> {
+        self.explorer.scene().ok_or_else(no_scene)?;
+        let staged = self.staged.clone();
+        for object in staged.objects() {
+            self.explorer.set_hidden(object, true);
+        }
+        self.explorer.edit_lights(|scene| {
+            scene.environment = of_panorama(map);
+            scene.lights.retain(|light| !staged.has_light(light));
+        });
+        self.note();
+        self.environment()
+    }
+
+    /// Takes the last step back, or does it again; what it was, in words.
+    ///
+    /// # Errors
+    /// When there is none, or the device refuses.
+    pub async fn step(&mut self, is_back: bool) -> Result<String, WebError> {
+        self.show_view_of_left()?;
+        let words = if is_back { self.explorer.undo()? } else { self.explorer.redo()? };
+        self.view = self.explorer.settings().view;
+        self.picker = None;
+        self.follow_light();
+        self.change();
+        self.update(&Listener::new(None)).await?;
+        Ok(words)
+    }
+
+    /// What is changed from now on is a step of its own.
+    pub fn end_gesture(&mut self) {
+        self.explorer.end_gesture();
+    }
+
+    /// Makes a step of what was changed.
+    fn note(&mut self) {
+        self.explorer.note_change();
+        self.picker = None;
+        self.follow_light();
+        self.change();
+    }
+}

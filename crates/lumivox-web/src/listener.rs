@@ -1,0 +1,93 @@
+//! Who hears how far something is, and may cancel it.
+
+use wasm_bindgen::prelude::*;
+
+use crate::error::{Code, WebError};
+use crate::types::Progress;
+
+#[wasm_bindgen(module = "/src/fetch.js")]
+extern "C" {
+    #[wasm_bindgen(js_name = isSignal)]
+    fn is_signal(signal: &JsValue) -> bool;
+
+    #[wasm_bindgen(js_name = isAborted)]
+    fn is_aborted(signal: &JsValue) -> bool;
+
+    #[wasm_bindgen(js_name = breathe, catch)]
+    async fn breathe() -> Result<JsValue, JsValue>;
+}
+
+/// What hears how far something is, and the signal that cancels it.
+#[derive(Clone, Debug)]
+pub struct Listener {
+    function: Option<js_sys::Function>,
+    signal: JsValue,
+}
+
+impl Listener {
+    /// A page's function, or nobody.
+    pub fn new(function: Option<js_sys::Function>) -> Self {
+        Self { function, signal: JsValue::UNDEFINED }
+    }
+
+    /// The same with the signal among some options.
+    ///
+    /// # Errors
+    /// When what stands there is none.
+    pub fn with_signal(mut self, options: &JsValue) -> Result<Self, WebError> {
+        let signal = js_sys::Reflect::get(options, &"signal".into()).unwrap_or_default();
+        if !signal.is_undefined() && !signal.is_null() {
+            if !is_signal(&signal) {
+                return Err(WebError::value("signal must be an AbortSignal"));
+            }
+            self.signal = signal;
+        }
+        Ok(self)
+    }
+
+    /// Tells how far something is. What the page's function throws is its own affair.
+    pub fn tell(&self, stage: &str, done: f64, total: f64) {
+        if let Some(function) = &self.function {
+            let progress = Progress { stage: stage.to_owned(), done, total };
+            let _ = function.call1(
+                &JsValue::NULL,
+                &tsify::Tsify::into_js(&progress).map_or(JsValue::NULL, Into::into),
+            );
+        }
+    }
+
+    /// The signal, for what heeds it itself.
+    pub fn signal(&self) -> &JsValue {
+        &self.signal
+    }
+
+    /// Whether the signal has cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        is_aborted(&self.signal)
+    }
+
+    /// Lets the page's messages through, among which may be the one that cancels.
+    ///
+    /// # Errors
+    /// When it was cancelled.
+    pub async fn check(&self) -> Result<(), WebError> {
+        if self.signal.is_undefined() {
+            return Ok(());
+        }
+        // It never fails.
+        let _ = breathe().await;
+        if self.is_cancelled() {
+            return Err(WebError::new(Code::Aborted, "loading was cancelled"));
+        }
+        Ok(())
+    }
+
+    /// An error as the page gets it: what was cancelled tells the signal's own reason, as `fetch` does.
+    pub fn exception(&self, error: WebError) -> JsValue {
+        if error.code == Code::Aborted {
+            return js_sys::Reflect::get(&self.signal, &"reason".into())
+                .unwrap_or_else(|_| error.into());
+        }
+        error.into()
+    }
+}

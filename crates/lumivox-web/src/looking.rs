@@ -1,0 +1,64 @@
+//! What a page asks of the picture: what is there, and how bright it is.
+
+use glam::{UVec2, Vec2};
+use lumivox_scene::{Bounds, Picker};
+
+use crate::error::WebError;
+use crate::session::{Session, no_scene};
+use crate::types::{HistogramInfo, LightHere, Picked};
+
+impl Session {
+    /// What is at a place of the picture, from 0 to 1 from its upper left corner to its lower right one.
+    ///
+    /// # Errors
+    /// When the place is outside, or there is no scene.
+    pub fn pick(&mut self, at: Vec2) -> Result<Option<Picked>, WebError> {
+        check(at)?;
+        let scene = self.explorer.scene().ok_or_else(no_scene)?;
+        let picker = self.picker.get_or_insert_with(|| Picker::new(scene));
+        let size = self.explorer.size();
+        let (eye, direction) = self.explorer.camera().ray(at * size.as_vec2(), size);
+        let Some(pick) = picker.pick(eye, direction) else { return Ok(None) };
+        let Some(instance) = scene.instances.get(pick.instance) else { return Ok(None) };
+        let mesh = scene.meshes.get(instance.mesh);
+        let corners = mesh.iter().flat_map(|mesh| &mesh.positions);
+        let place = instance.world_from_local;
+        let bounds = Bounds::from_points(corners.map(|corner| place.transform_point3(*corner)));
+        Ok(Some(Picked {
+            object: pick.instance,
+            material: instance.material,
+            position: pick.position,
+            normal: pick.normal,
+            distance_m: pick.distance_m,
+            bounds: bounds.into(),
+        }))
+    }
+
+    /// The light at such a place; nothing beside another picture, over views without light, or before the first frame.
+    ///
+    /// # Errors
+    /// When the place is outside, or the device fails.
+    pub async fn probe(&self, at: Vec2) -> Result<Option<LightHere>, WebError> {
+        check(at)?;
+        if self.beside.is_some() {
+            return Ok(None);
+        }
+        let size = self.explorer.size();
+        let pixel = (at * size.as_vec2()).as_uvec2().min(size.saturating_sub(UVec2::ONE));
+        Ok(self.explorer.probe(pixel).await?.map(LightHere::from))
+    }
+
+    /// How bright the picture's pixels were when it was exposed last.
+    pub fn histogram(&self) -> Option<HistogramInfo> {
+        let histogram = self.histogram?;
+        Some(HistogramInfo::new(&histogram, self.exposing.stops()))
+    }
+}
+
+fn check(at: Vec2) -> Result<(), WebError> {
+    if at.to_array().iter().all(|share| (0.0..=1.0).contains(share)) {
+        return Ok(());
+    }
+    let Vec2 { x, y } = at;
+    Err(WebError::value(format!("the place is {x}, {y}, but both must be from 0 to 1")))
+}

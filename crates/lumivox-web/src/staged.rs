@@ -1,0 +1,55 @@
+//! What was put around a scene that its file does not have, so that a panorama can take its place.
+
+use std::ops::Range;
+
+use lumivox_scene::{Light, Scene};
+
+/// The ground and the lights of a studio or of a clear day.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Staged {
+    objects: Range<usize>,
+    /// By their names: lights may come and go.
+    lights: Vec<String>,
+}
+
+impl Staged {
+    /// What a scene has more than its file, of which `objects` and `lights` are the numbers.
+    pub fn of(scene: &Scene, (objects, lights): (usize, usize)) -> Self {
+        let added = scene.lights.iter().skip(lights);
+        Self {
+            objects: objects..scene.instances.len(),
+            lights: added.map(|light| light.name.clone()).collect(),
+        }
+    }
+
+    /// The numbers of its objects.
+    pub fn objects(&self) -> Range<usize> {
+        self.objects.clone()
+    }
+
+    /// Whether a light is one of its own.
+    pub fn has_light(&self, light: &Light) -> bool {
+        self.lights.contains(&light.name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lumivox_scene::{SightOptions, Staging, builtin};
+
+    use super::*;
+
+    #[test]
+    fn what_a_clear_day_adds_is_told_from_what_the_file_has() {
+        let mut scene = builtin::scene("cornell").unwrap();
+        scene.lights.push(Light { name: "its own".to_owned(), ..Light::default() });
+        let (objects, lights) = (scene.instances.len(), scene.lights.len());
+        let own = scene.clone();
+        scene.stage(&SightOptions { staging: Staging::Sky, ..SightOptions::default() });
+        let staged = Staged::of(&scene, (objects, lights));
+        assert!(!own.lights.iter().any(|light| staged.has_light(light)));
+        assert_eq!(scene.lights.iter().filter(|light| staged.has_light(light)).count(), 1);
+        assert_eq!(staged.objects(), objects..scene.instances.len());
+        assert!(Staged::of(&own, (objects, lights)).objects().is_empty());
+    }
+}

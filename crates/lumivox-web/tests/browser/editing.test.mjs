@@ -1,0 +1,393 @@
+// What is changed on the page besides settings: panoramas, materials, what is chosen, what is cancelled.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { App, LINK, VIEWPORT } from "./harness/app.mjs";
+import { Session } from "./harness/browser.mjs";
+import { OBJ } from "./harness/files.mjs";
+import { luminance, panorama } from "./harness/panorama.mjs";
+import { colors, different } from "./harness/picture.mjs";
+
+/** @type {Session} */
+let session;
+const HALL = panorama();
+before(async () => {
+    session = await Session.start({ beside: [{ name: "skies/hall.hdr", bytes: HALL }] });
+});
+after(() => session?.end());
+
+/** Waits until the page shows what surrounds it. @param {App} app */
+async function surrounded(app) {
+    await app.page.waitForSelector(`#panorama:has-text("hall")`, { state: "attached" });
+    await app.settled();
+    await app.check();
+    assert.equal((await app.call("environment")).panorama, "hall");
+}
+
+test("a panorama is dropped with a scene, turned and made brighter", async () => {
+    const app = await App.show(session, "builtin:panel");
+    await app.drop([...OBJ, { name: "hall.hdr", bytes: HALL }]);
+    await app.page.waitForSelector(`#title:text-is("corner")`, { state: "attached" });
+    await surrounded(app);
+    // Upwards, so that what is between bright and dim is far from where it is measured.
+    await app.call("setCamera", { position: [0, 1, 5], target: [0, 3.5, 0] });
+    await app.render();
+    const camera = await app.call("camera");
+    /** What is behind the scene, to a tenth: a pixel covers several texels. Away from the edges of the cube that it becomes. @param {number} turned @param {number} factor */
+    const shows = async (turned, factor) => {
+        /** @type {[number, number][]} */
+        const places = [[0.3, 0.45], [0.7, 0.45]];
+        for (const place of places) {
+            const seen = (await app.call("probe", ...place)).luminance_cd_m2;
+            const expected = factor * luminance(camera, place, 96 / 72, turned);
+            console.log(`turned by ${turned}, times ${factor}: ${seen} cd/m2 at ${place}, expected ${expected}`);
+            assert.ok(Math.abs(seen / expected - 1) < 0.1, `${seen} cd/m2 at ${place}, expected ${expected}`);
+        }
+    };
+    await shows(0, 1);
+    const plain = await app.pixels();
+    await app.inPanel("Light", async () => {
+        const number = app.page.locator("#environment").getByRole("spinbutton", { name: "Rotation" });
+        await number.fill("90");
+        await number.press("Enter");
+        const factor = app.page.locator("#environment").getByRole("spinbutton", { name: "Intensity" });
+        await factor.fill("0.25");
+        await factor.press("Enter");
+    });
+    await app.render();
+    await shows(90, 0.25);
+    assert.ok(different(plain, await app.pixels()) > 1000);
+    await app.check();
+    await app.close();
+});
+
+test("a link brings a panorama, and a dropped one takes the place of what was put around a scene", async () => {
+    const app = await App.show(session, "builtin:spheres", { link: "environment=skies/hall.hdr&environment_rotation=90&environment_intensity=2" });
+    const { panorama: name, rotation_deg, radiance } = await app.call("environment");
+    assert.deepEqual([name, Math.round(rotation_deg), radiance], ["hall", 90, [2, 2, 2]]);
+    await app.page.locator("#link").click();
+    await app.page.locator("#messages .note").first().waitFor();
+    assert.match(app.page.url(), /environment=skies\/hall\.hdr&environment_intensity=2&environment_rotation=90/);
+    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("sky"));
+    const staged = await app.call("scene");
+    assert.ok(staged.lights.some((/** @type {any} */ { name }) => name === "default sun"));
+    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
+    await surrounded(app);
+    const { lights, objects } = await app.call("scene");
+    assert.ok(!lights.some((/** @type {any} */ { name }) => name === "default sun"));
+    assert.deepEqual(objects.filter((/** @type {any} */ { hidden }) => hidden).length, staged.objects.length - objects.filter((/** @type {any} */ { hidden }) => !hidden).length);
+    assert.equal(await app.page.locator("#surroundings").inputValue(), "panorama");
+    // What suits the scene comes back.
+    await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("auto"));
+    assert.notEqual((await app.call("environment")).panorama, "hall");
+    await app.check();
+    await app.close();
+});
+
+test("what is no panorama tells so, and the picture stays", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    const before = await app.pixels();
+    for (const [name, bytes, message] of /** @type {[string, string | Buffer, RegExp][]} */ ([
+        ["page.hdr", "<!doctype html>", /page\.hdr.*Radiance/],
+        ["half.hdr", HALL.subarray(0, 200), /half\.hdr/],
+    ])) {
+        await app.drop([{ name, bytes }]);
+        assert.match(await app.error(), message);
+        await app.complete();
+        assert.equal(different(before, await app.pixels()), 0);
+    }
+    await app.check();
+    await app.close();
+});
+
+test("materials are edited in the panel", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    const before = await app.pixels();
+    const materials = await app.call("materials");
+    assert.ok(materials.every((/** @type {any} */ { shading }) => shading === "metallic-roughness"));
+    const red = materials.findIndex((/** @type {any} */ { color: [r, g] }) => r > 2 * g);
+    await app.inPanel("Materials", async () => {
+        const fields = app.page.locator(`#materials details[data-number="${red}"]`);
+        await fields.evaluate((/** @type {HTMLDetailsElement} */ details) => (details.open = true));
+        await fields.getByLabel("Colour", { exact: true }).evaluate((/** @type {HTMLInputElement} */ input) => {
+            input.value = "#0000ff";
+            input.dispatchEvent(new Event("input"));
+        });
+        const roughness = fields.getByRole("spinbutton", { name: "Roughness" });
+        await roughness.fill("0.25");
+        await roughness.press("Enter");
+        await fields.getByRole("spinbutton", { name: "Emission" }).fill("3");
+        await fields.getByRole("spinbutton", { name: "Emission" }).press("Enter");
+    });
+    const changed = (await app.call("materials"))[red];
+    assert.deepEqual([changed.color, changed.roughness, changed.emission], [[0, 0, 1], 0.25, [3, 3, 3]]);
+    assert.ok(different(before, await app.pixels()) > 500);
+    await app.check();
+    await app.close();
+});
+
+test("a double click chooses what is there, and the camera orbits it", async () => {
+    const app = await App.show(session, "builtin:spheres");
+    const { objects, bounds } = await app.call("scene");
+    const [x, y] = [VIEWPORT.width / 2, VIEWPORT.height * 0.55];
+    const picked = await app.call("pick", x / VIEWPORT.width, y / VIEWPORT.height);
+    const from = await app.call("camera");
+    await app.page.mouse.dblclick(x, y);
+    await app.settled();
+    const to = await app.call("camera");
+    assert.deepEqual(to.position, from.position);
+    const way = [0, 1, 2].map((axis) => picked.position[axis] - to.position[axis]);
+    const sight = [0, 1, 2].map((axis) => to.target[axis] - to.position[axis]);
+    const cosine = way.reduce((sum, part, axis) => sum + part * sight[axis], 0) / Math.hypot(...way) / Math.hypot(...sight);
+    assert.ok(cosine > 0.99999, `the camera looks past the point: ${cosine}`);
+    assert.equal(await app.page.locator(".object[aria-current]").textContent(), objects[picked.object].name);
+    // What was at the place of the click is in the middle now.
+    const middle = await app.call("pick", 0.5, 0.5);
+    assert.ok(Math.hypot(...[0, 1, 2].map((axis) => middle.position[axis] - picked.position[axis])) < 1e-2 * bounds.max[0]);
+    // The orbit keeps its distance from it.
+    await app.page.locator("#canvas").focus();
+    const distance = (/** @type {any} */ { position }) => Math.hypot(...[0, 1, 2].map((axis) => position[axis] - picked.position[axis]));
+    await app.page.mouse.move(x, y);
+    await app.page.mouse.down();
+    await app.page.mouse.move(x + 40, y, { steps: 3 });
+    await app.page.mouse.up();
+    await app.settled();
+    assert.ok(Math.abs(distance(await app.call("camera")) / distance(to) - 1) < 1e-3);
+    // F shows all of what was chosen.
+    await app.page.keyboard.press("f");
+    await app.settled();
+    const framed = await app.call("camera");
+    const center = [0, 1, 2].map((axis) => (picked.bounds.min[axis] + picked.bounds.max[axis]) / 2);
+    const offset = [0, 1, 2].map((axis) => center[axis] - framed.position[axis]);
+    const ahead = [0, 1, 2].map((axis) => framed.target[axis] - framed.position[axis]);
+    const towards = offset.reduce((sum, part, axis) => sum + part * ahead[axis], 0) / Math.hypot(...offset) / Math.hypot(...ahead);
+    assert.ok(towards > 0.9999, `${towards}`);
+    await app.page.keyboard.press("Escape");
+    assert.equal(await app.page.locator(".object[aria-current]").count(), 0);
+    await app.check();
+    await app.close();
+});
+
+test("a loading is cancelled, and the last scene stays", async () => {
+    const app = await App.open(session, { link: `scene=builtin:cornell&${LINK}` });
+    await app.complete();
+    const before = await app.pixels();
+    // A server that never ends.
+    await app.page.route("**/endless.glb", () => {});
+    await app.inPanel("Scene", async () => {
+        const field = app.page.locator("#address");
+        await field.fill("endless.glb");
+        await field.press("Enter");
+        await app.page.locator("#loading-time", { hasText: /^\d\.[5-9] s$/ }).waitFor();
+        assert.match((await app.page.locator("#loading-stage").textContent()) ?? "", /Loading endless\.glb/);
+        await app.page.locator("#loading-cancel").click();
+        await app.page.locator("#messages .note", { hasText: "endless.glb was cancelled" }).waitFor();
+    });
+    await app.complete();
+    assert.equal((await app.call("scene")).name, "cornell");
+    assert.equal(different(before, await app.pixels()), 0);
+    assert.ok(await app.page.locator("#loading").isHidden());
+    await app.check();
+    await app.close();
+});
+
+test("the slider of the time follows what plays", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    await app.drop([{ name: "swing.gltf", bytes: swing() }]);
+    await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
+    await app.complete();
+    const time = app.page.locator("#time");
+    const play = app.page.locator("#play");
+    await app.inPanel("Scene", async () => {
+        await play.click();
+        await app.page.waitForFunction(() => Number(/** @type {HTMLInputElement} */ (document.getElementById("time")).value) > 0.2);
+        await play.click();
+    });
+    const shown = Number(await time.inputValue());
+    assert.ok(shown > 0.2 && shown <= 100, `${shown}`);
+    const report = await app.call("render");
+    assert.ok(Math.abs(report.time_s - shown) < 0.02, `${report.time_s} s, but the slider says ${shown} s`);
+    assert.equal(await app.page.locator("#time-value").textContent(), shown.toFixed(2));
+    await app.check();
+    await app.close();
+});
+
+test("the picture fills the screen, and comes back", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    const button = app.page.locator("#fullscreen");
+    const isFull = () => app.page.evaluate(() => document.fullscreenElement !== null);
+    await button.click();
+    await app.page.waitForFunction(() => document.fullscreenElement !== null);
+    assert.equal(await button.getAttribute("aria-pressed"), "true");
+    assert.ok(await app.page.locator("#panel").isHidden());
+    await app.page.keyboard.press("Alt+Enter");
+    await app.page.waitForFunction(() => document.fullscreenElement === null);
+    assert.equal(await isFull(), false);
+    assert.equal(await button.getAttribute("aria-pressed"), "false");
+    await app.settled();
+    assert.ok(colors(await app.pixels()) > 100);
+    await app.check();
+    await app.close();
+});
+
+test("changes are taken back and done again", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    const before = await app.pixels();
+    const undo = app.page.locator("#undo");
+    const lights = (await app.call("scene")).lights.length;
+    assert.ok(await undo.isDisabled());
+    await app.inPanel("Objects", () => app.page.locator("#objects input[type=checkbox]").first().click());
+    await app.inPanel("Light", () => app.page.locator("[data-add=point]").click());
+    const after = await app.pixels();
+    assert.ok(different(before, after) > 100);
+    assert.match((await undo.getAttribute("title")) ?? "", /^Undo: .*light/i);
+    await app.page.locator("#canvas").focus();
+    await app.page.keyboard.press("Control+z");
+    await app.settled();
+    assert.equal((await app.call("scene")).lights.length, lights);
+    await undo.click();
+    await app.settled();
+    assert.equal(different(before, await app.pixels()), 0);
+    assert.ok(await undo.isDisabled());
+    assert.ok(await app.page.locator("#objects input[type=checkbox]").first().isChecked());
+    await app.page.keyboard.press("Control+Shift+z");
+    await app.page.keyboard.press("Control+y");
+    await app.settled();
+    assert.equal(different(after, await app.pixels()), 0);
+    assert.ok(await app.page.locator("#redo").isDisabled());
+    // Settings, too, but not the size of the window.
+    await app.inPanel("View", () => app.page.locator("input[name=view][value=albedo]").click());
+    await app.page.setViewportSize({ width: 320, height: 240 });
+    await app.settled();
+    await undo.click();
+    await app.settled();
+    assert.equal((await app.call("settings")).view, "final");
+    assert.equal((await app.pixels()).width, 80);
+    await app.check();
+    await app.close();
+});
+
+test("views are kept under names", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    await app.page.locator("#canvas").focus();
+    await app.page.keyboard.press("ArrowLeft", { delay: 150 });
+    await app.settled();
+    const corner = await app.call("camera");
+    await app.inPanel("Scene", async () => {
+        await app.page.locator("#camera-name").fill("corner");
+        await app.page.locator("#camera-name").press("Enter");
+    });
+    await app.page.locator("#canvas").focus();
+    await app.page.keyboard.press("d", { delay: 150 });
+    await app.settled();
+    assert.notDeepEqual(await app.call("camera"), corner);
+    await app.page.reload();
+    await app.complete();
+    await app.inPanel("Scene", () => app.page.locator("#camera").selectOption({ label: "corner" }));
+    const back = await app.call("camera");
+    for (const part of ["position", "target"]) {
+        for (const axis of [0, 1, 2]) assert.ok(Math.abs(back[part][axis] - corner[part][axis]) < 1e-4, `${part} ${back[part]}`);
+    }
+    await app.inPanel("Scene", () => app.page.getByLabel("Forget this view").click());
+    assert.equal(await app.page.locator("#camera option", { hasText: "corner" }).count(), 0);
+    await app.check();
+    await app.close();
+});
+
+test("the light under the mouse and the histogram are those of the picture", async () => {
+    const app = await App.show(session, "builtin:furnace");
+    // A furnace is as bright everywhere: cd/m2 of the walls and lux over pi are one (albedo and emission make it so).
+    const { luminance_cd_m2, illuminance_lux } = await app.call("probe", 0.5, 0.5);
+    await app.page.mouse.move(VIEWPORT.width / 2, VIEWPORT.height / 2);
+    const shown = app.page.locator("#probe", { hasText: /lux · .* cd\/m²/ });
+    await shown.waitFor();
+    const [lux, seen] = [...((await shown.textContent()) ?? "").replaceAll("\u202f", "").matchAll(/[\d.]+(?:e-?\d+)?/g)].map(Number);
+    assert.ok(Math.abs(seen / luminance_cd_m2 - 1) < 0.01, `${seen} and ${luminance_cd_m2}`);
+    assert.ok(Math.abs(lux / illuminance_lux - 1) < 0.01, `${lux} and ${illuminance_lux}`);
+    const { bins, bins_per_stop, first_stop, white, middle_grey } = await app.call("histogram");
+    const place = Math.floor((Math.log2(luminance_cd_m2) - first_stop) * bins_per_stop);
+    const around = bins.slice(place - 1, place + 2).reduce((/** @type {number} */ sum, /** @type {number} */ count) => sum + count, 0);
+    const all = bins.reduce((/** @type {number} */ sum, /** @type {number} */ count) => sum + count, 0);
+    assert.equal(all, 96 * 72);
+    assert.ok(around > 0.5 * all, `${around} of ${all} pixels`);
+    assert.ok(Math.abs(white - middle_grey - bins_per_stop * Math.log2(1 / 0.18)) < 1e-3);
+    await app.inPanel("Picture", async () => {
+        await app.page.locator("#histogram-words", { hasText: /Exposed by .* stops/ }).waitFor();
+        const drawn = await app.page.locator("#histogram").evaluate((/** @type {HTMLCanvasElement} */ canvas) => {
+            const { data } = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")).getImageData(0, 0, canvas.width, canvas.height);
+            return data.filter((byte, at) => at % 4 === 3 && byte > 0).length;
+        });
+        assert.ok(drawn > 100, `${drawn} pixels of the histogram`);
+    });
+    await app.page.mouse.move(0, 0);
+    await app.check();
+    await app.close();
+});
+
+test("a scene that is lit by its own emission alone says so, until something else shines", async () => {
+    const app = await App.show(session, "builtin:panel");
+    const hint = app.page.locator("#hint");
+    assert.ok(await hint.isVisible());
+    await app.inPanel("Light", () => app.page.locator("[data-add=point]").click());
+    assert.ok(await hint.isHidden());
+    await app.page.locator("#undo").click();
+    await app.settled();
+    assert.ok(await hint.isVisible());
+    await app.drop(OBJ);
+    await app.drop([{ name: "hall.hdr", bytes: HALL }]);
+    await surrounded(app);
+    assert.ok(await hint.isHidden());
+    await app.check();
+    await app.close();
+});
+
+test("a first, coarse picture comes before the one that was asked for", async () => {
+    const app = await App.show(session, "builtin:cornell");
+    const seen = await app.worker.evaluate(async () => {
+        // @ts-ignore
+        const { renderer } = self;
+        await renderer.set({ resolution: 64 });
+        /** @type {string[]} */
+        const events = [];
+        const context = GPUCanvasContext.prototype;
+        const texture = context.getCurrentTexture;
+        context.getCurrentTexture = function () {
+            events.push("picture");
+            return texture.call(this);
+        };
+        const scene = await renderer.loadScene("builtin:spheres", (/** @type {{ stage: string }} */ { stage }) => void (events.at(-1) !== stage && events.push(stage)));
+        context.getCurrentTexture = texture;
+        return { events, voxels: scene.voxels, resolution: (await renderer.settings()).resolution };
+    });
+    console.log(seen.events.join(", "));
+    const [first, last] = [seen.events.indexOf("picture"), seen.events.lastIndexOf("voxelize")];
+    assert.ok(first > 0 && last > first, seen.events.join(", "));
+    assert.equal(seen.resolution, 64);
+    await app.render();
+    assert.equal((await app.call("render")).frame, 4);
+    await app.check();
+    await app.close();
+});
+
+/** A triangle that swings for a hundred seconds (Khronos, glTF 2.0). */
+function swing() {
+    const floats = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 100, 0, 0, 0, 1, 0, 0, 1, 0];
+    const bytes = Buffer.from(new Float32Array(floats).buffer);
+    const view = (/** @type {number} */ from, /** @type {number} */ count) => ({ buffer: 0, byteOffset: 4 * from, byteLength: 4 * count });
+    return JSON.stringify({
+        asset: { version: "2.0" },
+        scene: 0,
+        scenes: [{ nodes: [0] }],
+        nodes: [{ mesh: 0 }],
+        meshes: [{ primitives: [{ attributes: { POSITION: 0 }, material: 0 }] }],
+        materials: [{ doubleSided: true, emissiveFactor: [1, 1, 1] }],
+        animations: [{ channels: [{ sampler: 0, target: { node: 0, path: "rotation" } }], samplers: [{ input: 1, output: 2 }] }],
+        accessors: [
+            { bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [0, 0, 0], max: [1, 1, 0] },
+            { bufferView: 1, componentType: 5126, count: 2, type: "SCALAR", min: [0], max: [100] },
+            { bufferView: 2, componentType: 5126, count: 2, type: "VEC4" },
+        ],
+        bufferViews: [view(0, 9), view(9, 2), view(11, 8)],
+        buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }],
+    });
+}

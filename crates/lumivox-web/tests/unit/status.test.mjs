@@ -1,0 +1,27 @@
+// The line that says what is waited for.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { seconds, statusText } from "../../page/status.js";
+
+const report = { frame: 4, frames: 16, frame_ms: 800, complete: false, stages: [] };
+
+test("times are as exact as a reader cares", () => {
+    assert.deepEqual([0, 1234, 12_345, 59_949, 61_000].map(seconds), ["0.0 s", "1.2 s", "12 s", "60 s", "1 min 1 s"]);
+});
+
+test("a picture that gets better tells how long it will take", () => {
+    assert.equal(statusText(report, 0), "4/16 frames · 800 ms · about 9.6 s to go");
+    // What is there in a moment is not announced.
+    assert.equal(statusText({ ...report, frame: 15, frame_ms: 30 }, 10), "15/16 frames · 30 ms");
+});
+
+test("who waits for long is told for what, and for how long", () => {
+    assert.equal(statusText(report, 3000), "4/16 frames · 800 ms · about 6.6 s to go · waiting for frame 5 for 3.0 s");
+    const traced = { ...report, frame: 16, reference_samples: 12 };
+    assert.equal(statusText(traced, 2000), "16/16 frames · 800 ms · reference 12 samples · waiting for the reference for 2.0 s");
+});
+
+test("a complete picture is waited for by nobody", () => {
+    assert.equal(statusText({ ...report, frame: 16, complete: true }, 1e6), "16/16 frames · 800 ms");
+});
