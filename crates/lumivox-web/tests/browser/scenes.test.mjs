@@ -1,17 +1,20 @@
 // Pictures: the browser's agree with the native program's.
 
 import assert from "node:assert/strict";
+import { writeFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
 import { App, BOUND, NATIVE, QUICK } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
-import { colors, different, flip, nativePicture } from "./harness/picture.mjs";
+import { panorama } from "./harness/panorama.mjs";
+import { colors, different, flip, freshPath, nativePicture } from "./harness/picture.mjs";
 
 /** @type {Session} */
 let session;
 /** @type {App} */
 let app;
+const HALL = panorama();
 before(async () => {
-    session = await Session.start();
+    session = await Session.start({ beside: [{ name: "hall.hdr", bytes: HALL }] });
     app = await App.show(session, "builtin:cornell");
 });
 after(() => session?.end());
@@ -30,7 +33,7 @@ const agrees = async (/** @type {string} */ scene, /** @type {string[]} */ optio
 
 test("every built-in scene agrees with the native picture", async (t) => {
     const scenes = await known("builtinScenes");
-    assert.equal(scenes.length, 7);
+    assert.equal(scenes.length, 12);
     for (const { name } of scenes) {
         await t.test(name, async () => {
             await app.call("loadScene", `builtin:${name}`);
@@ -39,6 +42,24 @@ test("every built-in scene agrees with the native picture", async (t) => {
             await app.check();
         });
     }
+});
+
+test("a panorama and the computed sky agree with the native picture", async (t) => {
+    const scene = "builtin:cornell";
+    await t.test("sky", async () => {
+        await app.call("loadScene", scene, { surroundings: "sky" });
+        await app.render();
+        await agrees(scene, ["--surroundings", "sky"], "sky");
+    });
+    await t.test("panorama", async () => {
+        const file = await freshPath("hall.hdr");
+        await writeFile(file, HALL);
+        await app.call("loadScene", scene);
+        await app.call("loadPanorama", new URL("hall.hdr", session.address).href);
+        await app.render();
+        await agrees(scene, ["--environment", file], "panorama");
+    });
+    await app.check();
 });
 
 test("both volumes and the presets agree with the native picture", async (t) => {

@@ -112,15 +112,6 @@ impl LayoutBuilder {
         )
     }
 
-    /// `texture_cube<f32>` that can be filtered.
-    #[must_use]
-    pub fn texture_cube(self) -> Self {
-        self.texture(
-            wgpu::TextureViewDimension::Cube,
-            wgpu::TextureSampleType::Float { filterable: true },
-        )
-    }
-
     /// A write-only storage texture.
     #[must_use]
     pub fn storage_texture(

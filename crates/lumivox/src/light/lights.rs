@@ -228,8 +228,8 @@ pub fn lights_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
         .storage()
         .depth_2d_array()
         .sampler_comparison()
-        .texture_cube()
-        .texture_cube()
+        .texture_2d()
+        .texture_2d()
         .sampler()
         .build(device, "lights")
 }

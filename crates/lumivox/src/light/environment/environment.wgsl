@@ -4,16 +4,17 @@
 // angle `growth`. It reads the mip at which a bilinear sample is as wide. Mips hold means over solid angles, in
 // multiples of `light_globals.environment`.
 //
-// Where there is no map nothing is read: SwiftShader, the software GPU of browsers, reads beyond a cube's edges what
-// was in its memory before, and black times that may be no number.
+// The cube lies flat in a texture (atlas.rs): every face of every mip with a border of the texels beyond its edges. A
+// cube texture would have samplers filter across edges, but SwiftShader, the software GPU of browsers, reads there what
+// was in its memory before.
 
 import package::constants::LIGHT_ENVIRONMENT;
 import package::light::lights::{light_globals, Light};
 
 // All of the surroundings.
-@group(2) @binding(5) var environment_sharp: texture_cube<f32>;
+@group(2) @binding(5) var environment_sharp: texture_2d<f32>;
 // Without the peaks that are lights (LIGHT_ENVIRONMENT).
-@group(2) @binding(6) var environment_soft: texture_cube<f32>;
+@group(2) @binding(6) var environment_soft: texture_2d<f32>;
 @group(2) @binding(7) var environment_sampler: sampler;
 
 // The width of a bilinear sample, in texels: of the box with the same noise, 1 over the integral of the squared
@@ -39,6 +40,60 @@ fn cube_level(direction: vec3f, width: f32, edge: u32) -> f32 {
     return max(log2(max(width, 1e-6) / (TEXELS_PER_SAMPLE * texel)), 0.0);
 }
 
+// The edge of a face of the first mip of a map of this size: see Layout in atlas.rs.
+fn cube_edge(size: vec2u) -> u32 {
+    return (2u * size.x - 24u) / 9u;
+}
+
+// Where a direction meets the cube: the face's number, and the place on it, from 0 at its left or top edge to 1.
+struct CubePlace {
+    face: u32,
+    place: vec2f,
+}
+
+// Vulkan 1.3, section "Cube map face selection".
+fn cube_place(direction: vec3f) -> CubePlace {
+    let size = abs(direction);
+    var face = select(4u, 5u, direction.z < 0.0);
+    var across = vec2f(select(direction.x, -direction.x, direction.z < 0.0), -direction.y);
+    var along = size.z;
+    if size.x >= size.y && size.x >= size.z {
+        face = select(0u, 1u, direction.x < 0.0);
+        across = vec2f(select(-direction.z, direction.z, direction.x < 0.0), -direction.y);
+        along = size.x;
+    } else if size.y >= size.z {
+        face = select(2u, 3u, direction.y < 0.0);
+        across = vec2f(direction.x, select(direction.z, -direction.z, direction.y < 0.0));
+        along = size.y;
+    }
+    return CubePlace(face, 0.5 + 0.5 * across / along);
+}
+
+// One mip, filtered between four texels.
+fn sample_mip(map: texture_2d<f32>, at: CubePlace, mip: u32) -> vec3f {
+    let size = textureDimensions(map);
+    let first = cube_edge(size);
+    let edge = first >> mip;
+    // The first mip at the left, the others one below the other beside it.
+    let above = select(0u, 2u * (first - 2u * edge) + 4u * (mip - 1u), mip > 0u);
+    let corner = vec2u(select(0u, 3u * (first + 2u), mip > 0u), above)
+        + vec2u(at.face % 3u, at.face / 3u) * (edge + 2u);
+    let place = vec2f(corner) + 1.0 + at.place * f32(edge);
+    return textureSampleLevel(map, environment_sampler, place / vec2f(size), 0.0).rgb;
+}
+
+// A unit vector's texels at a level between two mips.
+fn sample_cube(map: texture_2d<f32>, direction: vec3f, level: f32) -> vec3f {
+    let last = firstLeadingBit(cube_edge(textureDimensions(map)));
+    let mip = min(u32(level), last);
+    let at = cube_place(direction);
+    return mix(
+        sample_mip(map, at, mip),
+        sample_mip(map, at, min(mip + 1u, last)),
+        saturate(level - f32(mip)),
+    );
+}
+
 // Radiance from outside along a unit vector, for cells of an edge of `width` times the distance; without the
 // peaks that are lights.
 fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
@@ -46,9 +101,8 @@ fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
         return light_globals.environment;
     }
     let in_map = map_from_world(direction);
-    let level = cube_level(in_map, width, textureDimensions(environment_soft).x);
-    return light_globals.environment
-        * textureSampleLevel(environment_soft, environment_sampler, in_map, level).rgb;
+    let level = cube_level(in_map, width, cube_edge(textureDimensions(environment_soft)));
+    return light_globals.environment * sample_cube(environment_soft, in_map, level);
 }
 
 // The same along a glossy reflection. A lobe (alpha of the microfacets) narrower than the peaks shows them as
@@ -58,9 +112,8 @@ fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
         return environment_radiance(direction, width);
     }
     let in_map = map_from_world(direction);
-    let level = cube_level(in_map, width, textureDimensions(environment_sharp).x);
-    return light_globals.environment
-        * textureSampleLevel(environment_sharp, environment_sampler, in_map, level).rgb;
+    let level = cube_level(in_map, width, cube_edge(textureDimensions(environment_sharp)));
+    return light_globals.environment * sample_cube(environment_sharp, in_map, level);
 }
 
 // The share of a light that its highlight shows: none where `environment_reflection` does already.
@@ -75,6 +128,5 @@ fn environment_background(direction: vec3f) -> vec3f {
         return light_globals.environment;
     }
     return light_globals.environment
-        * textureSampleLevel(environment_sharp, environment_sampler, map_from_world(direction), 0.0)
-            .rgb;
+        * sample_mip(environment_sharp, cube_place(map_from_world(direction)), 0u);
 }

@@ -14,8 +14,10 @@
 //! of the mean to 65 504 times the mean. Brighter texels are cut off in the sharp cube alone, since the
 //! sun's energy is in its light.
 //!
-//! A cube and not an octahedral map: samplers filter it across its edges at every mip.
+//! A cube, whose texels are about as large in all directions; flat in one texture, and filtered across its edges by
+//! borders ([`atlas`]), for not every driver filters cube textures so.
 
+mod atlas;
 mod cube;
 mod peaks;
 #[cfg(test)]
@@ -28,9 +30,9 @@ use half::f16;
 use crate::{GiError, Light, LightSource, Shadow};
 use cube::Cube;
 
-/// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 64 MiB.
+/// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 74 MiB.
 const MAX_SHARP_EDGE: u32 = 1024;
-/// The longest edge of the soft one, which no lobe reads sharply. 16 MiB.
+/// The longest edge of the soft one, which no lobe reads sharply. 19 MiB.
 const MAX_SOFT_EDGE: u32 = 512;
 /// Format of the cubes: what WebGPU filters without asking.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -161,16 +163,12 @@ impl EnvironmentMap {
         let split = peaks::split(panorama);
         let unit = unit_of(panorama);
         // A face is 90 degrees, a quarter of the panorama's width.
-        let edge = panorama.width.div_ceil(4).next_power_of_two().min(MAX_SHARP_EDGE);
+        let edge = panorama.width.div_ceil(4).next_power_of_two().clamp(2, MAX_SHARP_EDGE);
         let mut bytes = 0;
         let mut texture = |label, panorama, edge| {
             let texture = upload(device, queue, label, Cube::project(panorama, edge), unit);
-            // The mips add a third.
-            bytes += u64::from(edge) * u64::from(edge) * 6 * 8 * 4 / 3;
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::Cube),
-                ..Default::default()
-            })
+            bytes += u64::from(texture.width()) * u64::from(texture.height()) * 8;
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
         };
         let sharp = texture("environment", panorama, edge);
         let soft = match &split.rest {
@@ -185,14 +183,11 @@ impl EnvironmentMap {
 
     /// A white map, for surroundings that are the same everywhere.
     pub(crate) fn white(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        let cube = Cube { edge: 1, texels: vec![Vec3::ONE; 6] };
-        let view = upload(device, queue, "no environment map", cube, 1.0).create_view(
-            &wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::Cube),
-                ..Default::default()
-            },
-        );
-        Self { sharp: view.clone(), soft: view, unit: 1.0, peaks: Vec::new(), bytes: 48 }
+        let cube = Cube { edge: 2, texels: vec![Vec3::ONE; 24] };
+        let texture = upload(device, queue, "no environment map", cube, 1.0);
+        let bytes = u64::from(texture.width()) * u64::from(texture.height()) * 8;
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Self { sharp: view.clone(), soft: view, unit: 1.0, peaks: Vec::new(), bytes }
     }
 
     /// The peaks, brightest first.
@@ -236,16 +231,17 @@ fn upload(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     label: &str,
-    mut cube: Cube,
+    cube: Cube,
     unit: f32,
 ) -> Texture {
-    let edge = cube.edge;
+    let (size, texels) = atlas::flatten(cube);
+    let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
     let texture = Texture::new(
         device,
         &wgpu::TextureDescriptor {
             label: Some(label),
-            size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 6 },
-            mip_level_count: edge.ilog2() + 1,
+            size: extent,
+            mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: FORMAT,
@@ -254,30 +250,19 @@ fn upload(
         },
     );
     let most = Vec3::splat(f16::MAX.to_f32());
-    for level in 0..texture.mip_level_count() {
-        if level > 0 {
-            cube = cube.halved();
-        }
-        let halves: Vec<[f16; 4]> = cube
-            .texels
-            .iter()
-            .map(|texel| (*texel / unit).min(most).extend(1.0).to_array().map(f16::from_f32))
-            .collect();
-        queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &texture,
-                mip_level: level,
-                origin: wgpu::Origin3d::ZERO,
-                aspect: wgpu::TextureAspect::All,
-            },
-            bytemuck::cast_slice(&halves),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(cube.edge * 8),
-                rows_per_image: Some(cube.edge),
-            },
-            wgpu::Extent3d { width: cube.edge, height: cube.edge, depth_or_array_layers: 6 },
-        );
-    }
+    let halves: Vec<[f16; 4]> = texels
+        .iter()
+        .map(|texel| (*texel / unit).min(most).extend(1.0).to_array().map(f16::from_f32))
+        .collect();
+    queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&halves),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(size.x * 8),
+            rows_per_image: Some(size.y),
+        },
+        extent,
+    );
     texture
 }
