@@ -73,7 +73,7 @@ fn structs_lie_in_memory_alike() {
         library,
         "light::lights",
         "LightGlobals",
-        LightGlobals { environment, light_count, environment_turn, mirror_alpha, has_map }
+        LightGlobals { environment, light_count, environment_turn, mirror_alpha }
     );
     assert_layout!(
         library,

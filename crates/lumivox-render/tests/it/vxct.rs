@@ -402,10 +402,11 @@ fn face_radiance(renderer: &Renderer, gpu: &Gpu) -> Vec<[f32; 4]> {
 fn the_voxels_hold_the_light_that_is_asked_for() {
     let gpu = gpu();
     let color = Vec3::new(0.5, 0.4, 0.3);
-    // Right above the floor's middle, far away: n l is nearly 1 all over it.
+    // Right above the floor's middle, far away: n l is nearly 1 all over it. Physically a highlight is light, too.
     let brightest = |light_color: f32, injected_light| {
+        let specular = if injected_light == Injected::Vxct { 0.5 } else { 0.0 };
         let light = vxct_light(Vec3::new(0.0, 99.0, 0.0), Vec3::splat(light_color));
-        let scene = floor(-1.0, vxct_material(color, 32.0, 0.5), light);
+        let scene = floor(-1.0, vxct_material(color, 32.0, specular), light);
         let mut renderer = renderer(&gpu, &scene, look(usual()));
         let was = face_radiance(&renderer, &gpu);
         let vxct = VxctSettings { injected_light, ..usual() };

@@ -142,7 +142,7 @@ pub(crate) struct LightGlobals {
     pub(crate) light_count: u32,
     pub(crate) environment_turn: [f32; 2],
     pub(crate) mirror_alpha: f32,
-    pub(crate) has_map: u32,
+    padding: u32,
 }
 
 /// `ShadowLayer` of `shadow_map.wgsl`.
@@ -311,7 +311,7 @@ impl Lights {
             light_count: records.len() as u32,
             environment_turn: [environment.rotation_rad.cos(), environment.rotation_rad.sin()],
             mirror_alpha: mirror_alpha(&records),
-            has_map: u32::from(environment.map.is_some()),
+            padding: 0,
         };
         let globals = uniform_buffer(device, "light globals", &globals);
         let lights = upload(device, "lights", &padded(&records));

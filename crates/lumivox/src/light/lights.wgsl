@@ -31,8 +31,7 @@ struct LightGlobals {
     environment_turn: vec2f,
     // Lobes of a smaller alpha show the peaks of the environment's map in place of their lights' highlights.
     mirror_alpha: f32,
-    // 0 where the surroundings are the same everywhere.
-    has_map: u32,
+    padding: u32,
 }
 
 @group(2) @binding(0) var<uniform> light_globals: LightGlobals;

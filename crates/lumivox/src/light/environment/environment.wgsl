@@ -51,22 +51,20 @@ struct CubePlace {
     place: vec2f,
 }
 
-// Vulkan 1.3, section "Cube map face selection".
+// Vulkan 1.3, section "Cube map face selection". Without branches: lavapipe crashes where it makes constants of uniforms
+// that conditions depend on.
 fn cube_place(direction: vec3f) -> CubePlace {
     let size = abs(direction);
-    var face = select(4u, 5u, direction.z < 0.0);
-    var across = vec2f(select(direction.x, -direction.x, direction.z < 0.0), -direction.y);
-    var along = size.z;
-    if size.x >= size.y && size.x >= size.z {
-        face = select(0u, 1u, direction.x < 0.0);
-        across = vec2f(select(-direction.z, direction.z, direction.x < 0.0), -direction.y);
-        along = size.x;
-    } else if size.y >= size.z {
-        face = select(2u, 3u, direction.y < 0.0);
-        across = vec2f(direction.x, select(direction.z, -direction.z, direction.y < 0.0));
-        along = size.y;
-    }
-    return CubePlace(face, 0.5 + 0.5 * across / along);
+    let is_x = (size.x >= size.y) & (size.x >= size.z);
+    let is_y = !is_x & (size.y >= size.z);
+    let sign_x = select(1.0, -1.0, direction.x < 0.0);
+    let sign_y = select(1.0, -1.0, direction.y < 0.0);
+    let sign_z = select(1.0, -1.0, direction.z < 0.0);
+    let on_z = vec4f(sign_z * direction.x, -direction.y, size.z, 4.5 - 0.5 * sign_z);
+    let on_y = vec4f(direction.x, sign_y * direction.z, size.y, 2.5 - 0.5 * sign_y);
+    let on_x = vec4f(-sign_x * direction.z, -direction.y, size.x, 0.5 - 0.5 * sign_x);
+    let on = select(select(on_z, on_y, is_y), on_x, is_x);
+    return CubePlace(u32(on.w), 0.5 + 0.5 * on.xy / on.z);
 }
 
 // One mip, filtered between four texels.
@@ -97,9 +95,6 @@ fn sample_cube(map: texture_2d<f32>, direction: vec3f, level: f32) -> vec3f {
 // Radiance from outside along a unit vector, for cells of an edge of `width` times the distance; without the
 // peaks that are lights.
 fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
-    if light_globals.has_map == 0u {
-        return light_globals.environment;
-    }
     let in_map = map_from_world(direction);
     let level = cube_level(in_map, width, cube_edge(textureDimensions(environment_soft)));
     return light_globals.environment * sample_cube(environment_soft, in_map, level);
@@ -108,7 +103,7 @@ fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
 // The same along a glossy reflection. A lobe (alpha of the microfacets) narrower than the peaks shows them as
 // they are; a wider one gets them from their lights, see `glossy_share`.
 fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
-    if alpha >= light_globals.mirror_alpha || light_globals.has_map == 0u {
+    if alpha >= light_globals.mirror_alpha {
         return environment_radiance(direction, width);
     }
     let in_map = map_from_world(direction);
@@ -124,9 +119,6 @@ fn glossy_share(light: Light, alpha: f32) -> f32 {
 
 // What the eye sees along a unit vector: all of it, sharp.
 fn environment_background(direction: vec3f) -> vec3f {
-    if light_globals.has_map == 0u {
-        return light_globals.environment;
-    }
     return light_globals.environment
         * sample_mip(environment_sharp, cube_place(map_from_world(direction)), 0u);
 }
