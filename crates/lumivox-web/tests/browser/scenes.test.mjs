@@ -47,7 +47,7 @@ test("every built-in scene agrees with the native picture", async (t) => {
 test("a panorama and the computed sky agree with the native picture", async (t) => {
     const scene = "builtin:cornell";
     await t.test("sky", async () => {
-        await app.call("loadScene", scene, { surroundings: "sky" });
+        await app.call("loadScene", scene, null, { surroundings: "sky" });
         await app.render();
         await agrees(scene, ["--surroundings", "sky"], "sky");
     });
