@@ -76,7 +76,7 @@ pub fn wire_voxels() -> impl TypedValueParser<Value = Wires> {
     })
 }
 
-/// What is put around a scene.
+/// The names of the surroundings that `--surroundings` chooses from.
 pub fn staging() -> impl TypedValueParser<Value = Staging> {
     among(&Staging::ALL, |staging| {
         let help = match staging {

@@ -109,7 +109,7 @@ fn every_choice_is_explained() {
 fn numbers_out_of_range_are_bad_input_everywhere() {
     let told = |command: &Definition, option: &str, value: &str| {
         let words = ["lumivox", command.get_name(), option, value];
-        // What is required besides is missed after the values were looked at.
+        // The parser looks at values first, and for missing arguments afterwards.
         let error = Cli::try_parse_from(words).err()?;
         let is_of_value = matches!(
             error.kind(),

@@ -19,7 +19,7 @@ use crate::progress::Progress;
 /// The name of the light that is the sun of a computed sky.
 pub const SUN_OF_SKY: &str = "sun of the sky";
 
-/// What helps where there is too little light, or too much.
+/// The remedy for a picture with too little light, or too much.
 pub const REMEDY: &str = "light it otherwise with --surroundings studio or sky, --sun or --environment, or set --exposure";
 
 /// Checks what is cheap to check: that there is such a panorama at all.

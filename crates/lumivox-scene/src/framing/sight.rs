@@ -9,7 +9,7 @@ use super::survey::Patch;
 use super::{Chosen, DefaultLight, Framing};
 use crate::{Camera, Scene};
 
-/// What is put around a scene.
+/// The surroundings that a scene gets: a studio, sun and sky, or nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Staging {
     /// What suits the scene, where its own light is not enough: lamps in a closed room, sun and sky in

@@ -66,9 +66,9 @@ pub struct Report {
     cameras: Vec<CameraReport>,
     /// The camera that is used if none is named.
     default_camera: CameraReport,
-    /// What lights the scene where its own light is not enough; none where it is.
+    /// The light that was added where the scene's own is not enough; none where it is.
     default_light: Option<String>,
-    /// What is chosen for it, and why.
+    /// The view and the light that were chosen for the scene, and why.
     sight: Vec<String>,
     animations: Vec<AnimationReport>,
     /// In main memory.
