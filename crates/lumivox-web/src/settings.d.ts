@@ -56,7 +56,7 @@ export interface Settings {
   normal_offset?: number;
   /** Distance between samples as a share of the sampled voxel's edge: a number from 0.25 to 1, share. Default: 1. */
   step?: number;
-  /** Share of light below which a cone ends: a number from 0 to 0.1, share. Default: 0.03. */
+  /** Share of light below which a cone ends: a number from 0 to 0.25, share. Default: 0.15. */
   min_transmittance?: number;
   /** Glossy reflections of indirect light: on or off. Default: true. */
   specular?: boolean;

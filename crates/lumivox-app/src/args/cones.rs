@@ -13,7 +13,7 @@ use super::number::number;
 const VOXEL_PER_DIAMETER: RangeInclusive<f32> = 0.05..=1.0;
 const NORMAL_OFFSET_VOXELS: RangeInclusive<f32> = 0.0..=4.0;
 const STEP_PER_VOXEL: RangeInclusive<f32> = 0.25..=1.0;
-const MIN_TRANSMITTANCE: RangeInclusive<f32> = 0.0..=0.1;
+const MIN_TRANSMITTANCE: RangeInclusive<f32> = 0.0..=0.25;
 const SPECULAR_SHARE: RangeInclusive<f32> = 0.02..=1.0;
 /// 0, which is off, is allowed besides.
 const CLEARANCE: RangeInclusive<f32> = 0.1..=1.0;
@@ -84,9 +84,10 @@ pub struct ConeArgs {
     #[arg(allow_negative_numbers = true)]
     step: Option<f32>,
 
-    /// Share of light below which a cone ends, 0 to 0.1 [default: 0.03]
+    /// Share of light below which a cone ends, 0 to 0.25 [default: 0.15]
     ///
-    /// Higher is cheaper; what is left is taken to look like what the cone met.
+    /// What is left is taken to look like what the cone met. Lower: a bright sky leaks into closed rooms; higher: what
+    /// shines through dark glass is lost.
     #[arg(long, value_name = "SHARE", value_parser = number(MIN_TRANSMITTANCE))]
     #[arg(allow_negative_numbers = true)]
     min_transmittance: Option<f32>,

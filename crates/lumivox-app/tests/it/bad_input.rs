@@ -89,7 +89,7 @@ fn values_out_of_range() {
         ("--clearance", "0.01", "from 0.1 to 1, or 0"),
         ("--normal-offset", "inf", "finite"),
         ("--step", "0", "from 0.25 to 1"),
-        ("--min-transmittance", "-0.1", "from 0 to 0.1"),
+        ("--min-transmittance", "-0.1", "from 0 to 0.25"),
         ("--specular-share", "0", "from 0.02 to 1"),
         ("--occlusion-distance", "-1", "from 0 to"),
         ("--sun", "0,0,0", "must not be 0,0,0"),

@@ -354,7 +354,7 @@ const OWN: &[Parameter] = &[
         Cones,
         "share",
         "Share of light below which a cone ends",
-        Kind::number(0.0, 0.1),
+        Kind::number(0.0, 0.25),
         trace.min_transmittance
     ),
     switch!("specular", Cones, "Glossy reflections of indirect light", trace.specular),

@@ -56,9 +56,9 @@ pub struct TraceSettings {
     /// Distance between samples as a share of the sampled voxel's edge, 0.25 to 1; default 1. Opacity is
     /// corrected for it, so that it changes cost and noise, not brightness.
     pub step_per_voxel: f32,
-    /// Cones end when less than this share of light would still pass, 0 to 0.1; default 0.03. What is left is
-    /// taken to look like what was met. Higher: a little faster, and the last of the sky in a gap is lost. At
-    /// oblique walls cones go on until the wall is over.
+    /// Cones end when less than this share of light would still pass, 0 to 0.25; default 0.15. What is left is
+    /// taken to look like what was met. Lower: light of a bright sky leaks into closed rooms. Higher: what shines
+    /// through dark glass and dense leaves is lost. At oblique walls cones go on until the wall is over.
     pub min_transmittance: f32,
     /// Whether glossy cones are traced.
     pub specular: bool,
@@ -100,7 +100,7 @@ impl TraceSettings {
             clearance: 1.0 / 3.0,
             normal_offset_voxels: 0.5,
             step_per_voxel: 1.0,
-            min_transmittance: 0.03,
+            min_transmittance: 0.15,
             specular: true,
             specular_share: 0.25,
             occlusion_distance_m: f32::INFINITY,
@@ -160,7 +160,7 @@ impl TraceSettings {
         }
         check("normal offset", self.normal_offset_voxels, 0.0, 4.0)?;
         check("step per voxel", self.step_per_voxel, 0.25, 1.0)?;
-        check("least transmittance", self.min_transmittance, 0.0, 0.1)?;
+        check("least transmittance", self.min_transmittance, 0.0, 0.25)?;
         check("specular share", self.specular_share, 0.02, 1.0)?;
         check("width attenuation", self.width_attenuation, 0.0, 64.0)?;
         check("level gain", self.level_gain, 1.0, 8.0)?;

@@ -90,10 +90,8 @@ impl VolumeTwin {
         sum
     }
 
-    /// None where none of the 2x2x2 cells of a look-up has a lobe that may face against the direction: one whose
-    /// axis does, or a tilted one (or its opposite) where the direction leans more across the axis than along.
-    /// Else whether one of them is tilted.
-    fn is_oblique(&self, position: Vec3, level: u32, direction: Vec3) -> Option<bool> {
+    /// The lobes that the 2x2x2 cells of a look-up have, and the axes on which one of them is tilted.
+    fn near(&self, position: Vec3, level: u32) -> ([bool; 6], [bool; 3]) {
         let cells = &self.levels[level as usize];
         let dimensions = cells.dimensions.as_ivec3();
         let corner = (position / (1 << level) as f32 - 0.5).floor().as_ivec3();
@@ -111,6 +109,19 @@ impl VolumeTwin {
                 tilted[lobe / 2] |= tilt > 0.5 / 127.0;
             }
         }
+        (present, tilted)
+    }
+
+    /// Whether a look-up meets no lobe.
+    fn is_clear(&self, position: Vec3, level: u32) -> bool {
+        self.near(position, level).0.iter().all(|is_present| !is_present)
+    }
+
+    /// None where none of the 2x2x2 cells of a look-up has a lobe that may face against the direction: one whose
+    /// axis does, or a tilted one (or its opposite) where the direction leans more across the axis than along.
+    /// Else whether one of them is tilted.
+    fn is_oblique(&self, position: Vec3, level: u32, direction: Vec3) -> Option<bool> {
+        let (present, tilted) = self.near(position, level);
         let facing = (0..6).filter(|&lobe| {
             let axis = lobe / 2;
             let along = direction[axis];
@@ -172,7 +183,7 @@ impl VolumeTwin {
                 }
             }
             distance += cell;
-            if wanted > level && here.is_none() && is_oblique(level + 1).is_none() {
+            if wanted > level && here.is_none() && self.is_clear(position, level + 1) {
                 level += 1;
             }
         }

@@ -22,6 +22,11 @@ fn is_empty(probe: Probe) -> bool {
     return probe.parts == 0u;
 }
 
+// Whether a look-up meets nothing.
+fn is_clear(position_in_grid: vec3f, level: u32) -> bool {
+    return parts_at(place_at(position_in_grid, level)) == 0u;
+}
+
 // One value a cell tells no orientation.
 fn is_oblique(probe: Probe) -> bool {
     return false;

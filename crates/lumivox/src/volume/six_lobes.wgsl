@@ -60,6 +60,11 @@ fn is_empty(probe: Probe) -> bool {
     return probe.parts == 0u;
 }
 
+// Whether a look-up meets nothing, whatever its direction.
+fn is_clear(position_in_grid: vec3f, level: u32) -> bool {
+    return parts_at(place_at(position_in_grid, level)) == 0u;
+}
+
 // Whether a surface that matters lies oblique to the grid.
 fn is_oblique(probe: Probe) -> bool {
     return (probe.parts & TILTS) != 0u;
