@@ -28,8 +28,6 @@ pub struct Model {
     pub history: [Option<String>; 2],
     /// How bright the picture's pixels are, and the stops that it is shown with.
     pub histogram: Option<(Histogram, f32)>,
-    /// What explains the picture where it looks like a mistake.
-    pub hint: Option<String>,
     /// The scene; `None` before anything was opened.
     pub scene: Option<Arc<SceneModel>>,
     /// The settings that are asked for.
@@ -129,6 +127,8 @@ pub struct SceneModel {
     pub environment: Vec3,
     /// The name of a panorama.
     pub panorama: Option<String>,
+    /// Whether what it emits itself is all the light that there is: it looks dark for a reason.
+    pub is_emission_alone: bool,
     /// Its cameras' names.
     pub cameras: Vec<String>,
     /// Its animations' names and durations in seconds.
@@ -316,6 +316,7 @@ pub fn scene_model(console: &Console, mesh_bounds: &[Bounds]) -> Option<SceneMod
         lights: light_names.into_iter().zip(scene.lights.iter().cloned()).collect(),
         environment: scene.environment.radiance,
         panorama: scene.environment.map.as_ref().map(|map| map.name.clone()),
+        is_emission_alone: scene.is_lit_by_emission_alone(),
         cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
         animations: animations.into_iter().map(|a| (a.name.clone(), a.duration_s)).collect(),
         bounds,

@@ -104,11 +104,6 @@ impl OwnLight {
         }
     }
 
-    /// Whether neither lamps nor surroundings reach anything of it.
-    pub(super) fn is_of_emission_alone(&self) -> bool {
-        mean(&self.lamps) <= 0.0
-    }
-
     /// Mean illuminance of what is seen, lx; in a closed room what is emitted counts wherever it goes.
     pub(super) fn lux(&self, from: Standpoint) -> f32 {
         match from {

@@ -65,8 +65,6 @@ pub struct Note {
     pub text: String,
     /// The option that overrules it, as the command line has it.
     pub option: &'static str,
-    /// Whether it explains what looks like a mistake otherwise, so that it belongs beside the picture.
-    pub is_hint: bool,
 }
 
 impl std::fmt::Display for Note {
@@ -123,7 +121,7 @@ impl Chosen {
                 ("from outside, fitted to what stands on the ground", "--camera inside")
             }
         };
-        Note { about: "camera", text: text.to_owned(), option, is_hint: false }
+        Note { about: "camera", text: text.to_owned(), option }
     }
 }
 
@@ -157,11 +155,11 @@ impl Framing {
         }
         let about = "light";
         if own.is_enough(standpoint) {
-            let is_hint = own.is_of_emission_alone();
-            let what = if is_hint { "its own emission alone" } else { "its own" };
+            let is_alone = super::shines::by_emission_alone(scene);
+            let what = if is_alone { "its own emission alone" } else { "its own" };
             let text = format!("{what}, {} lux on what is seen", three_digits(own.lux(standpoint)));
             let option = "--surroundings studio or sky adds some";
-            return (None, Note { about, text, option, is_hint });
+            return (None, Note { about, text, option });
         }
         let light = self.light(camera, Emission::of(scene, self.unit).luminance());
         let option = match light {
@@ -176,7 +174,7 @@ impl Framing {
             }
         };
         let text = format!("{light}: {own}");
-        (Some(light), Note { about, text, option, is_hint: false })
+        (Some(light), Note { about, text, option })
     }
 }
 

@@ -43,8 +43,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
     mouse(ui, &response, &view, (rect, on_split), scene, app);
     keys(ui, scene, app);
     probe(ui, &response, rect, app);
-    if let Some(hint) = model.hint.as_ref().filter(|_| app.closed_hint != model.opened) {
-        explain(ui, rect, hint, model.opened, app);
+    if scene.is_emission_alone && app.closed_hint != model.opened {
+        explain(ui, rect, model.opened, app);
     }
     if scene.objects.iter().all(|object| object.is_hidden) {
         hint(ui, rect, "Nothing is shown: all objects are hidden.");
@@ -150,7 +150,7 @@ fn probe(ui: &Ui, response: &Response, rect: Rect, app: &mut App) {
 }
 
 /// A note at the picture's lower edge, with what helps and a cross.
-fn explain(ui: &Ui, rect: Rect, text: &str, scene: u64, app: &mut App) {
+fn explain(ui: &Ui, rect: Rect, scene: u64, app: &mut App) {
     let frame = egui::Frame::new().fill(theme::PANEL).corner_radius(4).inner_margin(8);
     let area = egui::Area::new(Id::unique("hint"))
         .pivot(Align2::CENTER_BOTTOM)
@@ -159,19 +159,23 @@ fn explain(ui: &Ui, rect: Rect, text: &str, scene: u64, app: &mut App) {
     area.show(ui.ctx(), |ui| {
         frame.show(ui, |ui| {
             ui.set_max_width((rect.width() - 40.0).clamp(120.0, 420.0));
-            ui.label(format!("The light is {text}."));
+            ui.label(EMISSION_ALONE);
             ui.horizontal_wrapped(|ui| {
                 let sky = ui.button("Add sun and sky").on_hover_text(SKY);
                 if sky.clicked() {
                     app.line(SKY);
                 }
-                if ui.button("Close").clicked() || sky.clicked() {
+                if ui.button("Close").clicked() {
                     app.closed_hint = scene;
                 }
             });
         });
     });
 }
+
+/// Why a scene may look dark, and what helps.
+const EMISSION_ALONE: &str =
+    "Lit by its own emission alone: if that is too little, add a light or choose surroundings.";
 
 /// Light for what has little of its own: a sun that is neither low nor at noon.
 const SKY: &str = "sky 40,120";

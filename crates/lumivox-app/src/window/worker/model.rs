@@ -171,12 +171,9 @@ impl Worker {
         let usual = defaults.with_preset(explorer.preset(), explorer.scene());
         let resolution = lumivox_render::RenderSettings::default().resolution;
         let usual = lumivox_render::RenderSettings { resolution, ..usual };
-        let hints = explorer.notes().iter().filter(|note| note.is_hint);
-        let hint = hints.map(|note| note.text.clone()).next();
         let model = Model {
             history: [explorer.undoable(), explorer.redoable()].map(|step| step.map(str::to_owned)),
             histogram: self.pace.histogram(),
-            hint,
             scene,
             settings,
             usual,
