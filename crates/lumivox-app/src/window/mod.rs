@@ -26,6 +26,7 @@
 mod app;
 mod camera;
 mod config;
+mod damage;
 mod events;
 mod gizmo;
 mod jobs;

@@ -1,5 +1,7 @@
 //! The window's own device: what draws the panels and brings pictures from main memory to the screen.
 //!
+//! It is drawn on a canvas of which only what changes is painted anew, and which is copied to the screen.
+//!
 //! What egui has uploaded is remembered, so that another device can take its place when this one is lost.
 
 use std::collections::HashMap;
@@ -14,6 +16,7 @@ use wgpu::CurrentSurfaceTexture;
 use winit::event_loop::OwnedDisplayHandle;
 use winit::window::Window;
 
+use super::damage;
 use super::model::Shown;
 use crate::exit::Failure;
 
@@ -44,7 +47,18 @@ struct Parts {
     queue: wgpu::Queue,
     painter: egui_wgpu::Renderer,
     shown: [Option<OnDevice>; PICTURES],
+    /// What the window shows; made when the first frame is painted, and anew when its size changes.
+    canvas: Option<Canvas>,
+    /// Pictures that were written since the last frame.
+    written: Vec<TextureId>,
     is_lost: Arc<AtomicBool>,
+}
+
+/// The window as it was painted last.
+struct Canvas {
+    texture: wgpu::Texture,
+    painted: Vec<ClippedPrimitive>,
+    pixels_per_point: f32,
 }
 
 /// A picture's texture.
@@ -171,7 +185,7 @@ impl Surface {
         pixels_per_point: f32,
     ) -> anyhow::Result<()> {
         let Some(parts) = &mut self.parts else { return Ok(()) };
-        let Parts { surface, config, device, queue, painter, .. } = parts;
+        let Parts { surface, config, device, queue, painter, canvas, written, .. } = parts;
         let frame = match surface.get_current_texture() {
             CurrentSurfaceTexture::Success(frame) | CurrentSurfaceTexture::Suboptimal(frame) => {
                 frame
@@ -189,27 +203,34 @@ impl Surface {
             // It comes again when there is something to see.
             CurrentSurfaceTexture::Timeout | CurrentSurfaceTexture::Occluded => return Ok(()),
         };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let screen = egui_wgpu::ScreenDescriptor {
             size_in_pixels: [config.width, config.height],
             pixels_per_point,
         };
-        let mut commands = painter.update_buffers(device, queue, &mut encoder, primitives, &screen);
-        let view = frame.texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("window"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        painter.render(&mut pass.forget_lifetime(), primitives, &screen);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let (canvas, parts) = Canvas::prepare(canvas, device, config, primitives, written, &screen);
+        let changed: Vec<ClippedPrimitive> =
+            parts.iter().flat_map(|part| damage::cut(primitives, *part)).collect();
+        let mut commands = painter.update_buffers(device, queue, &mut encoder, &changed, &screen);
+        if !changed.is_empty() {
+            let view = canvas.texture.create_view(&wgpu::TextureViewDescriptor::default());
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("window"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                ..Default::default()
+            });
+            painter.render(&mut pass.forget_lifetime(), &changed, &screen);
+        }
+        encoder.copy_texture_to_texture(
+            canvas.texture.as_image_copy(),
+            frame.texture.as_image_copy(),
+            canvas.texture.size(),
+        );
         commands.push(encoder.finish());
         queue.submit(commands);
         self.window.pre_present_notify();
@@ -242,6 +263,50 @@ impl Surface {
         }
         self.parts = Some(parts);
         Ok(())
+    }
+}
+
+impl Canvas {
+    /// The canvas for a frame, and the parts of it that have to be painted.
+    fn prepare<'a>(
+        canvas: &'a mut Option<Self>,
+        device: &wgpu::Device,
+        config: &wgpu::SurfaceConfiguration,
+        primitives: &[ClippedPrimitive],
+        written: &mut Vec<TextureId>,
+        screen: &egui_wgpu::ScreenDescriptor,
+    ) -> (&'a Self, Vec<egui::Rect>) {
+        let size =
+            wgpu::Extent3d { width: config.width, height: config.height, depth_or_array_layers: 1 };
+        let scale = screen.pixels_per_point;
+        let fits = |canvas: &Self| {
+            canvas.texture.size() == size && (canvas.pixels_per_point - scale).abs() < f32::EPSILON
+        };
+        let written = std::mem::take(written);
+        let (texture, parts) = match canvas.take().filter(fits) {
+            Some(canvas) => {
+                let parts = damage::parts(&canvas.painted, primitives, &written);
+                (canvas.texture, parts)
+            }
+            None => {
+                let texture = device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some("window"),
+                    size,
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format: config.format,
+                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                    view_formats: &[],
+                });
+                let [width, height] = screen.size_in_pixels.map(|pixels| pixels as f32 / scale);
+                let all = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
+                (texture, vec![all])
+            }
+        };
+        let parts = parts.into_iter().map(|part| damage::on_pixels(part, scale)).collect();
+        let painted = primitives.to_vec();
+        (canvas.insert(Self { texture, painted, pixels_per_point: scale }), parts)
     }
 }
 
@@ -296,11 +361,21 @@ impl Parts {
         if let Some(format) = formats.iter().find(is_plain) {
             config.format = *format;
         }
+        config.usage |= wgpu::TextureUsages::COPY_DST;
         surface.configure(&device, &config);
         let painter =
             egui_wgpu::Renderer::new(&device, config.format, egui_wgpu::RendererOptions::default());
-        let shown = [None, None];
-        Ok(Self { surface, config, device, queue, painter, shown, is_lost })
+        Ok(Self {
+            surface,
+            config,
+            device,
+            queue,
+            painter,
+            shown: [None, None],
+            canvas: None,
+            written: Vec::new(),
+            is_lost,
+        })
     }
 
     /// The picture in its texture, which is made anew where the size changes.
@@ -316,6 +391,7 @@ impl Parts {
                 let id = shown.id;
                 if shown.serial != picture.serial {
                     self.write(&shown.texture, picture);
+                    self.written.push(id);
                 }
                 self.shown[place] = Some(OnDevice { serial: picture.serial, ..shown });
                 return id;

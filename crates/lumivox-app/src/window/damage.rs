@@ -1,0 +1,178 @@
+//! Which parts of the window have to be painted anew.
+//!
+//! On a software GPU a whole window takes 50 ms, and a click that opens a menu takes three frames of it; what changes
+//! is mostly a button. So what is painted stays on a canvas, and of the next frame only what differs is painted there.
+
+use egui::epaint::{ClippedPrimitive, Mesh, Primitive};
+use egui::{Color32, Rect, TextureId, pos2};
+
+/// More parts than that become one: each paints all primitives that it cuts.
+const MOST_PARTS: usize = 4;
+
+/// The parts of a frame that differ from the frame before, points; they do not overlap. Textures that were written
+/// count as different.
+pub fn parts(
+    before: &[ClippedPrimitive],
+    now: &[ClippedPrimitive],
+    written: &[TextureId],
+) -> Vec<Rect> {
+    let is_same = |pair: &(&ClippedPrimitive, &ClippedPrimitive)| is_same(pair.0, pair.1);
+    let head = before.iter().zip(now).take_while(is_same).count();
+    let (before_tail, now_tail) = (&before[head..], &now[head..]);
+    let tail = before_tail.iter().rev().zip(now_tail.iter().rev()).take_while(is_same).count();
+    let before_rest = &before_tail[..before_tail.len() - tail];
+    let now_rest = &now_tail[..now_tail.len() - tail];
+
+    let mut parts = Vec::new();
+    if before_rest.len() == now_rest.len() {
+        // The same things, of which some look different.
+        parts
+            .extend(before_rest.iter().zip(now_rest).filter_map(|(old, new)| difference(old, new)));
+    } else {
+        parts.extend(before_rest.iter().chain(now_rest).map(extent));
+    }
+    let is_written = |primitive: &&ClippedPrimitive| match &primitive.primitive {
+        Primitive::Mesh(mesh) => written.contains(&mesh.texture_id),
+        Primitive::Callback(_) => true,
+    };
+    parts.extend(now.iter().filter(is_written).map(extent));
+    disjoint(parts)
+}
+
+/// What paints one part: a black ground, and what of the primitives is in it.
+pub fn cut(primitives: &[ClippedPrimitive], part: Rect) -> Vec<ClippedPrimitive> {
+    let mut ground = Mesh::default();
+    ground.add_colored_rect(part, Color32::BLACK);
+    let ground = ClippedPrimitive { clip_rect: part, primitive: Primitive::Mesh(ground) };
+    let inside = primitives.iter().filter(|primitive| extent(primitive).intersects(part));
+    let cut = inside.map(|primitive| ClippedPrimitive {
+        clip_rect: primitive.clip_rect.intersect(part),
+        primitive: primitive.primitive.clone(),
+    });
+    std::iter::once(ground).chain(cut).collect()
+}
+
+fn is_same(a: &ClippedPrimitive, b: &ClippedPrimitive) -> bool {
+    match (&a.primitive, &b.primitive) {
+        (Primitive::Mesh(old), Primitive::Mesh(new)) => a.clip_rect == b.clip_rect && old == new,
+        _ => false,
+    }
+}
+
+/// All that a primitive can paint.
+fn extent(primitive: &ClippedPrimitive) -> Rect {
+    match &primitive.primitive {
+        Primitive::Mesh(mesh) => mesh.calc_bounds().intersect(primitive.clip_rect),
+        Primitive::Callback(callback) => callback.rect.intersect(primitive.clip_rect),
+    }
+}
+
+/// Where two primitives differ: where triangles have moved or changed their colours, if they are the same triangles.
+fn difference(old: &ClippedPrimitive, new: &ClippedPrimitive) -> Option<Rect> {
+    if is_same(old, new) {
+        return None;
+    }
+    let whole = extent(old).union(extent(new));
+    let (Primitive::Mesh(from), Primitive::Mesh(to)) = (&old.primitive, &new.primitive) else {
+        return Some(whole);
+    };
+    let are_alike = old.clip_rect == new.clip_rect
+        && from.texture_id == to.texture_id
+        && from.indices == to.indices
+        && from.vertices.len() == to.vertices.len();
+    if !are_alike {
+        return Some(whole);
+    }
+    let mut part = Rect::NOTHING;
+    for corners in to.indices.chunks_exact(3) {
+        let corners = corners.iter().map(|&corner| corner as usize);
+        if corners.clone().any(|corner| from.vertices[corner] != to.vertices[corner]) {
+            for corner in corners {
+                part.extend_with(from.vertices[corner].pos);
+                part.extend_with(to.vertices[corner].pos);
+            }
+        }
+    }
+    Some(part.intersect(new.clip_rect))
+}
+
+/// Parts that do not overlap, and cover what these do.
+fn disjoint(parts: Vec<Rect>) -> Vec<Rect> {
+    let mut apart: Vec<Rect> = Vec::new();
+    for mut part in parts.into_iter().filter(Rect::is_positive) {
+        while let Some(other) = apart.iter().position(|other| other.intersects(part)) {
+            part = part.union(apart.swap_remove(other));
+        }
+        apart.push(part);
+    }
+    if apart.len() > MOST_PARTS {
+        return vec![apart.into_iter().fold(Rect::NOTHING, Rect::union)];
+    }
+    apart
+}
+
+/// Whole pixels around a part, with one more on each side, in points.
+pub fn on_pixels(part: Rect, pixels_per_point: f32) -> Rect {
+    let low = (part.min.to_vec2() * pixels_per_point).floor() - egui::Vec2::ONE;
+    let high = (part.max.to_vec2() * pixels_per_point).ceil() + egui::Vec2::ONE;
+    let (low, high) = (low / pixels_per_point, high / pixels_per_point);
+    Rect::from_min_max(pos2(low.x, low.y), pos2(high.x, high.y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rect(x: f32, y: f32) -> Rect {
+        Rect::from_min_max(pos2(x, y), pos2(x + 10.0, y + 10.0))
+    }
+
+    fn filled(rects: &[(Rect, Color32)]) -> ClippedPrimitive {
+        let mut mesh = Mesh::default();
+        rects.iter().for_each(|(rect, color)| mesh.add_colored_rect(*rect, *color));
+        ClippedPrimitive { clip_rect: Rect::EVERYTHING, primitive: Primitive::Mesh(mesh) }
+    }
+
+    #[test]
+    fn nothing_changes_where_frames_are_the_same() {
+        let frame = [filled(&[(rect(0.0, 0.0), Color32::RED)])];
+        assert!(parts(&frame, &frame, &[]).is_empty());
+        assert_eq!(parts(&[], &frame, &[]), [rect(0.0, 0.0)]);
+        assert_eq!(parts(&frame, &frame, &[TextureId::default()]), [rect(0.0, 0.0)]);
+    }
+
+    #[test]
+    fn a_button_that_changes_is_the_part() {
+        let bar = |color| filled(&[(rect(0.0, 0.0), Color32::RED), (rect(50.0, 0.0), color)]);
+        let side = filled(&[(rect(0.0, 50.0), Color32::GREEN)]);
+        let before = [bar(Color32::RED), side.clone()];
+        assert_eq!(parts(&before, &[bar(Color32::BLUE), side.clone()], &[]), [rect(50.0, 0.0)]);
+        // A menu between the two: what follows it stays.
+        let menu = filled(&[(rect(80.0, 80.0), Color32::BLUE)]);
+        let opened = [before[0].clone(), menu, side];
+        assert_eq!(parts(&before, &opened, &[]), [rect(80.0, 80.0)]);
+        assert_eq!(parts(&opened, &before, &[]), [rect(80.0, 80.0)]);
+    }
+
+    #[test]
+    fn parts_do_not_overlap() {
+        let few = disjoint(vec![rect(0.0, 0.0), rect(100.0, 0.0), rect(5.0, 5.0)]);
+        assert_eq!(few.len(), 2);
+        assert!(few.contains(&rect(0.0, 0.0).union(rect(5.0, 5.0))), "{few:?}");
+        let many = disjoint((0..6).map(|i| rect(20.0 * i as f32, 0.0)).collect());
+        assert_eq!(many, [rect(0.0, 0.0).union(rect(100.0, 0.0))]);
+        assert!(disjoint(vec![Rect::NOTHING]).is_empty());
+    }
+
+    #[test]
+    fn a_part_is_painted_by_what_it_cuts() {
+        let frame = [rect(0.0, 0.0), rect(100.0, 0.0)].map(|rect| filled(&[(rect, Color32::RED)]));
+        let cut = cut(&frame, rect(5.0, 5.0));
+        assert_eq!(cut.len(), 2, "the ground and one of two");
+        assert!(cut.iter().all(|primitive| primitive.clip_rect == rect(5.0, 5.0)));
+        assert_eq!(
+            on_pixels(rect(0.4, 0.4), 2.0),
+            Rect::from_min_max(pos2(-0.5, -0.5), pos2(11.0, 11.0))
+        );
+    }
+}
