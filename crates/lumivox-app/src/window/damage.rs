@@ -16,21 +16,15 @@ pub fn parts(
     now: &[ClippedPrimitive],
     written: &[TextureId],
 ) -> Vec<Rect> {
-    let is_same = |pair: &(&ClippedPrimitive, &ClippedPrimitive)| is_same(pair.0, pair.1);
-    let head = before.iter().zip(now).take_while(is_same).count();
-    let (before_tail, now_tail) = (&before[head..], &now[head..]);
-    let tail = before_tail.iter().rev().zip(now_tail.iter().rev()).take_while(is_same).count();
-    let before_rest = &before_tail[..before_tail.len() - tail];
-    let now_rest = &now_tail[..now_tail.len() - tail];
-
     let mut parts = Vec::new();
-    if before_rest.len() == now_rest.len() {
-        // The same things, of which some look different.
-        parts
-            .extend(before_rest.iter().zip(now_rest).filter_map(|(old, new)| difference(old, new)));
-    } else {
-        parts.extend(before_rest.iter().chain(now_rest).map(extent));
+    let (mut old_rest, mut new_rest) = (before, now);
+    for (at, primitive) in now.iter().enumerate() {
+        let Some(ahead) = old_rest.iter().position(|old| is_same(old, primitive)) else { continue };
+        let first = now.len() - new_rest.len();
+        changes(&old_rest[..ahead], &now[first..at], &mut parts);
+        (old_rest, new_rest) = (&old_rest[ahead + 1..], &now[at + 1..]);
     }
+    changes(old_rest, new_rest, &mut parts);
     let is_written = |primitive: &&ClippedPrimitive| match &primitive.primitive {
         Primitive::Mesh(mesh) => written.contains(&mesh.texture_id),
         Primitive::Callback(_) => true,
@@ -50,6 +44,15 @@ pub fn cut(primitives: &[ClippedPrimitive], part: Rect) -> Vec<ClippedPrimitive>
         primitive: primitive.primitive.clone(),
     });
     std::iter::once(ground).chain(cut).collect()
+}
+
+/// Where primitives differ that lie between others that are the same.
+fn changes(old: &[ClippedPrimitive], new: &[ClippedPrimitive], parts: &mut Vec<Rect>) {
+    if old.len() == new.len() {
+        parts.extend(old.iter().zip(new).filter_map(|(old, new)| difference(old, new)));
+    } else {
+        parts.extend(old.iter().chain(new).map(extent));
+    }
 }
 
 fn is_same(a: &ClippedPrimitive, b: &ClippedPrimitive) -> bool {
@@ -147,7 +150,7 @@ mod tests {
         let side = filled(&[(rect(0.0, 50.0), Color32::GREEN)]);
         let before = [bar(Color32::RED), side.clone()];
         assert_eq!(parts(&before, &[bar(Color32::BLUE), side.clone()], &[]), [rect(50.0, 0.0)]);
-        // A menu between the two: what follows it stays.
+        // A menu between the two, while the button changes: what lies between and what follows stays.
         let menu = filled(&[(rect(80.0, 80.0), Color32::BLUE)]);
         let opened = [before[0].clone(), menu, side];
         assert_eq!(parts(&before, &opened, &[]), [rect(80.0, 80.0)]);
