@@ -72,7 +72,7 @@ pub use frames::FrameTimes;
 use history::{History, Key};
 pub use names::NotFound;
 pub use objects::Placement;
-pub use opened::Opened;
+pub use opened::{Opened, first_look};
 pub use original::Original;
 use update::Pending;
 

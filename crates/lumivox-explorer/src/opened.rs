@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use glam::Mat4;
-use lumivox_render::Progress;
+use lumivox_render::{Progress, RenderSettings};
 use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Note, Scene, Sight, SightOptions};
 
 use crate::ExplorerError;
@@ -110,4 +110,21 @@ fn bounds_of_all_poses(
     }
     *scene = rest;
     Ok(Some(bounds))
+}
+
+/// Of a first picture at most so many voxels along the longest axis.
+const FIRST_RESOLUTION: u32 = 32;
+
+/// Settings for a scene's first picture, which is there while what is asked for takes its time: at most 32 voxels along
+/// the longest axis, and one bounce. Those asked for where the view shows voxels instead of light. The size is the
+/// caller's.
+pub fn first_look(asked: &RenderSettings) -> RenderSettings {
+    if !asked.view.is_light() {
+        return asked.clone();
+    }
+    RenderSettings {
+        resolution: asked.resolution.min(FIRST_RESOLUTION),
+        bounces: asked.bounces.min(1),
+        ..asked.clone()
+    }
 }

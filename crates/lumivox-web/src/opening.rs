@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use glam::UVec2;
-use lumivox_explorer::Opened;
+use lumivox_explorer::{Opened, first_look};
 use lumivox_render::RenderSettings;
 use lumivox_scene::SightOptions;
 
@@ -15,10 +15,8 @@ use crate::session::{Session, no_scene, tell_of};
 use crate::staged::Staged;
 use crate::types::{SceneInfo, SceneOptions, of_panorama};
 
-/// The first picture of a scene has so many times fewer pixels along each edge,
+/// The first picture of a scene has so many times fewer pixels along each edge.
 const COARSE_SIZE: u32 = 4;
-/// and at most so many voxels along the longest axis.
-const COARSE_RESOLUTION: u32 = 32;
 
 impl Session {
     /// Shows another scene, unless it is cancelled before the last one has to go.
@@ -68,9 +66,7 @@ impl Session {
         let asked = RenderSettings { view: self.view, ..self.explorer.settings().clone() };
         let coarse = RenderSettings {
             size: (asked.size / COARSE_SIZE).max(UVec2::ONE),
-            resolution: asked.resolution.min(COARSE_RESOLUTION),
-            bounces: asked.bounces.min(1),
-            ..asked.clone()
+            ..first_look(&asked)
         };
         if !self.view.is_light() || self.explorer.set_settings(coarse).is_err() {
             return Ok(());

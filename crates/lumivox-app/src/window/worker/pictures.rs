@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::UVec2;
-use lumivox_explorer::Revoxelize;
+use lumivox_explorer::{Revoxelize, first_look};
 use lumivox_render::{Exposure, Picture, Progress, RenderSettings, View};
 
 use super::Worker;
@@ -174,7 +174,15 @@ impl Worker {
             let words = if step.done < step.total { words(step.stage) } else { RENDERING };
             begin(&shared, &wake, words.to_owned());
         };
-        let has_rendered = pollster::block_on(self.console.explorer.frame(&mut tell))?;
+        let explorer = &mut self.console.explorer;
+        let asked = explorer.settings().clone();
+        if self.pace.is_first {
+            // What is refused is not needed.
+            let _ = explorer.set_settings(first_look(&asked));
+        }
+        let rendered = pollster::block_on(explorer.frame(&mut tell));
+        explorer.set_settings(asked)?;
+        let has_rendered = rendered?;
         if has_rendered {
             self.losses = 0;
             self.frames_to_wait = self.frames_to_wait.saturating_sub(1);
@@ -232,7 +240,10 @@ impl Worker {
         }
         if self.pace.is_due(frames, is_last) {
             let metering = pollster::block_on(explorer.meter())?;
-            if let Some(warning) = self.pace.measured(&metering) {
+            if self.pace.is_first {
+                // Of what comes next nothing is known yet.
+                self.pace.stops = metering.stops;
+            } else if let Some(warning) = self.pace.measured(&metering) {
                 tracing::warn!("{warning}: {REMEDY}");
             }
         }
