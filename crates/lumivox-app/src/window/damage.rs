@@ -132,7 +132,9 @@ mod tests {
 
     fn filled(rects: &[(Rect, Color32)]) -> ClippedPrimitive {
         let mut mesh = Mesh::default();
-        rects.iter().for_each(|(rect, color)| mesh.add_colored_rect(*rect, *color));
+        for (rect, color) in rects {
+            mesh.add_colored_rect(*rect, *color);
+        }
         ClippedPrimitive { clip_rect: Rect::EVERYTHING, primitive: Primitive::Mesh(mesh) }
     }
 

@@ -283,26 +283,23 @@ impl Canvas {
             canvas.texture.size() == size && (canvas.pixels_per_point - scale).abs() < f32::EPSILON
         };
         let written = std::mem::take(written);
-        let (texture, parts) = match canvas.take().filter(fits) {
-            Some(canvas) => {
-                let parts = damage::parts(&canvas.painted, primitives, &written);
-                (canvas.texture, parts)
-            }
-            None => {
-                let texture = device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some("window"),
-                    size,
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format: config.format,
-                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-                    view_formats: &[],
-                });
-                let [width, height] = screen.size_in_pixels.map(|pixels| pixels as f32 / scale);
-                let all = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
-                (texture, vec![all])
-            }
+        let (texture, parts) = if let Some(canvas) = canvas.take().filter(fits) {
+            let parts = damage::parts(&canvas.painted, primitives, &written);
+            (canvas.texture, parts)
+        } else {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("window"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: config.format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let [width, height] = screen.size_in_pixels.map(|pixels| pixels as f32 / scale);
+            let all = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
+            (texture, vec![all])
         };
         let parts = parts.into_iter().map(|part| damage::on_pixels(part, scale)).collect();
         let painted = primitives.to_vec();
