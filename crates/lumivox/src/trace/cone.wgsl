@@ -77,6 +77,16 @@ const MIN_GROWTH: f32 = 0.02;
 // (docs/experiments.md has both).
 const SURPLUS: f32 = 0.1;
 
+// A surplus of less is not worth being paid back.
+const LEAST_SURPLUS: f32 = 0.03;
+
+// Whether so little is left that it counts as nothing. A surplus has to be nearer to nothing than a rest: it pays for what
+// other cones let through, so if it were forgotten as soon, turned rooms would get more light from outside, not less.
+fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
+    return transmittance <= settings.min_transmittance
+        && transmittance >= -min(settings.min_transmittance, LEAST_SURPLUS);
+}
+
 // The growth of a cone with a half angle, leaving a surface at a cosine against its normal: cells stay
 // `voxel_per_diameter` of the diameter, and clear of the plane that they come from.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
@@ -148,7 +158,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
             traced.samples += u32(is_inside);
             // In a gap a surface is over.
             pays_back = pays_back || is_empty(probe);
-            let is_closed = abs(traced.transmittance) <= settings.min_transmittance;
+            let is_closed = is_spent(traced.transmittance, settings);
             is_inside = is_inside && !(is_closed && is_empty(probe));
             continuing {
                 break if !(is_inside && is_empty(probe));
@@ -172,12 +182,12 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
             }
         }
         continuing {
-            let is_over = abs(traced.transmittance) <= settings.min_transmittance
+            let is_over = is_spent(traced.transmittance, settings)
                 && (pays_back || !may_exceed);
             break if !is_inside || is_over;
         }
     }
-    if abs(traced.transmittance) <= settings.min_transmittance {
+    if is_spent(traced.transmittance, settings) {
         traced.radiance /= 1.0 - traced.transmittance;
         traced.transmittance = 0.0;
     }

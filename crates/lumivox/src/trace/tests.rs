@@ -39,6 +39,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 
 /// As in `cone.wgsl`.
 const SURPLUS: f32 = 0.1;
+/// As in `cone.wgsl`.
+const LEAST_SURPLUS: f32 = 0.03;
+
+/// As in `cone.wgsl`.
+fn is_spent(transmittance: f32, settings: &TraceSettings) -> bool {
+    let least = -settings.min_transmittance.min(LEAST_SURPLUS);
+    (least..=settings.min_transmittance).contains(&transmittance)
+}
 
 /// The volume read back.
 struct VolumeTwin {
@@ -156,7 +164,7 @@ impl VolumeTwin {
             let here = is_oblique(level);
             if here.is_none() {
                 pays_back = true;
-                if transmittance.abs() <= settings.min_transmittance {
+                if is_spent(transmittance, settings) {
                     break;
                 }
             }
@@ -178,7 +186,7 @@ impl VolumeTwin {
                 radiance += seen.truncate() * (shown / seen.w);
                 transmittance -= taken;
                 pays_back |= transmittance <= -SURPLUS;
-                if transmittance.abs() <= settings.min_transmittance && (pays_back || !may_exceed) {
+                if is_spent(transmittance, settings) && (pays_back || !may_exceed) {
                     break;
                 }
             }
@@ -187,7 +195,7 @@ impl VolumeTwin {
                 level += 1;
             }
         }
-        if transmittance.abs() <= settings.min_transmittance {
+        if is_spent(transmittance, settings) {
             radiance /= 1.0 - transmittance;
             transmittance = 0.0;
         }
