@@ -112,7 +112,7 @@ fn bounds_of_all_poses(
     Ok(Some(bounds))
 }
 
-/// Of a first picture at most so many voxels along the longest axis.
+/// A first picture has at most so many voxels along the longest axis.
 const FIRST_RESOLUTION: u32 = 32;
 
 /// Settings for a scene's first picture, which is there while what is asked for takes its time: at most 32 voxels along

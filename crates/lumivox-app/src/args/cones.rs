@@ -86,8 +86,8 @@ pub struct ConeArgs {
 
     /// Share of light below which a cone ends, 0 to 0.25 [default: 0.15]
     ///
-    /// What is left is taken to look like what the cone met. Lower: a bright sky leaks into closed rooms; higher: what
-    /// shines through dark glass is lost.
+    /// The rest of the cone is taken to look like what the cone met. With a lower share a bright sky leaks into closed
+    /// rooms; with a higher one the light through dark glass is lost.
     #[arg(long, value_name = "SHARE", value_parser = number(MIN_TRANSMITTANCE))]
     #[arg(allow_negative_numbers = true)]
     min_transmittance: Option<f32>,

@@ -33,7 +33,7 @@ pub fn parts(
     disjoint(parts)
 }
 
-/// What paints one part: a black ground, and what of the primitives is in it.
+/// The primitives that paint one part: a black ground, and those of a frame that reach into the part, cut to it.
 pub fn cut(primitives: &[ClippedPrimitive], part: Rect) -> Vec<ClippedPrimitive> {
     let mut ground = Mesh::default();
     ground.add_colored_rect(part, Color32::BLACK);

@@ -47,7 +47,7 @@ struct Parts {
     queue: wgpu::Queue,
     painter: egui_wgpu::Renderer,
     shown: [Option<OnDevice>; PICTURES],
-    /// What the window shows; made when the first frame is painted, and anew when its size changes.
+    /// The window as it was painted last; made with the first frame, and anew when the window's size changes.
     canvas: Option<Canvas>,
     /// Pictures that were written since the last frame.
     written: Vec<TextureId>,

@@ -335,7 +335,7 @@ fn closed_room(high: Vec3, wall: f32, resolution: u32, offset: Vec3) -> Lit {
     Bench::new((low, high), resolution, offset, scene).light(&[], Vec3::ONE, 2)
 }
 
-/// Of a bright sky outside less than 0.9 % is found on the walls of a closed hall; it was 1.8 %, which is more than a window
+/// The walls inside a closed hall have less than 0.9 % of the light outside. They had 1.8 %, which is more than a window
 /// lets into a dark corner, while cones took for open what coarse steps and cells leave open.
 #[test]
 fn no_sky_shines_into_a_closed_hall() {

@@ -177,7 +177,7 @@ impl Worker {
         let explorer = &mut self.console.explorer;
         let asked = explorer.settings().clone();
         if self.pace.is_first {
-            // What is refused is not needed.
+            // Settings for a first look that are refused are done without.
             let _ = explorer.set_settings(first_look(&asked));
         }
         let rendered = pollster::block_on(explorer.frame(&mut tell));
@@ -241,7 +241,7 @@ impl Worker {
         if self.pace.is_due(frames, is_last) {
             let metering = pollster::block_on(explorer.meter())?;
             if self.pace.is_first {
-                // Of what comes next nothing is known yet.
+                // The pictures of full size get warnings and a histogram of their own.
                 self.pace.stops = metering.stops;
             } else if let Some(warning) = self.pace.measured(&metering) {
                 tracing::warn!("{warning}: {REMEDY}");
