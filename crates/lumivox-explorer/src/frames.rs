@@ -34,12 +34,6 @@ impl FrameTimes {
         self.times.len()
     }
 
-    /// Their mean; `None` before the first frame.
-    pub fn mean(&self) -> Option<Duration> {
-        let count = u32::try_from(self.times.len()).ok().filter(|count| *count > 0)?;
-        Some(self.times.iter().sum::<Duration>() / count)
-    }
-
     fn add(&mut self, time: Duration) {
         if self.times.len() == KEPT {
             self.times.pop_front();
@@ -66,15 +60,38 @@ impl Explorer {
             return Ok(false);
         }
         let start = Instant::now();
+        if !self.waits_for_gpu {
+            self.gpu.finished("rendering a frame").await?;
+        }
         // An overlay that came later catches up with the picture.
         if is_complete {
             renderer.render_overlay_frame().await?;
         } else {
             renderer.render_frame().await?;
         }
-        self.gpu.finished("rendering a frame").await?;
+        if self.waits_for_gpu {
+            self.gpu.finished("rendering a frame").await?;
+        }
         self.times.add(start.elapsed());
         Ok(true)
+    }
+
+    /// Renders a frame for its time alone: the picture stays as it is.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn rehearse(&mut self) -> Result<(), ExplorerError> {
+        let Some(renderer) = &mut self.renderer else { return Ok(()) };
+        let start = Instant::now();
+        if !self.waits_for_gpu {
+            self.gpu.finished("rendering a frame").await?;
+        }
+        renderer.rehearse_frame().await?;
+        if self.waits_for_gpu {
+            self.gpu.finished("rendering a frame").await?;
+        }
+        self.times.add(start.elapsed());
+        Ok(())
     }
 
     /// The finished picture: all frames that are not there yet are rendered. `None` where there is nothing to show.
@@ -168,7 +185,6 @@ mod tests {
     #[test]
     fn the_last_times_are_kept() {
         let mut times = FrameTimes::default();
-        assert_eq!(times.mean(), None);
         let most = KEPT as u64;
         for millis in 0..most + 2 {
             times.add(Duration::from_millis(millis));
@@ -178,8 +194,7 @@ mod tests {
         assert_eq!(last(2), [newest - 1, newest]);
         assert_eq!(last(usize::MAX), (2..=newest).collect::<Vec<_>>());
         assert_eq!(times.count(), KEPT);
-        assert_eq!(times.mean(), Some(Duration::from_micros(500 * (most + 3))));
         times.clear();
-        assert_eq!((times.count(), times.mean()), (0, None));
+        assert_eq!(times.count(), 0);
     }
 }

@@ -113,6 +113,8 @@ pub struct Explorer {
     pub revoxelize: Revoxelize,
     /// Frames are rendered one by one, on demand.
     pub is_single_frame: bool,
+    /// Each frame is waited for at its end, else at the beginning of the next one. Default: yes.
+    pub waits_for_gpu: bool,
     playback: Playback,
     renderer: Option<Renderer>,
     pending: Pending,
@@ -139,6 +141,7 @@ impl Explorer {
             stored: BTreeMap::new(),
             revoxelize: Revoxelize::default(),
             is_single_frame: false,
+            waits_for_gpu: true,
             playback: Playback::default(),
             renderer: None,
             pending: Pending::default(),

@@ -6,7 +6,7 @@
 //! | normals | `Rgba16Float` | octahedral shading normal and geometric normal |
 //! | diffuse | `Rgba8UnormSrgb` | diffuse albedo, 1 - the strength of a clear coat (linear) |
 //! | specular | `Rgba8UnormSrgb` | reflectance at normal incidence, perceptual roughness (linear) |
-//! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness; where there is no coat, minus Phong's ambient strength |
+//! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
 //!
 //! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
 //! decides from where cones start and which side light comes from, where an interpolated normal would
@@ -90,7 +90,7 @@ pub struct GBufferPass {
 /// The textures of one G-buffer.
 #[derive(Debug)]
 pub struct GBufferTargets {
-    depth: TextureView,
+    pub(crate) depth: TextureView,
     normals: TextureView,
     diffuse: TextureView,
     specular: TextureView,

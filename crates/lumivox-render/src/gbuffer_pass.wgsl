@@ -135,7 +135,7 @@ fn plain_targets(point: Point) -> Targets {
         encode_normals(frame_at(point, samples)),
         vec4f(diffuse, 1.0),
         vec4f(f0, samples.roughness),
-        vec4f(samples.emission, material.coatless),
+        vec4f(samples.emission, 1.0),
     );
 }
 
@@ -203,7 +203,7 @@ fn layered_fragment(fragment: LayeredFragment) -> Targets {
         vec4f(layered.f0, point.samples.roughness),
         vec4f(
             layered.emission,
-            select(material.coatless, layered.coat_roughness, layered.coat_strength > 0.0),
+            select(1.0, layered.coat_roughness, layered.coat_strength > 0.0),
         ),
     );
 }

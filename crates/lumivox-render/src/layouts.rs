@@ -36,7 +36,7 @@ fn structs_lie_in_memory_alike() {
     use crate::tone_map::ToneMapSettings;
     use crate::upload::{DrawRecord, MaterialRecord, TexturePlace};
     use crate::voxel_view::VoxelViewSettings;
-    use crate::vxct::{InjectSettings, VxctShape, VxctUniform};
+    use crate::vxct::{VxctCone, VxctDraw, VxctLight, VxctUniform};
 
     let library = &libraries()[0];
     assert_layout!(
@@ -91,7 +91,6 @@ fn structs_lie_in_memory_alike() {
             coat_roughness,
             transmission,
             is_blended,
-            coatless,
             places,
         }
     );
@@ -110,32 +109,66 @@ fn structs_lie_in_memory_alike() {
     assert_layout!(
         library,
         "render::vxct::uniform",
-        "VxctShape",
-        VxctShape { width, offset, step_per_diameter }
+        "VxctCone",
+        VxctCone { width, offset, step_per_diameter }
     );
     assert_layout!(
         library,
         "render::vxct::uniform",
         "VxctUniform",
         VxctUniform {
+            clip_from_world,
+            camera_in_world,
+            white,
+            center_in_world,
+            unit_m,
+            background,
+            has_environment,
             diffuse,
             occlusion,
             specular,
             shown,
-            components,
             terms,
-            unit_voxels,
+            light_count,
+            resolution,
             origin_offset,
             shadow_strength,
             shininess_falloff,
-            white,
+            level,
         }
     );
     assert_layout!(
         library,
-        "render::vxct::inject",
-        "InjectSettings",
-        InjectSettings { ambient, white }
+        "render::vxct::material",
+        "VxctDraw",
+        VxctDraw {
+            color,
+            ambient,
+            diffuse,
+            specular,
+            shininess,
+            kind,
+            first_index,
+            base_vertex,
+            first_triangle,
+            attribute_words,
+            is_rounded,
+            is_voxelized,
+        }
+    );
+    assert_layout!(
+        library,
+        "render::vxct::lights",
+        "VxctLight",
+        VxctLight {
+            position,
+            is_parallel,
+            color,
+            spot_scale,
+            spot_direction,
+            spot_offset,
+            attenuation,
+        }
     );
 }
 

@@ -78,4 +78,4 @@ pub use upload::{GpuScene, Lighting, radiance_unit};
 pub use voxel_sets::{
     EXTRA_COLOR, MISSING_COLOR, SetDifference, Voxel, VoxelSet, voxel_set_picture,
 };
-pub use vxct::{Components, ConeShape, Injected, Look, VxctDisplay, VxctSettings, vxct_display};
+pub use vxct::{ConeShape, Look, VxctDisplay, VxctSettings, has_display_values, vxct_display};

@@ -19,7 +19,7 @@ use crate::targets::Targets;
 use crate::times::Times;
 use crate::upload::{GpuScene, Lighting, radiance_unit_within};
 use crate::vxct::{VxctFrame, VxctLook};
-use crate::{Gpu, Look, Picture, RenderError, RenderSettings, View};
+use crate::{Gpu, Picture, RenderError, RenderSettings, View};
 use passes::Passes;
 pub use photometry::Photometry;
 pub use prepare::global_illumination;
@@ -95,7 +95,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
-        let mut vxct = VxctLook::new(gpu, scene, bounds, unit);
+        let mut vxct = VxctLook::new(scene, bounds);
         let given = scene;
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         let shown_bounds = scene.bounds;
@@ -106,7 +106,9 @@ impl Renderer {
         let passes = Passes::new(gpu, &gi, &scene, &settings)?;
         let targets = passes.targets(gpu, &gi, &scene, &settings).await?;
         gpu.check("making the picture's textures")?;
-        vxct.prepare(gpu, &gi, &settings.look)?;
+        if settings.shows_vxct() {
+            vxct.prepare(gpu, &gi, &scene, settings.resolution)?;
+        }
         compile(gpu, progress).await?;
 
         progress(Progress { stage: "voxelize", done: 0, total: 1 });
@@ -125,18 +127,20 @@ impl Renderer {
             passes.shadows.as_ref(),
             &scene,
             (&lighting, map.as_ref()),
-            (&gi, &mut vxct),
+            &gi,
             &settings,
         );
-        if settings.timing != Timing::Off {
+        if settings.timing != Timing::Off && settings.lights_volume() {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
             gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
             gi.forget_light();
         }
-        recorder.stage("light");
-        vxct.light(gpu, &mut recorder, &mut gi, &lights, &settings)?;
+        if settings.lights_volume() {
+            recorder.stage("light");
+            gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
+        }
         times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -219,6 +223,18 @@ impl Renderer {
     /// # Errors
     /// When the device fails.
     pub async fn render_frame(&mut self) -> Result<(), RenderError> {
+        self.draw_frame(true).await
+    }
+
+    /// Renders the next frame for its time alone: the mean stays as it is.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn rehearse_frame(&mut self) -> Result<(), RenderError> {
+        self.draw_frame(false).await
+    }
+
+    async fn draw_frame(&mut self, is_kept: bool) -> Result<(), RenderError> {
         self.prepare_view().await?;
         let frame = self.frame_count();
         let Self { settings, camera, scene, gi, lights, passes, targets, vxct, .. } = self;
@@ -230,7 +246,13 @@ impl Renderer {
 
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
-        if settings.view.is_of_voxels() {
+        if let Some(look) = settings.vxct().filter(|_| settings.shows_vxct()) {
+            let (shown, level) = (settings.view, settings.voxel_level);
+            let gbuffer = &targets.gbuffer;
+            let view = &view;
+            let frame = VxctFrame { scene, lights, gbuffer, targets, view, shown, level };
+            vxct.record(&self.gpu, &mut recorder, &frame, look);
+        } else if settings.view.is_of_voxels() {
             recorder.stage("voxel view");
             targets.voxel_view.record(
                 &mut recorder,
@@ -249,10 +271,6 @@ impl Renderer {
                 recorder.stage("picture");
                 let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
                 targets.voxel_view.record(&mut recorder, gi, lights, gbuffer, what, fov)?;
-            } else if let Look::Vxct(look) = &settings.look {
-                recorder.stage("look of VXCT");
-                let frame = VxctFrame { gi, lights, gbuffer, targets, view: settings.view };
-                vxct.record(&self.gpu, &mut recorder, &frame, look)?;
             } else {
                 if settings.view.needs_direct() {
                     recorder.stage("direct light");
@@ -269,20 +287,23 @@ impl Renderer {
                 passes.composite.record(&mut recorder, lights, gbuffer, composite, shown);
             }
         }
-        recorder.stage("picture");
-        targets.accumulate.record(&mut recorder);
-        self.record_overlay(&mut recorder, &view)?;
+        if is_kept {
+            recorder.stage("picture");
+            targets.accumulate.record(&mut recorder);
+            self.record_overlay(&mut recorder, &view)?;
+        }
         self.times.add(recorder.finish().await?);
         self.gpu.check("rendering a frame")
     }
 
     /// Compiles what the view and the look need and no frame before did.
     async fn prepare_view(&mut self) -> Result<(), RenderError> {
-        let Self { gpu, settings, gi, targets, vxct, .. } = self;
-        if settings.view.is_of_voxels() || settings.view == View::Lod {
+        let Self { gpu, settings, scene, gi, targets, vxct, .. } = self;
+        if settings.shows_vxct() {
+            vxct.prepare(gpu, gi, scene, settings.resolution)?;
+        } else if settings.view.is_of_voxels() || settings.view == View::Lod {
             targets.voxel_view.prepare(gi, settings.view)?;
         }
-        vxct.prepare(gpu, gi, &settings.look)?;
         compile(gpu, &mut |_| {}).await
     }
 
@@ -342,6 +363,7 @@ impl Renderer {
         memory.push(MemoryUse::new("environment", environment_bytes));
         let gi = self.gi.memory();
         memory.extend(gi.into_iter().map(|(name, bytes)| MemoryUse::new(name, bytes)));
+        memory.extend(self.vxct.memory());
         memory.push(MemoryUse::new("picture", self.targets.bytes));
         memory
     }

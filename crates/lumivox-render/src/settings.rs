@@ -8,7 +8,7 @@ use lumivox::{
 use lumivox_scene::Bounds;
 
 use crate::overlay::LineRecord;
-use crate::{Look, Overlay, RenderError};
+use crate::{Look, Overlay, RenderError, VxctSettings};
 
 /// What the picture shows.
 ///
@@ -333,6 +333,24 @@ impl RenderSettings {
     /// The bounces that the voxels get: a view of where light comes in shows nothing else.
     pub(crate) fn voxel_bounces(&self) -> u32 {
         if self.view == View::Lit { 0 } else { self.bounces }
+    }
+
+    /// The parameters of VXCT's look, if that is the one.
+    pub fn vxct(&self) -> Option<&VxctSettings> {
+        match &self.look {
+            Look::Vxct(settings) => Some(settings),
+            Look::Physical => None,
+        }
+    }
+
+    /// Whether VXCT's look makes the picture. It has no octree to show.
+    pub(crate) fn shows_vxct(&self) -> bool {
+        self.vxct().is_some() && !self.view.needs_octree()
+    }
+
+    /// Whether the volume is looked at, and has to have light.
+    pub(crate) fn lights_volume(&self) -> bool {
+        !self.shows_vxct()
     }
 
     /// Checks every value against its range and the device's limits. What belongs to the voxel grid

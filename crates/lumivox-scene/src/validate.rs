@@ -316,6 +316,11 @@ impl Check<'_> {
         self.unit(&part("sheen colour"), &material.sheen.color.to_array())?;
         self.unit(&part("sheen roughness"), &[material.sheen.roughness])?;
         self.unit(&part("transmission"), &[material.transmission.factor])?;
+        if let Some(s) = &material.strengths {
+            let numbers =
+                [s.color.x, s.color.y, s.color.z, s.ambient, s.diffuse, s.specular, s.shininess];
+            self.finite(|| part("strengths"), &numbers)?;
+        }
         match &material.shading {
             Shading::MetallicRoughness(m) => {
                 self.unit(&part("base colour"), &m.base_color.to_array())?;
@@ -330,7 +335,6 @@ impl Check<'_> {
                 self.unit(&part("diffuse colour"), &p.diffuse.to_array())?;
                 self.unit(&part("opacity"), &[p.opacity])?;
                 self.unit(&part("specular colour"), &p.specular.to_array())?;
-                self.not_negative(&part("ambient share"), &[p.ambient])?;
                 self.range(&part("shininess"), p.shininess, p.shininess >= 0.0, "at least 0")
             }
             Shading::Unlit(u) => self.unit(&part("colour"), &u.color.to_array()),

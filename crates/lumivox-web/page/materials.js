@@ -13,8 +13,8 @@ import { byId, h, number, row, slider } from "./dom.js";
 const MOST = 60;
 
 /** Numbers that have a slider: label and highest value.
- * @type {["metallic" | "roughness" | "specular" | "shininess" | "ambient", string, number][]} */
-const SLIDERS = [["metallic", "Metallic", 1], ["roughness", "Roughness", 1], ["specular", "Specular", 1], ["shininess", "Shininess", 256], ["ambient", "Ambient", 1]];
+ * @type {["metallic" | "roughness" | "specular" | "shininess", string, number][]} */
+const SLIDERS = [["metallic", "Metallic", 1], ["roughness", "Roughness", 1], ["specular", "Specular", 1], ["shininess", "Shininess", 256]];
 
 /** Fields for all materials, that of the chosen object first and open.
  * @param {Material[]} materials @param {number | undefined} chosen @param {Change} change */

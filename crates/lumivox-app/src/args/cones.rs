@@ -4,10 +4,12 @@ use std::ops::RangeInclusive;
 
 use clap::Args;
 use lumivox::{TraceResolution, TraceSettings};
-use lumivox_render::{Look, PresetChoice};
+use lumivox_render::parameters::{Group, PARAMETERS, Parameter, Value};
+use lumivox_render::{Look, PresetChoice, RenderSettings};
 
 use super::choices;
 use super::number::number;
+use crate::exit::Failure;
 
 /// What `TraceSettings::validate` allows; a test holds the two together.
 const VOXEL_PER_DIAMETER: RangeInclusive<f32> = 0.05..=1.0;
@@ -139,6 +141,27 @@ pub struct ConeArgs {
     #[arg(long, value_name = "NUMBER", value_parser = number(LEVEL_GAIN))]
     #[arg(allow_negative_numbers = true)]
     level_gain: Option<f32>,
+
+    /// A parameter of VXCT's look by the name of its console; may be given again [default: those of the resolution]
+    ///
+    /// Such as shadow_str=2 or side_cones=on; `lumivox run -c 'parameters vxct'` lists them with their ranges. With
+    /// --preset vxct alone.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = vxct_parameter)]
+    vxct: Vec<VxctParameter>,
+}
+
+/// A value for a parameter of VXCT's look.
+type VxctParameter = (&'static Parameter, Value);
+
+fn vxct_parameter(text: &str) -> Result<VxctParameter, String> {
+    let of_look = || PARAMETERS.iter().filter(|p| p.group == Group::Vxct && p.name != "look");
+    let (name, value) = text.split_once('=').unwrap_or((text, ""));
+    let Some(parameter) = of_look().find(|parameter| parameter.name == name) else {
+        let names: Vec<&str> = of_look().map(|parameter| parameter.name).collect();
+        return Err(format!("it must be one of {}, with its value after =", names.join(", ")));
+    };
+    let value = parameter.parse(value).map_err(|error| error.to_string())?;
+    Ok((parameter, value))
 }
 
 fn diffuse_cones(text: &str) -> Result<u32, super::Refused> {
@@ -171,7 +194,28 @@ impl ConeArgs {
 
     /// How the picture comes about, with voxels of a resolution.
     pub fn look(&self, resolution: u32) -> Look {
-        self.preset().look(resolution)
+        let look = self.preset().look(resolution);
+        let mut settings = RenderSettings { look, resolution, ..RenderSettings::default() };
+        for (parameter, value) in self.vxct.iter().filter(|_| look != Look::Physical) {
+            let _ = parameter.set(&mut settings, *value);
+        }
+        settings.look
+    }
+
+    /// Checks what the options have to do with each other.
+    ///
+    /// # Errors
+    /// When one belongs to another look.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.vxct.first() {
+            Some((parameter, _)) if self.preset() != PresetChoice::Vxct => {
+                Err(Failure::input(format!(
+                    "--vxct {}: it belongs to the look vxct; give --preset vxct with it",
+                    parameter.name
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The preset's settings with the changes made to it.

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use glam::Vec3;
-use lumivox_scene::{LoadOptions, LoadProgress, Scene, SceneError, builtin, check_regular};
+use lumivox_scene::{
+    EXTENSIONS, LoadOptions, LoadProgress, Scene, SceneError, builtin, check_regular,
+};
 
 use crate::cli::LoadArgs;
 use crate::exit::Failure;
@@ -28,9 +30,31 @@ impl From<OsString> for SceneSource {
     fn from(text: OsString) -> Self {
         match text.to_str().and_then(|text| text.strip_prefix(PREFIX)) {
             Some(name) => Self::Builtin(name.to_owned()),
-            None => Self::File(text.into()),
+            None => Self::File(found(text.into())),
         }
     }
+}
+
+/// The file of a path, or of a name in the folder `scenes`, as VXCT has them.
+fn found(path: PathBuf) -> PathBuf {
+    if path.exists() {
+        return path;
+    }
+    within(Path::new("scenes"), &path).unwrap_or(path)
+}
+
+/// A scene in a folder: a file of that name, with or without one of the extensions.
+pub fn within(folder: &Path, name: &Path) -> Option<PathBuf> {
+    let file = folder.join(name);
+    if file.is_file() {
+        return Some(file);
+    }
+    EXTENSIONS.iter().find_map(|extension| {
+        let mut with_extension = file.clone().into_os_string();
+        with_extension.push(format!(".{extension}"));
+        let with_extension = PathBuf::from(with_extension);
+        with_extension.is_file().then_some(with_extension)
+    })
 }
 
 impl fmt::Display for SceneSource {

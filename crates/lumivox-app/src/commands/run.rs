@@ -87,6 +87,7 @@ impl Runner {
         let explore = &args.explore;
         let settings =
             settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
+        explore.cones.check()?;
         settings.trace.validate()?;
         let gpu = host.open_gpu(&explore.gpu)?;
         let explorer = Explorer::new(gpu, settings.clone(), explore.cones.preset());

@@ -30,6 +30,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     let gpu = gpu.map_err(|_| anyhow::anyhow!("the driver's thread has failed"))??;
     let mut config = Config::load(args.fresh);
     let explore = &args.explore;
+    explore.cones.check()?;
     let settings = settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
     let mut explorer = Explorer::new(gpu, settings, explore.cones.preset());
     config.apply(&mut explorer, std::env::args());

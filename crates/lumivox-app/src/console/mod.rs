@@ -37,14 +37,13 @@ mod properties;
 mod queue;
 mod window_only;
 
-use std::collections::HashMap;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
 use lumivox_explorer::{Explorer, Revoxelize};
-use lumivox_render::{PresetChoice, Progress, RenderSettings};
-use lumivox_scene::EnvironmentMap;
+use lumivox_render::{PresetChoice, Progress, RenderSettings, has_display_values};
+use lumivox_scene::{EnvironmentMap, Scene};
 
 use crate::cli::{LoadArgs, SourceArgs};
 use crate::exit::Failure;
@@ -110,14 +109,13 @@ pub struct Console {
     generation: u32,
     /// The bounces that come back when indirect light is switched on.
     bounces: Option<u32>,
-    /// The view that comes back when voxels are switched off.
-    view: Option<lumivox_render::View>,
+    /// What the switches of voxels and of objects said last.
+    shown: commands::view::Shown,
+    objects: commands::view::Objects,
     /// Panoramas and skies, with the commands that made them.
     maps: Vec<(Weak<EnvironmentMap>, String)>,
     /// The ray that is marked.
     ray: Option<commands::ray::Mark>,
-    /// What `setmat` has set, by material.
-    strengths: HashMap<usize, commands::materials::Strengths>,
     /// When voxels are made anew once `dynamic` is on again.
     dynamic: Option<Revoxelize>,
 }
@@ -138,10 +136,10 @@ impl Console {
             hear: Box::new(|_| ControlFlow::Continue(())),
             generation: 0,
             bounces: None,
-            view: None,
+            shown: commands::view::Shown::default(),
+            objects: commands::view::Objects::default(),
             maps: Vec::new(),
             ray: None,
-            strengths: HashMap::new(),
             dynamic: None,
         }
     }
@@ -153,9 +151,18 @@ impl Console {
         self
     }
 
-    /// Shows a scene from its camera: [`Explorer::open`].
+    /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the camera stays, unless
+    /// one was asked for: they fill the same cube.
     pub fn open(&mut self, ready: Ready) {
+        let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && has_display_values(scene);
+        let stays = ready.opening.camera.is_none()
+            && is_of_vxct(ready.opened.scene())
+            && self.explorer.scene().is_some_and(is_of_vxct);
+        let camera = stays.then(|| self.explorer.camera().clone());
         self.explorer.open(ready.opened);
+        if let Some(camera) = camera {
+            self.explorer.set_camera(camera);
+        }
         self.opening = Some(ready.opening);
     }
 
@@ -224,7 +231,6 @@ impl Console {
     fn notice_scene(&mut self) {
         if self.generation != self.explorer.generation() {
             self.generation = self.explorer.generation();
-            self.strengths.clear();
             self.ray = None;
             self.maps.retain(|(map, _)| map.strong_count() > 0);
         }

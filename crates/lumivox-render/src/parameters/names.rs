@@ -5,9 +5,7 @@ use lumivox::{
     TraceResolution, VolumeKind,
 };
 
-use crate::{
-    Components, Injected, Look, RenderSettings, ShadowMethod, VxctSettings, Wireframe, Wires,
-};
+use crate::{Look, RenderSettings, ShadowMethod, VxctSettings, Wireframe, Wires};
 
 /// A type with a few values, each with a name.
 pub(super) trait Named: Copy + PartialEq + 'static {
@@ -63,21 +61,6 @@ impl Named for Wireframe {
 impl Named for Wires {
     const NAMED: &'static [(&'static str, Self)] =
         &[("off", Self::Off), ("over", Self::Over), ("through", Self::Through)];
-}
-
-impl Named for Components {
-    const NAMED: &'static [(&'static str, Self)] = &[
-        ("all", Self::All),
-        ("phong", Self::Phong),
-        ("shadows", Self::Shadows),
-        ("specular", Self::Specular),
-        ("diffuse", Self::Diffuse),
-    ];
-}
-
-impl Named for Injected {
-    const NAMED: &'static [(&'static str, Self)] =
-        &[("vxct", Self::Vxct), ("shadowed", Self::Shadowed)];
 }
 
 /// What VXCT's look is made with, or would be.

@@ -1,8 +1,8 @@
 //! The parameters of VXCT's look, under the names of its console. Each but `look` asks for that look.
 
-use super::names::{Named, vxct};
+use super::names::vxct;
 use super::{Group, Kind, Parameter, Value};
-use crate::{Components, Injected, Look, RenderSettings, VxctSettings};
+use crate::{Look, RenderSettings, VxctSettings};
 
 /// Sets something of the look, and takes it.
 fn set(settings: &mut RenderSettings, change: impl FnOnce(&mut VxctSettings)) {
@@ -48,28 +48,8 @@ macro_rules! number {
     };
 }
 
-/// One of a few names.
-macro_rules! choice {
-    ($name:literal, $summary:literal, $names:expr, $kind:ty, $field:ident) => {
-        parameter(
-            $name,
-            "",
-            $summary,
-            Kind::Choice($names),
-            |s| Value::Choice(<$kind as Named>::name(vxct(s).$field)),
-            |s, v| {
-                if let Value::Choice(name) = v
-                    && let Some(value) = <$kind as Named>::named(name)
-                {
-                    set(s, |look| look.$field = value);
-                }
-            },
-        )
-    };
-}
-
 /// The parameters.
-pub(super) const PARAMETERS: [Parameter; 25] = [
+pub(super) const PARAMETERS: [Parameter; 24] = [
     parameter(
         "look",
         "",
@@ -81,12 +61,10 @@ pub(super) const PARAMETERS: [Parameter; 25] = [
             _ => s.look = Look::Physical,
         },
     ),
-    choice!(
-        "components",
-        "Which part of the light is shown",
-        &["all", "phong", "shadows", "specular", "diffuse"],
-        Components,
-        components
+    switch!(
+        "indirect_light",
+        "Cones; without them Phong's shader shows all of its terms, and no shadows",
+        indirect_light
     ),
     switch!("phong", "Phong's terms", phong),
     switch!("phong_ambient", "Phong's ambient term", phong_ambient),
@@ -193,16 +171,9 @@ pub(super) const PARAMETERS: [Parameter; 25] = [
     number!(
         "shininess_falloff",
         "",
-        "How fast reflections fade with the distance of what is reflected",
+        "How fast reflections fade where a light stands off the mirrored direction",
         0.0,
         16.0,
         shininess_falloff
-    ),
-    choice!(
-        "injected_light",
-        "What the voxels hold",
-        &["vxct", "shadowed"],
-        Injected,
-        injected_light
     ),
 ];

@@ -44,7 +44,7 @@ impl Redo {
             volume || old.size != new.size || old.trace.resolution != new.trace.resolution;
         let light = volume
             || old.trace != new.trace
-            || old.look.injected_light() != new.look.injected_light()
+            || (!old.lights_volume() && new.lights_volume())
             || old.voxel_bounces() != new.voxel_bounces()
             || old.shadows != new.shadows
             || old.shadow_resolution != new.shadow_resolution;
@@ -186,7 +186,7 @@ impl Renderer {
             self.targets = passes.targets(gpu, gi, scene, settings).await?;
         }
         compile(&self.gpu, progress).await?;
-        self.vxct.set_scene(scene, self.scene.radiance_unit);
+        self.vxct.set_scene(scene, self.grid_bounds);
         self.set_scene(scene, progress).await
     }
 
@@ -256,7 +256,8 @@ impl Renderer {
         let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
         settings.validate(&self.gpu.device.limits())?;
         let was = std::mem::replace(&mut self.settings, settings);
-        if self.settings.voxel_bounces() != was.voxel_bounces() {
+        let was_lit = was.lights_volume() && was.voxel_bounces() == self.settings.voxel_bounces();
+        if self.settings.lights_volume() && !was_lit {
             self.light_voxels()?;
         }
         self.targets.accumulate.reset();
@@ -272,7 +273,7 @@ impl Renderer {
         look.validate()?;
         let was = std::mem::replace(&mut self.settings.look, look);
         self.drop_unused_look();
-        if look.injected_light() != was.injected_light() {
+        if self.settings.lights_volume() && was != Look::Physical {
             self.light_voxels()?;
         }
         self.targets.accumulate.reset();
@@ -289,8 +290,8 @@ impl Renderer {
     /// Lights the voxels as the settings want it, by the lights that are bound.
     fn light_voxels(&mut self) -> Result<(), RenderError> {
         let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
-        let Self { gpu, settings, gi, lights, vxct, .. } = self;
-        vxct.light(gpu, &mut recorder, gi, lights, settings)?;
+        let Self { settings, gi, lights, .. } = self;
+        gi.light(&mut recorder, lights, settings.voxel_bounces(), &settings.trace)?;
         recorder.submit();
         self.gpu.check("lighting the voxels")
     }
@@ -304,6 +305,7 @@ impl Renderer {
     fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene)?;
+        self.vxct.set_pose();
         self.scene_bounds = scene.voxel_bounds();
         self.shown_bounds = scene.bounds();
         self.scene.bounds = self.grid_bounds.union(self.shown_bounds);
@@ -322,7 +324,7 @@ impl Renderer {
         let is_new = lighting.lights != self.lighting.lights;
         self.lighting = lighting;
         if is_new {
-            self.vxct.set_scene(scene, self.scene.radiance_unit);
+            self.vxct.set_lights(scene);
         }
         Ok(())
     }
@@ -352,8 +354,11 @@ impl Renderer {
         let mut recorder = self.recorder();
         self.bind_lights(&mut recorder);
         let Self { gpu, settings, gi, vxct, .. } = self;
-        recorder.stage("light");
-        vxct.light(gpu, &mut recorder, gi, &self.lights, settings)?;
+        vxct.revoxelize();
+        if settings.lights_volume() {
+            recorder.stage("light");
+            gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
+        }
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(Progress { stage: "light", done: 1, total: 1 });
@@ -368,7 +373,7 @@ impl Renderer {
             self.passes.shadows.as_ref(),
             &self.scene,
             (&self.lighting, self.environment.as_ref()),
-            (&self.gi, &mut self.vxct),
+            &self.gi,
             &self.settings,
         );
     }

@@ -12,7 +12,6 @@ use super::Progress;
 use crate::estimate::MemoryEstimate;
 use crate::shadow_maps::ShadowMapPass;
 use crate::upload::{GpuScene, Lighting, corners};
-use crate::vxct::VxctLook;
 use crate::{Gpu, RenderError, RenderSettings};
 
 /// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
@@ -109,15 +108,14 @@ pub(super) fn environment_map(
     Ok(Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?))
 }
 
-/// Renders shadow maps if there is a pass for them, and binds the lights; for the look of VXCT their attenuations, too.
-/// Also the bytes of the maps.
+/// Renders shadow maps if there is a pass for them, and binds the lights. Also the bytes of the maps.
 pub(super) fn bind_lights(
     gpu: &Gpu,
     recorder: &mut Recorder,
     shadow_pass: Option<&ShadowMapPass>,
     scene: &GpuScene,
     (lighting, map): (&Lighting, Option<&EnvironmentMap>),
-    (gi, look): (&Gi, &mut VxctLook),
+    gi: &Gi,
     settings: &RenderSettings,
 ) -> (Lights, u64) {
     let shadow_resolution = settings.shadow_resolution;
@@ -126,10 +124,7 @@ pub(super) fn bind_lights(
     let rotation_rad = lighting.environment.rotation_rad;
     // Its brightest parts shine like lamps, and have the first choice of shadow maps.
     let peaks = map.iter().flat_map(|map| map.lights(radiance, rotation_rad));
-    let scene_lights = lights.len();
     lights.splice(0..0, peaks);
-    let peak_count = lights.len() - scene_lights;
-    look.set_lights(&gpu.device, peak_count, &lighting.lights);
     let mut maps: Option<ShadowMaps> = None;
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");

@@ -37,11 +37,9 @@ struct Material {
     transmission: f32,
     // 1: alpha is the covered share.
     is_blended: u32,
-    // What stands in the place of a coat's roughness where there is no coat: for Phong's materials minus the ambient
-    // strength (for the look of VXCT), and never zero; for others 1.
-    coatless: f32,
     padding_0: u32,
     padding_1: u32,
+    padding_2: u32,
     // By TEXTURE_...
     places: array<TexturePlace, TEXTURE_COUNT>,
 }

@@ -37,14 +37,9 @@ pub(crate) struct MaterialRecord {
     pub(crate) coat_roughness: f32,
     pub(crate) transmission: f32,
     pub(crate) is_blended: u32,
-    pub(crate) coatless: f32,
-    padding: [u32; 2],
+    padding: [u32; 3],
     pub(crate) places: [TexturePlace; TEXTURE_COUNT],
 }
-
-/// Stands for no ambient light in the G-buffer, where zero would not tell Phong's materials from others: the smallest
-/// half float with all bits.
-const LEAST_AMBIENT: f32 = 6.103_515_6e-5;
 
 /// Where the thresholded alpha of a masked texture has its edge.
 const TEXTURE_MASK_THRESHOLD: f32 = 0.5;
@@ -128,7 +123,6 @@ pub(crate) fn record(
         coat_strength: material.clearcoat.strength,
         coat_roughness: material.clearcoat.roughness,
         transmission: material.transmission.factor,
-        coatless: 1.0,
         places: textures.map(TexturePlace::new),
         ..MaterialRecord::zeroed()
     };
@@ -148,7 +142,6 @@ pub(crate) fn record(
             let record = MaterialRecord {
                 dielectric_f0: p.specular.to_array(),
                 roughness: (2.0 / (p.shininess + 2.0)).sqrt().sqrt(),
-                coatless: -p.ambient.max(LEAST_AMBIENT),
                 ..common
             };
             (record, p.diffuse, p.opacity)

@@ -66,6 +66,10 @@ pub(crate) struct SceneDraw {
     pub(crate) material: usize,
     /// In the world.
     pub(crate) bounds: Bounds,
+    /// Whether the voxels have it.
+    pub(crate) is_voxelized: bool,
+    /// Whether its transform turns the winding of triangles round.
+    pub(crate) is_mirrored: bool,
 }
 
 /// A scene, uploaded.
@@ -230,6 +234,8 @@ impl Placed {
                     base_vertex: piece.base_vertex as i32,
                     material: instance.material,
                     bounds,
+                    is_voxelized: instance.is_voxelized,
+                    is_mirrored: instance.world_from_local.determinant() < 0.0,
                 });
                 records.push(DrawRecord::new(instance.world_from_local));
                 if !instance.is_voxelized {
@@ -331,7 +337,7 @@ impl VertexBuffers {
             fingerprint,
             positions: buffer("positions", cast(&batch.positions), vertex | storage),
             attributes: buffer("attributes", &batch.attribute_bytes, vertex | storage),
-            shading: buffer("normals", bytemuck::cast_slice(&batch.shading), vertex),
+            shading: buffer("normals", bytemuck::cast_slice(&batch.shading), vertex | storage),
             indices: buffer("indices", bytemuck::cast_slice(&batch.indices), index | storage),
         }
     }

@@ -1,42 +1,53 @@
-// What lights send to a point in the look of VXCT, as the radiance of a white surface that faces them.
-//
-// VXCT's lights have a colour and fade by a polynomial. Theirs is an intensity at one metre here, so the colour is
-// intensity / pi times the polynomial there. Other lamps get VXCT's default polynomial over distances in VXCT's units, which
-// meets the inverse square at one unit; suns shine as they do: irradiance / pi.
+// Lights that fade by a polynomial, if at all.
 
-import package::light::lights::{incident_light, lights};
+import package::render::vxct::material::VxctMaterial;
 
-// Constant, linear and quadratic attenuation by the distance in metres, and in w what the intensity is multiplied by for
-// pi times the colour: below zero for lamps that are not VXCT's own, zero for suns.
-@group(1) @binding(1) var<storage, read> attenuations: array<vec4f>;
-
-const PI: f32 = 3.14159265359;
-
-struct Arriving {
-    // Towards the light; unit length.
-    direction: vec3f,
-    distance_m: f32,
-    radiance: vec3f,
-    // What it would be without attenuation, but for suns.
+struct VxctLight {
+    // In the cube; of parallel light the direction towards it, of unit length.
+    position: vec3f,
+    is_parallel: u32,
+    // As a share of white: what a white surface shows that faces it, before it fades.
     color: vec3f,
-    is_lamp: bool,
-    // Whether the scene's file gave its attenuation.
-    is_vxct: bool,
+    spot_scale: f32,
+    // Along which a spot shines.
+    spot_direction: vec3f,
+    // A spot's share is (cosine * scale + offset)^2 within 0 to 1; 0 and 1 for others.
+    spot_offset: f32,
+    // Constant, linear, quadratic.
+    attenuation: vec3f,
+    padding: u32,
 }
 
-fn arriving_light(index: u32, position_in_world: vec3f) -> Arriving {
-    let light = lights[index];
-    let incident = incident_light(light, position_in_world);
-    let attenuation = attenuations[index];
-    let is_lamp = attenuation.w != 0.0;
-    let d = distance(light.position_in_world, position_in_world);
-    // A spot's cone and a range stay: what is left of the irradiance without the inverse square.
-    let sent = max(light.intensity.r, max(light.intensity.g, light.intensity.b));
-    let arrived = max(incident.irradiance.r, max(incident.irradiance.g, incident.irradiance.b));
-    let shape = min(arrived * d * d / max(sent, 1e-30), 1.0);
-    let color = light.intensity * (abs(attenuation.w) / PI * shape);
-    let faded = color / max(dot(attenuation.xyz, vec3f(1.0, d, d * d)), 1e-6);
-    let radiance = select(incident.irradiance / PI, faded, is_lamp);
-    let is_vxct = attenuation.w > 0.0;
-    return Arriving(incident.direction, incident.distance_m, radiance, color, is_lamp, is_vxct);
+@group(0) @binding(3) var<storage, read> vxct_lights: array<VxctLight>;
+
+struct Arriving {
+    // Towards the light.
+    direction: vec3f,
+    distance: f32,
+    // At the source, and here.
+    sent: vec3f,
+    color: vec3f,
+}
+
+// Parallel light is softened by what lies in its way as if it came from there.
+const DISTANCE_OF_PARALLEL_LIGHT: f32 = 1.0;
+
+fn arriving_light(index: u32, position: vec3f) -> Arriving {
+    let light = vxct_lights[index];
+    if light.is_parallel != 0u {
+        return Arriving(light.position, DISTANCE_OF_PARALLEL_LIGHT, light.color, light.color);
+    }
+    let way = light.position - position;
+    let distance = length(way);
+    let direction = way / max(distance, 1e-12);
+    let inside = saturate(dot(-direction, light.spot_direction) * light.spot_scale + light.spot_offset);
+    let sent = light.color * (inside * inside);
+    let fading = dot(light.attenuation, vec3f(1.0, distance, distance * distance));
+    return Arriving(direction, distance, sent, sent / fading);
+}
+
+// What the voxels hold: neither faded nor shadowed.
+fn injected(material: VxctMaterial, normal: vec3f, arriving: Arriving) -> vec3f {
+    let facing = max(dot(normal, arriving.direction), 0.0);
+    return (material.ambient + material.diffuse * facing) * arriving.sent;
 }

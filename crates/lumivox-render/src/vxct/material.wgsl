@@ -1,64 +1,80 @@
-// A pixel's material in Phong's terms.
+// What a surface is in the look: the strengths that its scene gave it, or what comes nearest to its material.
 
+import package::constants::{VXCT_OF_EMITTER, VXCT_OF_STRENGTHS};
+import package::render::material::material;
+import package::render::point::PointSamples;
+import package::render::vxct::uniform::settings;
 import package::trace::brdf::alpha_from_roughness;
-import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_emission, gbuffer_specular};
 
-struct VxctMaterial {
-    albedo: vec3f,
-    emission: vec3f,
+// A draw of the scene.
+struct VxctDraw {
+    color: vec3f,
     ambient: f32,
-    // The highlight's strength in its middle, at most 1.
-    specular: vec3f,
+    diffuse: f32,
+    specular: f32,
     shininess: f32,
-    // Reflectance at normal incidence.
-    f0: vec3f,
-    roughness: f32,
-    // The width of the microfacets' distribution.
-    alpha: f32,
-    // Diameter per distance of a cone as wide as the lobe; 0: VXCT's own.
-    lobe_width: f32,
-    // Whether it is one that VXCT could have made.
-    is_vxct: bool,
+    // One of VXCT_OF_...
+    kind: u32,
+    first_index: u32,
+    base_vertex: i32,
+    // Triangles of the draws before.
+    first_triangle: u32,
+    // 32-bit words of a vertex's attributes.
+    attribute_words: u32,
+    // 1: normals point away from the mesh's origin.
+    is_rounded: u32,
+    // 0: it is in no voxel.
+    is_voxelized: u32,
+    padding_0: u32,
+    padding_1: u32,
 }
 
+@group(0) @binding(2) var<storage, read> vxct_draws: array<VxctDraw>;
+
+struct VxctMaterial {
+    ambient: vec3f,
+    diffuse: vec3f,
+    // Of the highlight.
+    specular: vec3f,
+    shininess: f32,
+    // What mirrored light is multiplied by.
+    mirror: vec3f,
+    // Diameter per distance of a cone as wide as the lobe; 0: VXCT's own.
+    lobe_width: f32,
+    // As a share of white.
+    emission: vec3f,
+}
+
+const AMBIENT_OF_OTHERS: f32 = 0.08;
 // Highlights sharper than this would be missed between pixels.
 const MAX_SHININESS: f32 = 4096.0;
 
-// A lobe reflects the share rho = 2 s / (n + 2) of the light, with the strength s and the exponent n; its width is that of
-// microfacets of alpha^2 = 2 / (n + 2) (Walter et al. 2007, section 5.2). So s = rho / alpha^2. It has to be found again
-// from 8 bits each, so it may come out a little above 1.
-const LARGEST_STRENGTH: f32 = 1.1;
-
-fn load_material(pixel: vec2u) -> VxctMaterial {
-    let diffuse = textureLoad(gbuffer_diffuse, pixel, 0);
-    let specular = textureLoad(gbuffer_specular, pixel, 0);
-    let emission = textureLoad(gbuffer_emission, pixel, 0);
-    let alpha = alpha_from_roughness(specular.a);
-    let strength = specular.rgb / (alpha * alpha);
-    let is_phong = emission.a < 0.0;
-    let is_vxct = is_phong && all(strength <= vec3f(LARGEST_STRENGTH));
+fn material_of(draw: u32, samples: PointSamples) -> VxctMaterial {
+    let record = vxct_draws[draw];
+    if record.kind == VXCT_OF_STRENGTHS || record.kind == VXCT_OF_EMITTER {
+        return VxctMaterial(
+            record.ambient * record.color,
+            record.diffuse * record.color,
+            record.specular * record.color,
+            record.shininess,
+            vec3f(record.specular),
+            0.0,
+            select(vec3f(0.0), record.color, record.kind == VXCT_OF_EMITTER),
+        );
+    }
+    let color = samples.base.rgb * (1.0 - samples.metallic);
+    let f0 = mix(material.dielectric_f0, samples.base.rgb, samples.metallic);
+    // A lobe of exponent n is as wide as microfacets of alpha^2 = 2 / (n + 2) (Walter et al. 2007, section 5.2), and
+    // reflects the share 2 s / (n + 2) of the light with the strength s.
+    let alpha = alpha_from_roughness(samples.roughness);
+    let is_lit = material.unlit_radiance == 0.0;
     return VxctMaterial(
-        diffuse.rgb,
-        emission.rgb,
-        select(0.0, -emission.a, is_phong),
-        min(strength, vec3f(1.0)),
+        select(vec3f(0.0), AMBIENT_OF_OTHERS * color, is_lit),
+        select(vec3f(0.0), color, is_lit),
+        select(vec3f(0.0), min(f0 / (alpha * alpha), vec3f(1.0)), is_lit),
         clamp(2.0 / (alpha * alpha) - 2.0, 1.0, MAX_SHININESS),
-        specular.rgb,
-        specular.a,
-        alpha,
-        select(2.0 * alpha, 0.0, is_vxct),
-        is_vxct,
+        select(vec3f(0.0), f0, is_lit),
+        2.0 * alpha,
+        samples.emission / settings.white,
     );
-}
-
-// What a specular cone's light is multiplied by. VXCT's materials reflect with their strength; for others it is Schlick's
-// term, less at grazing angles the rougher they are (Lagarde 2011, "Adopting a physically based shading model").
-fn reflectance_towards(material: VxctMaterial, cos_view: f32) -> vec3f {
-    let rest = saturate(1.0 - cos_view);
-    let rest_2 = rest * rest;
-    // Below 2 % it is switched off as a whole (package::trace::brdf).
-    let most = (1.0 - material.roughness) * saturate(dot(material.f0, vec3f(50.0 * 0.33)));
-    let schlick = material.f0
-        + max(vec3f(most) - material.f0, vec3f(0.0)) * (rest_2 * rest_2 * rest);
-    return select(schlick, material.specular, vec3<bool>(material.is_vxct));
 }

@@ -1,72 +1,95 @@
 //! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse light
 //! (docs/vxct-look.md).
 //!
-//! One kernel (`shade.wgsl`) takes the place of direct light, trace and composite: from the G-buffer to the picture.
-//! Another one (`inject.wgsl`) lights the voxels as VXCT did. Both are compiled at their first use, so that a physical
-//! rendering starts as fast as without them. A VXCT unit of length is half the longest edge of the box that the grid is
-//! fitted to, since VXCT's scenes fill the cube from -1 to 1.
+//! It has voxels of its own, a cube of them around the scene in one texture of 8 bits a channel ([`voxels`]), and draws the
+//! scene's triangles with one fragment shader that does all else (`shade.wgsl`). Nothing of it is there until it is
+//! used, so that a physical rendering starts as fast as without it. Places and lengths are in the cube from -1 to 1
+//! that VXCT's scenes fill.
 
+mod display;
+mod records;
 mod settings;
+mod voxels;
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Mat4, Vec3};
+use lumivox::gpu::pipelines::{DrawPipeline, Shader};
 use lumivox::gpu::{
-    BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Recorder, ShaderError, uniform_buffer, upload,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    TextureView, uniform_buffer,
 };
 use lumivox::{GBuffer, Gi, Lights};
-use lumivox_scene::{Attenuation, Bounds, LightKind, Scene, Shading};
+use lumivox_scene::{Bounds, Scene};
 
 use crate::composite::PICTURE_FORMAT;
-use crate::settings::MAX_STOPS;
+use crate::memory::MemoryUse;
+use crate::raster::{self, RasterPipeline};
 use crate::targets::Targets;
-use crate::upload::{Lighting, reference_white};
-use crate::{Exposure, Gpu, RenderError, RenderSettings, ToneMap, View};
-pub use settings::{Components, ConeShape, Injected, Look, VxctSettings};
+use crate::textures::ScreenTextures;
+use crate::upload::GpuScene;
+use crate::{Gpu, RenderError, View};
+pub use display::{VxctDisplay, has_display_values, vxct_display};
+use records::{OF_EMITTER, OF_OTHERS, OF_STRENGTHS, Records, Sides};
+#[cfg(test)]
+pub(crate) use records::{VxctDraw, VxctLight};
+pub use settings::{ConeShape, Look, VxctSettings};
+use voxels::Voxels;
 
 /// The shader modules of this folder by their paths below `render`.
 pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("vxct::cone", include_str!("cone.wgsl")),
-    ("vxct::inject", include_str!("inject.wgsl")),
-    ("vxct::leaving", include_str!("leaving.wgsl")),
+    ("vxct::cones", include_str!("cones.wgsl")),
+    ("vxct::cubes", include_str!("cubes.wgsl")),
+    ("vxct::finish", include_str!("finish.wgsl")),
     ("vxct::lights", include_str!("lights.wgsl")),
     ("vxct::material", include_str!("material.wgsl")),
+    ("vxct::mip", include_str!("mip.wgsl")),
     ("vxct::shade", include_str!("shade.wgsl")),
     ("vxct::uniform", include_str!("uniform.wgsl")),
+    ("vxct::vertex", include_str!("vertex.wgsl")),
+    ("vxct::voxelize", include_str!("voxelize.wgsl")),
 ];
 
 /// Bits of `VxctUniform::terms`.
-const AMBIENT: u32 = 1;
-const DIFFUSE: u32 = 2;
-const HIGHLIGHTS: u32 = 4;
-const FRONT: u32 = 8;
-const SIDES: u32 = 16;
-const INTERMEDIATE: u32 = 32;
-const DIFFUSE_CONES: u32 = 64;
-const SPECULAR_CONES: u32 = 128;
-const OCCLUSION_CONES: u32 = 256;
+const INDIRECT: u32 = 1;
+const PHONG: u32 = 2;
+const AMBIENT: u32 = 4;
+const DIFFUSE: u32 = 8;
+const HIGHLIGHTS: u32 = 16;
+const FRONT: u32 = 32;
+const SIDES: u32 = 64;
+const INTERMEDIATE: u32 = 128;
+const DIFFUSE_CONES: u32 = 256;
+const SPECULAR_CONES: u32 = 512;
+const OCCLUSION_CONES: u32 = 1024;
 
 /// The constants that the shaders share with this folder.
 pub(crate) const CONSTANTS: [(&str, u32); 14] = [
-    ("VXCT_ALL", Components::All as u32),
-    ("VXCT_PHONG", Components::Phong as u32),
-    ("VXCT_SHADOWS", Components::Shadows as u32),
-    ("VXCT_SPECULAR", Components::Specular as u32),
-    ("VXCT_DIFFUSE", Components::Diffuse as u32),
-    ("VXCT_TERM_AMBIENT", AMBIENT),
-    ("VXCT_TERM_DIFFUSE", DIFFUSE),
-    ("VXCT_TERM_HIGHLIGHTS", HIGHLIGHTS),
-    ("VXCT_TERM_FRONT", FRONT),
-    ("VXCT_TERM_SIDES", SIDES),
-    ("VXCT_TERM_INTERMEDIATE", INTERMEDIATE),
-    ("VXCT_TERM_DIFFUSE_CONES", DIFFUSE_CONES),
-    ("VXCT_TERM_SPECULAR_CONES", SPECULAR_CONES),
-    ("VXCT_TERM_OCCLUSION_CONES", OCCLUSION_CONES),
+    ("VXCT_INDIRECT", INDIRECT),
+    ("VXCT_PHONG", PHONG),
+    ("VXCT_AMBIENT", AMBIENT),
+    ("VXCT_DIFFUSE", DIFFUSE),
+    ("VXCT_HIGHLIGHTS", HIGHLIGHTS),
+    ("VXCT_FRONT", FRONT),
+    ("VXCT_SIDES", SIDES),
+    ("VXCT_INTERMEDIATE", INTERMEDIATE),
+    ("VXCT_DIFFUSE_CONES", DIFFUSE_CONES),
+    ("VXCT_SPECULAR_CONES", SPECULAR_CONES),
+    ("VXCT_OCCLUSION_CONES", OCCLUSION_CONES),
+    ("VXCT_OF_OTHERS", OF_OTHERS),
+    ("VXCT_OF_STRENGTHS", OF_STRENGTHS),
+    ("VXCT_OF_EMITTER", OF_EMITTER),
 ];
 
-/// `VxctShape` of `uniform.wgsl`.
+/// What is drawn into before the background is put behind it: display values, which half floats hold to 1/2000.
+const DRAWN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// `VxctCone` of `uniform.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct VxctShape {
+pub(crate) struct VxctCone {
     pub(crate) width: f32,
     pub(crate) offset: f32,
     pub(crate) step_per_diameter: f32,
@@ -77,333 +100,406 @@ pub(crate) struct VxctShape {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct VxctUniform {
-    pub(crate) diffuse: VxctShape,
-    pub(crate) occlusion: VxctShape,
-    pub(crate) specular: VxctShape,
+    pub(crate) clip_from_world: Mat4,
+    pub(crate) camera_in_world: Vec3,
+    pub(crate) white: f32,
+    pub(crate) center_in_world: Vec3,
+    pub(crate) unit_m: f32,
+    pub(crate) background: Vec3,
+    pub(crate) has_environment: u32,
+    pub(crate) diffuse: VxctCone,
+    pub(crate) occlusion: VxctCone,
+    pub(crate) specular: VxctCone,
     pub(crate) shown: u32,
-    pub(crate) components: u32,
     pub(crate) terms: u32,
-    pub(crate) unit_voxels: f32,
+    pub(crate) light_count: u32,
+    pub(crate) resolution: u32,
     pub(crate) origin_offset: f32,
     pub(crate) shadow_strength: f32,
     pub(crate) shininess_falloff: f32,
-    pub(crate) white: f32,
+    pub(crate) level: f32,
 }
 
-/// `InjectSettings` of `inject.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct InjectSettings {
-    pub(crate) ambient: f32,
-    pub(crate) white: f32,
-    padding: [u32; 2],
-}
-
-/// How a screen shows a scene in this look.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VxctDisplay {
-    /// The radiance that is shown as 1, in cd/m².
-    pub white: f32,
-    /// The exposure that makes it so.
-    pub exposure: Exposure,
-    /// The curve.
-    pub tone_map: ToneMap,
-}
-
-/// How a screen shows a scene in this look.
-///
-/// Scenes for VXCT, some light of which has an [`Attenuation`] or which have a grid of their own and no lights, are in
-/// display values: they are shown as they are, without exposure and encoding. Other scenes are in physical units: there white is what a white surface shows that
-/// faces the strongest light, a lamp right at its place (its colour in VXCT's sense) or a sun; where nothing but
-/// surfaces shines, the brightest of them. It is encoded for the screen, since the light of a real scene has more
-/// contrast than display values.
-pub fn vxct_display(scene: &Scene) -> VxctDisplay {
-    let has_no_lights = scene.lights.is_empty() && scene.grid_bounds.is_some();
-    if has_no_lights || scene.lights.iter().any(|light| light.attenuation.is_some()) {
-        let (exposure, tone_map) = (Exposure::Stops(0.0), ToneMap::Raw);
-        return VxctDisplay { white: 1.0, exposure, tone_map };
-    }
-    let bounds = scene.voxel_bounds();
-    let unit_m = 0.5 * (bounds.max - bounds.min).max_element();
-    let of_lights = scene.lights.iter().map(|light| {
-        let strength = match light.kind {
-            LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-            LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-                intensity_cd * lamp_attenuation(unit_m)[3].abs()
-            }
-        };
-        light.color.max_element() * strength / std::f32::consts::PI
-    });
-    let brightest = of_lights.filter(|white| white.is_finite()).fold(0.0, f32::max);
-    let white =
-        if brightest > 0.0 { brightest } else { reference_white(scene, &Lighting::of(scene)) };
-    let exposure = Exposure::Stops((-white.log2()).clamp(-MAX_STOPS, MAX_STOPS));
-    VxctDisplay { white, exposure, tone_map: ToneMap::Linear }
-}
-
-/// VXCT's default polynomial over units of `unit_m` for a lamp that has none, as `attenuations` of `lights.wgsl` has
-/// it: at one unit it meets the inverse square.
-fn lamp_attenuation(unit_m: f32) -> [f32; 4] {
-    let Attenuation { constant, linear, quadratic } = Attenuation::default();
-    let squared = unit_m * unit_m;
-    let at_one_unit = constant + linear + quadratic;
-    [constant, linear / unit_m, quadratic / squared, -at_one_unit / squared]
-}
-
-/// What the look needs of a scene, and its kernels once they are used.
+/// The look of a scene.
 #[derive(Debug)]
 pub(crate) struct VxctLook {
-    /// For each light, how it fades (`attenuations` of `lights.wgsl`).
-    attenuations: Buffer,
-    /// The mean of the ambient strengths of Phong's materials.
-    ambient: f32,
-    /// On the GPU, in its unit of radiance.
-    white: f32,
-    unit_m: f32,
-    shade: Option<ShadePass>,
-    inject: Option<InjectPass>,
-}
-
-#[derive(Debug)]
-struct ShadePass {
-    kernel: Kernel,
-    layout: wgpu::BindGroupLayout,
-    settings: Buffer,
-}
-
-#[derive(Debug)]
-struct InjectPass {
-    kernel: Kernel,
-    layout: wgpu::BindGroupLayout,
-    settings: Buffer,
+    records: Records,
+    /// Those of them that are on the GPU, unless they have changed.
+    uploaded: Option<[Buffer; 2]>,
+    passes: Option<Passes>,
+    /// Whether the next frame makes the voxels anew.
+    is_due: bool,
 }
 
 /// What one frame of the look is made from.
 pub(crate) struct VxctFrame<'a> {
-    pub(crate) gi: &'a Gi,
+    pub(crate) scene: &'a GpuScene,
     pub(crate) lights: &'a Lights,
     pub(crate) gbuffer: &'a GBuffer,
     pub(crate) targets: &'a Targets,
-    pub(crate) view: View,
+    pub(crate) view: &'a lumivox::View,
+    pub(crate) shown: View,
+    pub(crate) level: u32,
+}
+
+/// The layouts that the passes share.
+#[derive(Debug)]
+struct Layouts {
+    /// Settings, draws, lights.
+    look: wgpu::BindGroupLayout,
+    /// The buffers of a batch of triangles.
+    batch: wgpu::BindGroupLayout,
+}
+
+#[derive(Debug)]
+struct Passes {
+    layouts: Layouts,
+    settings: Buffer,
+    voxels: Voxels,
+    shader: Shader,
+    pipelines: HashMap<Sides, DrawPipeline>,
+    cones_layout: wgpu::BindGroupLayout,
+    cones: BindGroup,
+    finish: Kernel,
+    finish_layout: wgpu::BindGroupLayout,
+    cubes: Kernel,
+    cubes_layout: wgpu::BindGroupLayout,
+    /// What was drawn, of the last picture's size.
+    drawn: Option<TextureView>,
 }
 
 impl VxctLook {
-    /// What the look needs of a scene within `bounds`, whose radiances are multiples of `radiance_unit` on the GPU.
-    pub(crate) fn new(gpu: &Gpu, scene: &Scene, bounds: Bounds, radiance_unit: f32) -> Self {
-        let mut look = Self {
-            attenuations: upload(&gpu.device, "attenuations", &[[0.0_f32; 4]]),
-            ambient: 0.0,
-            white: 1.0,
-            unit_m: 0.0,
-            shade: None,
-            inject: None,
-        };
-        look.relink(bounds);
-        look.set_scene(scene, radiance_unit);
-        look
+    /// Of a scene within `bounds`.
+    pub(crate) fn new(scene: &Scene, bounds: Bounds) -> Self {
+        Self { records: Records::new(scene, bounds), uploaded: None, passes: None, is_due: true }
     }
 
     /// Takes other materials and other lights.
-    pub(crate) fn set_scene(&mut self, scene: &Scene, radiance_unit: f32) {
-        let ambient: Vec<f32> = scene
-            .materials
-            .iter()
-            .filter_map(|material| match &material.shading {
-                // What only emits has no part in it.
-                Shading::Phong(phong) if phong.diffuse != Vec3::ZERO => Some(phong.ambient),
-                _ => None,
-            })
-            .collect();
-        let count = ambient.len().max(1) as f32;
-        self.ambient = ambient.iter().sum::<f32>() / count;
-        self.white = vxct_display(scene).white / radiance_unit;
-    }
-
-    /// Goes on with another volume, within other bounds.
-    pub(crate) fn relink(&mut self, bounds: Bounds) {
-        self.unit_m = 0.5 * (bounds.max - bounds.min).max_element();
+    pub(crate) fn set_scene(&mut self, scene: &Scene, bounds: Bounds) {
+        self.records = Records::new(scene, bounds);
+        // Their layout may be another one, too.
         self.unlink();
     }
 
-    /// Gives back what belongs to the volume, or to no look that is shown; the next use makes it anew.
+    /// Takes up what has moved.
+    pub(crate) fn set_pose(&mut self) {
+        self.uploaded = None;
+    }
+
+    /// Goes on within other bounds.
+    pub(crate) fn relink(&mut self, bounds: Bounds) {
+        self.records.set_bounds(bounds);
+        self.unlink();
+    }
+
+    /// Takes other lights and surroundings.
+    pub(crate) fn set_lights(&mut self, scene: &Scene) {
+        self.records.set_lights(scene);
+        self.uploaded = None;
+    }
+
+    /// Lets the next frame make the voxels anew.
+    pub(crate) fn revoxelize(&mut self) {
+        self.is_due = true;
+    }
+
+    /// Gives back what is on the GPU; the next use makes it anew.
     pub(crate) fn unlink(&mut self) {
-        (self.shade, self.inject) = (None, None);
+        (self.passes, self.uploaded) = (None, None);
     }
 
     /// Links what the look needs and is not there yet.
     ///
     /// # Errors
-    /// When a shader does not link.
-    pub(crate) fn prepare(&mut self, gpu: &Gpu, gi: &Gi, look: &Look) -> Result<(), ShaderError> {
-        if self.shade.is_none() && matches!(look, Look::Vxct(_)) {
-            self.shade = Some(ShadePass::new(gpu, gi)?);
-        }
-        if self.inject.is_none() && look.injected_light() != Injected::Shadowed {
-            self.inject = Some(InjectPass::new(gpu, gi)?);
-        }
-        Ok(())
-    }
-
-    /// Takes up lights that were bound anew: first `peaks` of the surroundings, then the scene's.
-    pub(crate) fn set_lights(
-        &mut self,
-        device: &wgpu::Device,
-        peaks: usize,
-        lights: &[lumivox_scene::Light],
-    ) {
-        let none = [0.0; 4];
-        let of_scene = lights.iter().map(|light| match (light.kind, light.attenuation) {
-            (LightKind::Directional { .. }, _) => none,
-            (_, Some(a)) => {
-                let at_one_metre = a.constant + a.linear + a.quadratic;
-                [a.constant, a.linear, a.quadratic, at_one_metre]
-            }
-            _ => lamp_attenuation(self.unit_m),
-        });
-        let mut records: Vec<[f32; 4]> = std::iter::repeat_n(none, peaks).chain(of_scene).collect();
-        if records.is_empty() {
-            // No binding may be empty.
-            records.push(none);
-        }
-        self.attenuations = upload(device, "attenuations", &records);
-    }
-
-    /// Lights the voxels with what the look wants them to hold.
-    ///
-    /// # Errors
-    /// When a shader does not link, or a setting is out of range.
-    pub(crate) fn light(
+    /// When the device has no voxels of that resolution, or a shader does not link.
+    pub(crate) fn prepare(
         &mut self,
         gpu: &Gpu,
-        recorder: &mut Recorder,
-        gi: &mut Gi,
-        lights: &Lights,
-        settings: &RenderSettings,
+        gi: &Gi,
+        scene: &GpuScene,
+        resolution: u32,
     ) -> Result<(), RenderError> {
-        let bounces = settings.voxel_bounces();
-        if settings.look.injected_light() == Injected::Shadowed {
-            return Ok(gi.light(recorder, lights, bounces, &settings.trace)?);
+        let fits =
+            self.passes.as_ref().is_some_and(|passes| passes.voxels.resolution == resolution);
+        if !fits {
+            self.passes = None;
+            self.passes = Some(Passes::new(gpu, gi, scene, resolution)?);
+            self.is_due = true;
         }
-        let inject = match self.inject.take() {
-            Some(inject) => inject,
-            None => InjectPass::new(gpu, gi)?,
-        };
-        let white = InjectSettings { ambient: self.ambient, white: self.white, padding: [0; 2] };
-        gpu.queue.write_buffer(&inject.settings, 0, bytemuck::bytes_of(&white));
-        let globals = gi.globals().clone();
-        gi.light_with(recorder, lights, bounces, &settings.trace, &mut |recorder, faces| {
-            let group = BindGroupBuilder::new(&inject.layout)
-                .buffer(&inject.settings)
-                .buffer(&self.attenuations)
-                .buffer(faces.faces)
-                .buffer(faces.direct)
-                .buffer(faces.radiance)
-                .build(recorder.device(), "VXCT's light");
-            let groups = [&globals, &group, &lights.group];
-            inject.kernel.run_linear(recorder, &groups, faces.count);
-        })?;
-        self.inject = Some(inject);
+        if let Some(passes) = &mut self.passes {
+            for draw in 0..scene.draws.len() {
+                passes.prepare(&gpu.pipelines, scene, self.records.sides(scene, draw))?;
+            }
+        }
         Ok(())
     }
 
-    /// Makes the picture. The settings take effect at the next submission: one frame per recorder.
-    ///
-    /// # Errors
-    /// When the shader does not link.
+    /// GPU memory.
+    pub(crate) fn memory(&self) -> Option<MemoryUse> {
+        let passes = self.passes.as_ref()?;
+        Some(MemoryUse::new("VXCT's voxels", passes.voxels.bytes()))
+    }
+
+    /// Makes the picture; [`Self::prepare`] comes before. The settings take effect at the next submission: one frame per
+    /// recorder.
     pub(crate) fn record(
         &mut self,
         gpu: &Gpu,
         recorder: &mut Recorder,
         frame: &VxctFrame<'_>,
         settings: &VxctSettings,
-    ) -> Result<(), RenderError> {
-        let pass = match self.shade.take() {
-            Some(pass) => pass,
-            None => ShadePass::new(gpu, frame.gi)?,
-        };
-        let voxel_size_m = frame.gi.grid().voxel_size_m;
-        let uniform = self.uniform(settings, frame.view, self.unit_m / voxel_size_m);
-        gpu.queue.write_buffer(&pass.settings, 0, bytemuck::bytes_of(&uniform));
-        let group = BindGroupBuilder::new(&pass.layout)
-            .buffer(&pass.settings)
-            .buffer(&self.attenuations)
-            .view(&frame.targets.gbuffer_textures.tint)
-            .view(&frame.targets.composite.picture)
-            .build(&gpu.device, "the look of VXCT");
-        let gbuffer = frame.gbuffer;
-        let groups = [frame.gi.globals(), &group, &frame.lights.group, &gbuffer.group];
-        pass.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
-        self.shade = Some(pass);
-        Ok(())
-    }
-
-    /// The settings as the shader reads them, lengths in voxels.
-    fn uniform(&self, settings: &VxctSettings, view: View, unit_voxels: f32) -> VxctUniform {
-        let shape = |cone: ConeShape| VxctShape {
-            width: 2.0 * (0.5 * cone.aperture_rad).tan(),
-            offset: cone.offset * unit_voxels,
-            step_per_diameter: cone.distance_factor,
-            padding: 0,
-        };
-        let terms = [
-            (settings.phong && settings.phong_ambient, AMBIENT),
-            (settings.phong && settings.phong_diffuse, DIFFUSE),
-            (settings.phong && settings.phong_specular, HIGHLIGHTS),
-            (settings.front_cone, FRONT),
-            (settings.side_cones, SIDES),
-            (settings.intermediate_cones, INTERMEDIATE),
-            (settings.diffuse, DIFFUSE_CONES),
-            (settings.specular, SPECULAR_CONES),
-            (settings.shadows, OCCLUSION_CONES),
-        ];
-        let terms = terms.iter().filter(|(is_on, _)| *is_on).fold(0, |bits, (_, bit)| bits | bit);
-        VxctUniform {
-            diffuse: shape(settings.diffuse_cone),
-            occlusion: shape(settings.occlusion_cone),
-            specular: shape(settings.specular_cone),
-            shown: view as u32,
-            components: settings.components as u32,
-            terms,
-            unit_voxels,
-            origin_offset: settings.diffuse_origin_offset * unit_voxels,
-            shadow_strength: settings.shadow_strength,
-            shininess_falloff: settings.shininess_falloff,
-            white: self.white,
+    ) {
+        let Self { records, uploaded, passes: Some(passes), is_due } = self else { return };
+        let scene = frame.scene;
+        let [draws, lights] = uploaded.get_or_insert_with(|| records.upload(gpu, scene));
+        let uniform = uniform(records, passes, settings, frame);
+        gpu.queue.write_buffer(&passes.settings, 0, bytemuck::bytes_of(&uniform));
+        let device = &gpu.device;
+        let look = BindGroupBuilder::new(&passes.layouts.look)
+            .buffer(&passes.settings)
+            .buffer(&scene.draw_records)
+            .buffer(draws)
+            .buffer(lights)
+            .build(device, "the look of VXCT");
+        let batches: Vec<BindGroup> = scene
+            .batches
+            .iter()
+            .map(|batch| {
+                BindGroupBuilder::new(&passes.layouts.batch)
+                    .buffer(&batch.positions)
+                    .buffer(&batch.attributes)
+                    .buffer(&batch.shading)
+                    .buffer(&batch.indices)
+                    .build(device, "triangles")
+            })
+            .collect();
+        if std::mem::take(is_due) {
+            recorder.stage("VXCT's voxels");
+            passes.voxels.record(recorder, scene, &look, &batches);
+        }
+        recorder.stage("look of VXCT");
+        if frame.shown.is_of_voxels() {
+            passes.draw_cubes(recorder, frame, &look);
+        } else {
+            passes.draw(recorder, frame, records, (&look, &batches));
         }
     }
 }
 
-impl ShadePass {
-    fn new(gpu: &Gpu, gi: &Gi) -> Result<Self, ShaderError> {
-        let device = &gpu.pipelines;
-        let layout = LayoutBuilder::compute()
-            .uniform()
-            .storage()
-            .texture_2d_unfilterable()
-            .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
-            .build(device, "the look of VXCT");
-        let groups = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
-        let shaders = crate::shaders::library(gi.shaders());
-        let kernel = Kernel::new(device, &shaders, "render::vxct::shade", "main", &groups)?;
-        let settings = uniform_buffer(device, "the look of VXCT", &VxctUniform::zeroed());
-        Ok(Self { kernel, layout, settings })
+fn uniform(
+    records: &Records,
+    passes: &Passes,
+    settings: &VxctSettings,
+    frame: &VxctFrame<'_>,
+) -> VxctUniform {
+    let cone = |cone: ConeShape| VxctCone {
+        width: 2.0 * (0.5 * cone.aperture_rad).tan(),
+        offset: cone.offset,
+        step_per_diameter: cone.distance_factor,
+        padding: 0,
+    };
+    let terms = [
+        (settings.indirect_light, INDIRECT),
+        (settings.phong, PHONG),
+        (settings.phong_ambient, AMBIENT),
+        (settings.phong_diffuse, DIFFUSE),
+        (settings.phong_specular, HIGHLIGHTS),
+        (settings.front_cone, FRONT),
+        (settings.side_cones, SIDES),
+        (settings.intermediate_cones, INTERMEDIATE),
+        (settings.diffuse, DIFFUSE_CONES),
+        (settings.specular, SPECULAR_CONES),
+        (settings.shadows, OCCLUSION_CONES),
+    ];
+    VxctUniform {
+        clip_from_world: frame.view.clip_from_world,
+        camera_in_world: frame.view.position,
+        white: records.white / frame.scene.radiance_unit,
+        center_in_world: records.center,
+        unit_m: records.unit_m,
+        background: records.background(),
+        has_environment: u32::from(records.has_environment()),
+        diffuse: cone(settings.diffuse_cone),
+        occlusion: cone(settings.occlusion_cone),
+        specular: cone(settings.specular_cone),
+        shown: frame.shown as u32,
+        terms: terms.iter().filter(|(is_on, _)| *is_on).map(|(_, bit)| bit).sum(),
+        light_count: records.light_count(),
+        resolution: passes.voxels.resolution,
+        origin_offset: settings.diffuse_origin_offset,
+        shadow_strength: settings.shadow_strength,
+        shininess_falloff: settings.shininess_falloff,
+        level: passes.voxels.level(frame.level) as f32,
     }
 }
 
-impl InjectPass {
-    fn new(gpu: &Gpu, gi: &Gi) -> Result<Self, ShaderError> {
+impl Passes {
+    fn new(gpu: &Gpu, gi: &Gi, scene: &GpuScene, resolution: u32) -> Result<Self, RenderError> {
         let device = &gpu.pipelines;
-        let layout = LayoutBuilder::compute()
-            .uniform()
-            .storage()
-            .storage()
-            .storage_mut()
-            .storage_mut()
-            .build(device, "VXCT's light");
-        let groups = [gi.globals_layout(), &layout, gi.lights_layout()];
         let shaders = crate::shaders::library(gi.shaders());
-        let kernel = Kernel::new(device, &shaders, "render::vxct::inject", "main", &groups)?;
-        let settings = uniform_buffer(device, "VXCT's light", &InjectSettings::zeroed());
-        Ok(Self { kernel, layout, settings })
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let layouts = Layouts {
+            look: LayoutBuilder::new(stages)
+                .uniform()
+                .storage()
+                .storage()
+                .storage()
+                .build(device, "the look of VXCT"),
+            batch: LayoutBuilder::new(wgpu::ShaderStages::VERTEX)
+                .storage()
+                .storage()
+                .storage()
+                .storage()
+                .build(device, "triangles"),
+        };
+        let voxels = Voxels::new(gpu, &shaders, &layouts, scene, resolution)?;
+        let cones_layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT)
+            .texture_3d()
+            .sampler()
+            .build(device, "VXCT's cones");
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("VXCT's voxels"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        let cones = BindGroupBuilder::new(&cones_layout)
+            .view(&voxels.view)
+            .sampler(&sampler)
+            .build(device, "VXCT's cones");
+        let picture = |texture: LayoutBuilder, label: &str| {
+            texture
+                .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
+                .build(device, label)
+        };
+        let finish_layout = picture(LayoutBuilder::compute().texture_2d_unfilterable(), "finish");
+        let cubes_layout = picture(LayoutBuilder::compute().texture_3d(), "VXCT's cubes");
+        let kernel = |module: &str, own: &wgpu::BindGroupLayout| {
+            let groups = [&layouts.look, own, gi.lights_layout(), gi.gbuffer_layout()];
+            Kernel::new(device, &shaders, module, "main", &groups)
+        };
+        Ok(Self {
+            settings: uniform_buffer(device, "the look of VXCT", &VxctUniform::zeroed()),
+            voxels,
+            shader: shader(device, &shaders)?,
+            pipelines: HashMap::new(),
+            cones,
+            cones_layout,
+            finish: kernel("render::vxct::finish", &finish_layout)?,
+            finish_layout,
+            cubes: kernel("render::vxct::cubes", &cubes_layout)?,
+            cubes_layout,
+            drawn: None,
+            layouts,
+        })
     }
+
+    /// Makes the pipeline for some sides, if it is not there.
+    fn prepare(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+        sides: Sides,
+    ) -> Result<(), RenderError> {
+        let Entry::Vacant(slot) = self.pipelines.entry(sides) else { return Ok(()) };
+        let over = |src_factor| wgpu::BlendComponent {
+            src_factor,
+            dst_factor: wgpu::BlendFactor::OneMinusSrcAlpha,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let target = wgpu::ColorTargetState {
+            format: DRAWN_FORMAT,
+            blend: Some(wgpu::BlendState {
+                color: over(wgpu::BlendFactor::SrcAlpha),
+                alpha: over(wgpu::BlendFactor::One),
+            }),
+            write_mask: wgpu::ColorWrites::ALL,
+        };
+        let (look, batch) = (&self.layouts.look, &self.layouts.batch);
+        slot.insert(
+            RasterPipeline {
+                shader: &self.shader,
+                vertex: "main",
+                fragment: Some("fragment"),
+                targets: &[Some(target)],
+                vertex_buffers: &[],
+                groups: &[look, &scene.material_layout, batch, &self.cones_layout],
+                cull_mode: match sides {
+                    Sides::Front => Some(wgpu::Face::Back),
+                    Sides::Back => Some(wgpu::Face::Front),
+                    Sides::Both => None,
+                },
+                writes_depth: true,
+            }
+            .create(pipelines)?,
+        );
+        Ok(())
+    }
+
+    /// Draws surfaces, in the scene's order: what is not opaque shows what came before.
+    fn draw(
+        &mut self,
+        recorder: &mut Recorder,
+        frame: &VxctFrame<'_>,
+        records: &Records,
+        (look, batches): (&BindGroup, &[BindGroup]),
+    ) {
+        let (targets, scene, size) = (frame.targets, frame.scene, frame.view.size);
+        let fits = |view: &TextureView| {
+            let texture = view.texture();
+            (texture.width(), texture.height()) == (size.x, size.y)
+        };
+        if self.drawn.as_ref().is_some_and(|view| !fits(view)) {
+            self.drawn = None;
+        }
+        let device = recorder.device().clone();
+        let drawn = self.drawn.get_or_insert_with(|| {
+            ScreenTextures::new(&device, size).target("drawn", DRAWN_FORMAT)
+        });
+        let color = wgpu::RenderPassColorAttachment {
+            view: drawn,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        };
+        let depth = raster::depth_attachment(&targets.gbuffer_textures.depth);
+        recorder.render("vxct::shade", &[Some(color)], Some(depth), |pass| {
+            pass.bind(0, look);
+            pass.bind(3, &self.cones);
+            for (number, draw) in scene.draws.iter().enumerate() {
+                let Some(pipeline) = self.pipelines.get(&records.sides(scene, number)) else {
+                    continue;
+                };
+                pass.set_pipeline(pipeline);
+                pass.bind(1, &scene.materials[draw.material].group);
+                pass.bind(2, &batches[draw.batch]);
+                let number = number as u32;
+                pass.draw(0..draw.indices.len() as u32, number..number + 1);
+            }
+        });
+        let own = BindGroupBuilder::new(&self.finish_layout)
+            .view(drawn)
+            .view(&targets.composite.picture)
+            .build(&device, "finish");
+        let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
+        self.finish.run(recorder, &groups, [size.x, size.y, 1]);
+    }
+
+    fn draw_cubes(&self, recorder: &mut Recorder, frame: &VxctFrame<'_>, look: &BindGroup) {
+        let own = BindGroupBuilder::new(&self.cubes_layout)
+            .view(&self.voxels.view)
+            .view(&frame.targets.composite.picture)
+            .build(recorder.device(), "VXCT's cubes");
+        let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
+        let size = frame.view.size;
+        self.cubes.run(recorder, &groups, [size.x, size.y, 1]);
+    }
+}
+
+fn shader(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Shader, RenderError> {
+    Ok(device.shader(shaders, "render::vxct::shade")?)
 }

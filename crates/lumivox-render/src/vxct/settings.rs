@@ -8,37 +8,10 @@ pub enum Look {
     /// By the physics: direct light with shadow maps, and cones that gather radiance.
     #[default]
     Physical,
-    /// As the program VXCT made it: Phong's light and a few fixed cones (docs/vxct-look.md). It is made for isotropic
-    /// voxels and one bounce, and for the brightness of [`vxct_display`](crate::vxct_display).
+    /// As the program VXCT made it: Phong's light, and a few fixed cones through voxels of its own
+    /// (docs/vxct-look.md). It is made for the brightness of [`vxct_display`](crate::vxct_display). Of the settings of
+    /// voxels it uses the resolution alone.
     Vxct(VxctSettings),
-}
-
-/// What of the picture is shown: VXCT's `all`, `phong_only` and so on. The parts of light add up to all of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[repr(u32)]
-pub enum Components {
-    /// Everything that is switched on.
-    #[default]
-    All,
-    /// Emission and Phong's terms, where no shadow falls on them.
-    Phong,
-    /// The share of the lights' light that arrives, as grey.
-    Shadows,
-    /// What the specular cones bring.
-    Specular,
-    /// What the diffuse cones bring.
-    Diffuse,
-}
-
-/// The light that the voxels hold and the cones bring.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Injected {
-    /// VXCT's: of each light (ambient + n l) times its colour, without attenuation or shadow, in the sum at most the
-    /// screen's white; and what the surface emits. Suns come in physically, shadows included.
-    #[default]
-    Vxct,
-    /// Physical direct light, with shadows and the inverse square.
-    Shadowed,
 }
 
 /// The shape of a kind of cone.
@@ -49,8 +22,8 @@ pub struct ConeShape {
     /// Where sampling starts, along the cone, in VXCT's units (half the longest edge of the grid's box), 0 to 4.
     /// Higher passes over what is near; lower lets surfaces see themselves.
     pub offset: f32,
-    /// Step as a share of the cone's diameter, 0.001 to 4; at least half a voxel of the level at hand is taken, and
-    /// at most a whole one. Opacity is corrected for it: it changes the cost, not the brightness.
+    /// Step as a share of the cone's diameter, 0.001 to 4. Opacity is not corrected for it: finer steps are darker
+    /// shadows, and cost more.
     pub distance_factor: f32,
 }
 
@@ -59,8 +32,9 @@ pub struct ConeShape {
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VxctSettings {
-    /// What is shown. Default: all.
-    pub components: Components,
+    /// Whether there are cones at all; else Phong's shader shows all of its terms, highlights included, without
+    /// shadows. Default: yes.
+    pub indirect_light: bool,
     /// Whether Phong's terms are there at all. Default: yes.
     pub phong: bool,
     /// Phong's ambient term. Default: yes.
@@ -73,12 +47,12 @@ pub struct VxctSettings {
     pub diffuse: bool,
     /// Reflections by specular cones (`vox_specular`). Default: yes.
     pub specular: bool,
-    /// Shadows by cones towards the lights (`vox_shadows`). Default: yes.
+    /// Shadows by cones towards the lights (`vox_shadows`). Default: yes. Alone, without Phong's terms and the other
+    /// cones, they are shown as grey: the sum over all lights of what they leave.
     pub shadows: bool,
     /// The diffuse cone along the normal. Default: yes.
     pub front_cone: bool,
-    /// Four diffuse cones along the surface. Default: no. More light from beside, and a darker middle: what the set
-    /// brings is the mean of its cones.
+    /// Four diffuse cones along the surface. Default: no. What the set brings is five times the mean of its cones.
     pub side_cones: bool,
     /// Four diffuse cones half-way between the normal and the sides. Default: yes.
     pub intermediate_cones: bool,
@@ -91,14 +65,12 @@ pub struct VxctSettings {
     /// How far above the surface, along its normal, diffuse cones begin, in VXCT's units, 0 to 1. Default: 0.05.
     pub diffuse_origin_offset: f32,
     /// How fast what lies in the way of light becomes a full shadow, 0 to 16. Default: 1.5. At the distance d from the
-    /// surface, of D to the light, a voxel counts smoothstep(0, D, strength sqrt(d)) of its opacity (VXCT's units).
+    /// surface, of D to the light, a sample counts smoothstep(0, D, strength sqrt(d)) of its opacity (VXCT's units).
     /// Higher: harder near contacts. 0: no shadows.
     pub shadow_strength: f32,
-    /// How fast reflections fade with the distance d of what is reflected: by (1 + d)^-falloff (VXCT's units), 0 to
-    /// 16. Default: 3. 0, as light does: not at all.
+    /// How fast reflections fade where a light stands off the mirrored direction by an angle a: by
+    /// (1 - (a - 0.008 pi shininess) / pi)^falloff for each light, 0 to 16. Default: 3. 0: not at all.
     pub shininess_falloff: f32,
-    /// What the voxels hold. Default: as in VXCT.
-    pub injected_light: Injected,
 }
 
 impl Default for VxctSettings {
@@ -125,7 +97,7 @@ impl VxctSettings {
             _ => 2,
         };
         Self {
-            components: Components::All,
+            indirect_light: true,
             phong: true,
             phong_ambient: true,
             phong_diffuse: true,
@@ -146,7 +118,6 @@ impl VxctSettings {
             diffuse_origin_offset: 0.05,
             shadow_strength: 1.5,
             shininess_falloff: [3.0, 3.0, 2.0][program],
-            injected_light: Injected::Vxct,
         }
     }
 
@@ -183,14 +154,6 @@ impl VxctSettings {
 }
 
 impl Look {
-    /// What the voxels hold, if the look has a say in it. Where this changes, they must be lit again.
-    pub fn injected_light(&self) -> Injected {
-        match self {
-            Self::Physical => Injected::Shadowed,
-            Self::Vxct(settings) => settings.injected_light,
-        }
-    }
-
     /// Checks what belongs to the look.
     ///
     /// # Errors

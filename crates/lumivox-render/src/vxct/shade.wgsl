@@ -1,209 +1,227 @@
-// One frame's picture in the look of VXCT, or one view of it: Phong's light, shadows, reflections and diffuse light by
-// cones, all in one kernel (the cones are in leaving.wgsl).
+// What a fragment shows: Phong's light, and what the cones bring.
 //
-// The picture is emission, plus for each light (Phong + specular) (1 - occlusion), plus diffuse (1 - the least
-// occlusion). Lights that are not VXCT's own shade Phong's terms alone: what the cones bring does not come from there.
+// The picture is, for each light, (Phong + specular) (1 - occlusion), plus diffuse (1 - the least occlusion).
 
 import package::constants::{
-    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_FINAL, VIEW_INDIRECT,
-    VIEW_NORMAL, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR, VXCT_ALL, VXCT_DIFFUSE, VXCT_PHONG,
-    VXCT_SHADOWS, VXCT_SPECULAR, VXCT_TERM_AMBIENT, VXCT_TERM_DIFFUSE, VXCT_TERM_DIFFUSE_CONES,
-    VXCT_TERM_HIGHLIGHTS, VXCT_TERM_OCCLUSION_CONES, VXCT_TERM_SPECULAR_CONES,
+    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_LOD, VIEW_NORMAL,
+    VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR, VXCT_AMBIENT, VXCT_DIFFUSE, VXCT_DIFFUSE_CONES,
+    VXCT_HIGHLIGHTS, VXCT_INDIRECT, VXCT_OCCLUSION_CONES, VXCT_OF_EMITTER, VXCT_OF_OTHERS, VXCT_PHONG,
+    VXCT_SPECULAR_CONES,
 };
-import package::light::environment::environment_background;
-import package::light::lights::{light_globals, lights};
-import package::render::vxct::leaving::{
-    diffuse_cones, occlusion_cone, specular_cone, DiffuseCones, Reflection,
+import package::render::point::{frame_at, is_masked_out, sample_point, Point, PointSamples};
+import package::render::vxct::cones::{
+    diffuse_cones, occlusion_cone, sample_voxels, specular_cone, Traced,
 };
-import package::render::vxct::lights::arriving_light;
-import package::render::vxct::material::{load_material, reflectance_towards, VxctMaterial};
-import package::render::vxct::uniform::{has, settings};
-import package::trace::gbuffer::{load_surface, ray_direction, view, Surface};
+import package::render::vxct::lights::{arriving_light, vxct_lights, Arriving};
+import package::render::vxct::material::{material_of, vxct_draws, VxctMaterial};
+import package::render::vxct::uniform::{has, in_cube, settings};
+import package::render::vxct::vertex::corner_of;
 
-// What coloured glass in front lets through, in rgb; one white texel where the scene has none.
-@group(1) @binding(2) var tint: texture_2d<f32>;
-@group(1) @binding(3) var picture: texture_storage_2d<rgba32float, write>;
-
-fn luminance(color: vec3f) -> f32 {
-    // ITU-R BT.709-6, section 3.2.
-    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+struct Fragment {
+    @builtin(position) @invariant clip: vec4f,
+    @location(0) from_camera: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) texcoords: vec4f,
+    @location(4) color: vec4f,
+    @location(5) @interpolate(flat) draw: u32,
 }
 
-struct Lit {
-    phong: vec3f,
-    // What the specular cone's light is multiplied by, over all lights.
-    reflected_share: f32,
-    least_occlusion: f32,
-    // The share of the lights' light that arrives.
-    visibility: f32,
+@vertex
+fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) draw: u32) -> Fragment {
+    let corner = corner_of(draw, vertex);
+    return Fragment(
+        settings.clip_from_world * vec4f(corner.position_in_world, 1.0),
+        corner.position_in_world - settings.camera_in_world,
+        corner.normal,
+        corner.tangent,
+        corner.texcoords,
+        corner.color,
+        draw,
+    );
+}
+
+// What Phong's shader adds for a light.
+fn phong(
+    material: VxctMaterial,
+    normal: vec3f,
+    to_camera: vec3f,
+    arriving: Arriving,
+    terms: vec3<bool>,
+) -> vec3f {
+    let facing = max(dot(normal, arriving.direction), 0.0);
+    let mirrored = reflect(-arriving.direction, normal);
+    let highlight = pow(max(dot(mirrored, to_camera), 1e-6), material.shininess);
+    var share = select(vec3f(0.0), material.ambient, terms.x);
+    share += select(vec3f(0.0), material.diffuse * facing, terms.y);
+    share += select(vec3f(0.0), material.specular * highlight, terms.z);
+    return share * arriving.color;
+}
+
+// By how much a light that stands off the mirrored direction lights what is mirrored.
+fn highlight_falloff(direction: vec3f, to_light: vec3f, shininess: f32) -> f32 {
+    let angle = acos(clamp(dot(direction, to_light), -1.0, 1.0));
+    let off = max(angle - 0.008 * PI * shininess, 0.0) / PI;
+    return pow(max(1.0 - off, 1e-6), settings.shininess_falloff);
+}
+
+const PI: f32 = 3.14159265359;
+
+// Farther than any two points of the cube.
+const BEYOND: f32 = 3.5;
+
+struct Shaded {
+    direct: vec3f,
+    specular: vec3f,
+    diffuse: vec3f,
+    // The least of all lights.
+    occlusion: f32,
+    // 1 - occlusion, over all lights.
+    visible: f32,
     samples: u32,
 }
 
-fn lit_by_all(surface: Surface, material: VxctMaterial, to_camera: vec3f) -> Lit {
-    let normal = surface.shading_normal;
-    var lit = Lit(vec3f(0.0), 0.0, 1.0, 1.0, 0u);
-    var vxct_lights = 0u;
-    var sent = 0.0;
-    var arrived = 0.0;
-    for (var index = 0u; index < light_globals.light_count; index++) {
-        let arriving = arriving_light(index, surface.position_in_world);
-        let brightness = luminance(arriving.radiance);
-        if brightness <= 0.0 {
-            continue;
-        }
-        let n_dot_l = dot(normal, arriving.direction);
-        // What faces away is dark by its cosine; nothing else needs to shade it.
-        let faces = n_dot_l > 0.0 && dot(surface.geometric_normal, arriving.direction) > 0.0;
-        var occlusion = 0.0;
-        if faces && has(VXCT_TERM_OCCLUSION_CONES) {
-            let light = lights[index];
-            let is_parallel = arriving.distance_m > 1e30;
-            let radius_m = select(light.radius, 0.0, is_parallel);
-            let traced = occlusion_cone(
-                surface, arriving.direction, arriving.distance_m, radius_m, is_parallel);
-            occlusion = 1.0 - traced.transmittance;
-            lit.samples += traced.samples;
-        }
-        var shown = vec3f(0.0);
-        if has(VXCT_TERM_AMBIENT) {
-            shown += material.albedo * material.ambient;
-        }
-        if faces && has(VXCT_TERM_DIFFUSE) {
-            shown += material.albedo * n_dot_l;
-        }
-        if faces && has(VXCT_TERM_HIGHLIGHTS) {
-            let mirrored = reflect(-arriving.direction, normal);
-            let cosine = max(dot(mirrored, to_camera), 0.0);
-            shown += material.specular * pow(max(cosine, 1e-6), material.shininess);
-        }
-        lit.phong += shown * arriving.radiance * (1.0 - occlusion);
-        vxct_lights += u32(arriving.is_vxct);
-        lit.reflected_share += select(0.0, 1.0 - occlusion, arriving.is_vxct);
-        lit.least_occlusion = min(lit.least_occlusion, select(1.0, occlusion, arriving.is_vxct));
-        sent += brightness;
-        arrived += select(0.0, brightness * (1.0 - occlusion), faces);
+fn shade(material: VxctMaterial, position: vec3f, normal: vec3f, to_camera: vec3f) -> Shaded {
+    let terms = vec3<bool>(
+        has(VXCT_PHONG) && has(VXCT_AMBIENT),
+        has(VXCT_PHONG) && has(VXCT_DIFFUSE),
+        has(VXCT_PHONG) && has(VXCT_HIGHLIGHTS),
+    );
+    var shaded = Shaded(material.emission, vec3f(0.0), vec3f(0.0), 1.0, 0.0, 0u);
+    let mirrored = reflect(-to_camera, normal);
+    var reflection = Traced(vec3f(0.0), 0.0, 0u);
+    if has(VXCT_SPECULAR_CONES) {
+        reflection = specular_cone(position, mirrored, material.lobe_width);
+        shaded.samples += reflection.samples;
     }
-    lit.least_occlusion = select(0.0, lit.least_occlusion, vxct_lights > 0u);
-    lit.reflected_share = select(1.0, lit.reflected_share, vxct_lights > 0u);
-    lit.visibility = select(1.0, arrived / sent, sent > 0.0);
-    return lit;
+    for (var index = 0u; index < settings.light_count; index++) {
+        let arriving = arriving_light(index, position);
+        var occlusion = 0.0;
+        if has(VXCT_OCCLUSION_CONES) || has(VXCT_DIFFUSE_CONES) {
+            let reach = select(arriving.distance, BEYOND, vxct_lights[index].is_parallel != 0u);
+            let traced = occlusion_cone(position, arriving.direction, reach, arriving.distance);
+            occlusion = traced.occlusion;
+            shaded.samples += traced.samples;
+        }
+        // What the diffuse cones bring is dimmed whether shadows are shown or not.
+        shaded.occlusion = min(shaded.occlusion, occlusion);
+        let visible = select(1.0, 1.0 - occlusion, has(VXCT_OCCLUSION_CONES));
+        let lit = highlight_falloff(mirrored, arriving.direction, material.shininess);
+        shaded.direct += phong(material, normal, to_camera, arriving, terms) * visible;
+        shaded.specular += material.mirror * reflection.color * (lit * visible);
+        shaded.visible += visible;
+    }
+    if settings.light_count == 0u {
+        shaded.occlusion = 0.0;
+    }
+    if has(VXCT_DIFFUSE_CONES) {
+        let gathered = diffuse_cones(position, normal);
+        shaded.diffuse = gathered.color * (1.0 - shaded.occlusion);
+        shaded.samples += gathered.samples;
+    }
+    return shaded;
 }
 
-fn is_light(shown: u32) -> bool {
-    return shown == VIEW_FINAL || shown == VIEW_DIRECT || shown == VIEW_INDIRECT
-        || shown == VIEW_SPECULAR;
+// All of Phong's light, without cones.
+fn shade_plainly(
+    material: VxctMaterial,
+    position: vec3f,
+    normal: vec3f,
+    to_camera: vec3f,
+) -> vec3f {
+    var sum = material.emission;
+    for (var index = 0u; index < settings.light_count; index++) {
+        let arriving = arriving_light(index, position);
+        sum += phong(material, normal, to_camera, arriving, vec3<bool>(true));
+    }
+    return sum;
 }
 
-fn shade(pixel: vec2u, surface: Surface) -> vec3f {
-    let material = load_material(pixel);
+fn final_color(shaded: Shaded) -> vec3f {
+    if !has(VXCT_PHONG) && !has(VXCT_SPECULAR_CONES) && !has(VXCT_DIFFUSE_CONES) {
+        return vec3f(select(0.0, shaded.visible, has(VXCT_OCCLUSION_CONES)));
+    }
+    return shaded.direct + shaded.specular + shaded.diffuse;
+}
+
+// In display values; alpha is what covers what was drawn before.
+fn shown_at(fragment: Fragment, samples: PointSamples, point: Point) -> vec4f {
+    let draw = vxct_draws[fragment.draw];
+    let material = material_of(fragment.draw, samples);
+    let position = in_cube(settings.camera_in_world + fragment.from_camera);
+    let to_camera = -normalize(fragment.from_camera);
+    var normal = normalize(fragment.normal);
+    var alpha = 1.0;
+    if draw.kind == VXCT_OF_OTHERS {
+        normal = frame_at(point, samples).shading;
+        alpha = samples.base.a;
+    }
     let shown = settings.shown;
     switch shown {
         case VIEW_ALBEDO: {
-            return material.albedo;
+            return vec4f(material.diffuse, 1.0);
         }
         case VIEW_NORMAL: {
-            return surface.shading_normal;
+            return vec4f(normal, 1.0);
         }
         case VIEW_DEPTH: {
-            return vec3f(distance(surface.position_in_world, view.position_in_world));
+            return vec4f(vec3f(length(fragment.from_camera)), 1.0);
         }
         default: {}
     }
-    let to_camera = normalize(view.position_in_world - surface.position_in_world);
-    let components = settings.components;
-    let is_all = shown == VIEW_COST
-        || (shown == VIEW_FINAL && components == VXCT_ALL) || shown == VIEW_INDIRECT;
-
-    var lit = Lit(vec3f(0.0), 1.0, 0.0, 1.0, 0u);
-    if is_light(shown) || shown == VIEW_SHADOW || shown == VIEW_COST {
-        lit = lit_by_all(surface, material, to_camera);
+    if draw.kind == VXCT_OF_EMITTER {
+        return vec4f(material.emission, 1.0);
     }
-    var reflection = Reflection(vec3f(0.0), 0u);
-    let wants_reflection = is_all || shown == VIEW_SPECULAR
-        || (shown == VIEW_FINAL && components == VXCT_SPECULAR);
-    let reflectance = reflectance_towards(material, dot(surface.shading_normal, to_camera));
-    if wants_reflection && has(VXCT_TERM_SPECULAR_CONES) && any(reflectance > vec3f(0.0)) {
-        reflection = specular_cone(surface, material, to_camera);
+    if draw.is_voxelized == 0u {
+        return vec4f(shade_plainly(material, position, normal, to_camera), alpha);
     }
-    var gathered = DiffuseCones(vec3f(0.0), 1.0, 0u);
-    let wants_diffuse = is_all || shown == VIEW_DIFFUSE || shown == VIEW_OCCLUSION
-        || (shown == VIEW_FINAL && components == VXCT_DIFFUSE);
-    if wants_diffuse && has(VXCT_TERM_DIFFUSE_CONES) {
-        gathered = diffuse_cones(surface);
+    if shown == VIEW_LOD {
+        return sample_voxels(position, settings.level);
     }
-
-    let direct = material.emission + lit.phong;
-    let specular = reflectance * reflection.radiance * lit.reflected_share;
-    let diffuse = material.albedo * gathered.radiance * (1.0 - lit.least_occlusion);
+    if !has(VXCT_INDIRECT) {
+        return vec4f(shade_plainly(material, position, normal, to_camera), alpha);
+    }
+    let shaded = shade(material, position, normal, to_camera);
     switch shown {
         case VIEW_DIRECT: {
-            return direct;
+            return vec4f(shaded.direct, alpha);
         }
         case VIEW_INDIRECT: {
-            return specular + diffuse;
+            return vec4f(shaded.specular + shaded.diffuse, alpha);
         }
         case VIEW_DIFFUSE: {
-            return gathered.radiance;
+            return vec4f(shaded.diffuse, alpha);
         }
         case VIEW_SPECULAR: {
-            return specular;
+            return vec4f(shaded.specular, alpha);
         }
         case VIEW_OCCLUSION: {
-            return vec3f(gathered.openness);
+            return vec4f(vec3f(1.0 - shaded.occlusion), 1.0);
         }
         case VIEW_SHADOW: {
-            return vec3f(lit.visibility);
+            let count = f32(max(settings.light_count, 1u));
+            return vec4f(vec3f(select(shaded.visible / count, 1.0, settings.light_count == 0u)), 1.0);
         }
         case VIEW_COST: {
-            return vec3f(f32(lit.samples + reflection.samples + gathered.samples));
+            return vec4f(vec3f(f32(shaded.samples)), 1.0);
         }
         default: {}
     }
-    switch components {
-        case VXCT_PHONG: {
-            return direct;
-        }
-        case VXCT_SHADOWS: {
-            return vec3f(lit.visibility * settings.white);
-        }
-        case VXCT_SPECULAR: {
-            return specular;
-        }
-        case VXCT_DIFFUSE: {
-            return diffuse;
-        }
-        default: {
-            return direct + specular + diffuse;
-        }
-    }
+    return vec4f(final_color(shaded), alpha);
 }
 
-// Whether what is seen is light that comes to the camera, which panes in front of it tint.
-fn is_tinted() -> bool {
-    return is_light(settings.shown)
-        && !(settings.shown == VIEW_FINAL && settings.components == VXCT_SHADOWS);
-}
-
-// The sky is seen wherever emission is.
-fn shows_environment() -> bool {
-    let is_whole = settings.components == VXCT_ALL || settings.components == VXCT_PHONG;
-    return settings.shown == VIEW_DIRECT || (settings.shown == VIEW_FINAL && is_whole);
-}
-
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) invocation: vec3u) {
-    let pixel = invocation.xy;
-    if any(pixel >= view.size) {
-        return;
+@fragment
+fn fragment(fragment: Fragment) -> @location(0) vec4f {
+    let point = Point(
+        fragment.from_camera, fragment.normal, fragment.tangent, fragment.texcoords, fragment.color);
+    let samples = sample_point(point);
+    let is_other = vxct_draws[fragment.draw].kind == VXCT_OF_OTHERS;
+    if is_other && is_masked_out(samples.base) {
+        discard;
     }
-    var color = vec4f(0.0);
-    let surface = load_surface(pixel);
-    if surface.depth > 0.0 {
-        color = vec4f(shade(pixel, surface), 1.0);
-    } else if shows_environment() {
-        color = vec4f(environment_background(ray_direction(pixel)), 0.0);
-    }
-    let glass = textureLoad(tint, min(pixel, textureDimensions(tint) - 1u), 0).rgb;
-    color = vec4f(color.rgb * select(vec3f(1.0), glass, vec3<bool>(is_tinted())), color.a);
-    textureStore(picture, pixel, color);
+    let shown = shown_at(fragment, samples, point);
+    let is_data = settings.shown == VIEW_NORMAL || settings.shown == VIEW_DEPTH
+        || settings.shown == VIEW_COST;
+    // Display values end at 1.
+    return select(clamp(shown, vec4f(0.0), vec4f(1.0)), shown, vec4<bool>(is_data));
 }

@@ -245,7 +245,7 @@ fn check(snapshots: Vec<Snapshot>) {
 }
 
 /// Whether references are written instead of compared.
-fn is_blessing() -> bool {
+pub fn is_blessing() -> bool {
     match std::env::var("LUMIVOX_BLESS").as_deref() {
         Err(std::env::VarError::NotPresent) | Ok("" | "0") => false,
         Ok("1") => true,

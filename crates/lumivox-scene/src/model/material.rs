@@ -32,6 +32,9 @@ pub struct Material {
     pub sheen: Sheen,
     /// Light that goes through as through a pane of glass. Default: none.
     pub transmission: Transmission,
+    /// What the surface is in the look of VXCT, if its scene says so. Default: nothing; that look then goes by what is
+    /// above. Physical renderers pay no heed to it.
+    pub strengths: Option<Strengths>,
 }
 
 impl Default for Material {
@@ -48,6 +51,7 @@ impl Default for Material {
             clearcoat: Clearcoat::default(),
             sheen: Sheen::default(),
             transmission: Transmission::default(),
+            strengths: None,
         }
     }
 }
@@ -164,10 +168,6 @@ pub struct Phong {
     pub specular_texture: Option<TextureRef>,
     /// Exponent of the lobe, at least 1; higher is sharper. Default: 16.
     pub shininess: f32,
-    /// The share of the lights' colour, times `diffuse`, that the surface shows wherever it faces: a
-    /// stand-in for indirect light, at least 0. Default: 0; VXCT has 0.08. Physical renderers pay no heed
-    /// to it, the `vxct` look uses it.
-    pub ambient: f32,
 }
 
 impl Default for Phong {
@@ -179,7 +179,63 @@ impl Default for Phong {
             specular: Vec3::ZERO,
             specular_texture: None,
             shininess: 16.0,
-            ambient: 0.0,
+        }
+    }
+}
+
+/// A surface as Phong's shader of the time before physical units has it: for each light, `color` times
+/// (ambient + diffuse cos + specular cos^shininess) is added up, and shown as it is.
+///
+/// It may reflect more than it gets, and no number of it has a limit. [`Strengths::to_phong`] is the nearest surface
+/// that there could be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strengths {
+    /// Linear RGB. Default: 0.85 each.
+    pub color: Vec3,
+    /// The share of a light that the surface shows wherever it faces. Default: 0.08.
+    pub ambient: f32,
+    /// The share that it shows by how much it faces the light. Default: 1.
+    pub diffuse: f32,
+    /// The share in the middle of the highlight; also what mirrored light is multiplied by. Default: 0.5.
+    pub specular: f32,
+    /// Exponent of the highlight; higher is sharper. Default: 32.
+    pub shininess: f32,
+    /// Whether normals point away from the mesh's origin, as those of a cube of eight shared corners do. Default: no,
+    /// they are the mesh's own.
+    pub is_rounded: bool,
+}
+
+impl Default for Strengths {
+    /// VXCT's.
+    fn default() -> Self {
+        Self {
+            color: Vec3::splat(0.85),
+            ambient: 0.08,
+            diffuse: 1.0,
+            specular: 0.5,
+            shininess: 32.0,
+            is_rounded: false,
+        }
+    }
+}
+
+impl Strengths {
+    /// The physical surface that looks most like it.
+    ///
+    /// A lamp that gives a white diffuse surface a radiance of L has an irradiance of E = pi L where it is met at right
+    /// angles. The diffuse albedo that gives `diffuse * color * L` is `diffuse * color`. The lobe of [`Phong`] is
+    /// normalised (Lafortune and Willems 1994, "Using the modified Phong reflectance model for physically based
+    /// rendering"): its peak is `specular (n + 2) / (2 pi)`, which times E is `specular (n + 2) / 2 L`. It equals
+    /// `specular * L` for 2 / (n + 2) of ours. Both are limited to what a surface can reflect, and what is below zero is
+    /// zero.
+    pub fn to_phong(&self) -> Phong {
+        let shininess = self.shininess.max(0.0);
+        let lobe = 2.0 * self.specular / (shininess + 2.0);
+        Phong {
+            diffuse: (self.color.max(Vec3::ZERO) * self.diffuse).clamp(Vec3::ZERO, Vec3::ONE),
+            specular: Vec3::splat(lobe.clamp(0.0, 1.0)),
+            shininess,
+            ..Phong::default()
         }
     }
 }

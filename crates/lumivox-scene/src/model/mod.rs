@@ -13,7 +13,8 @@ pub use bounds::Bounds;
 pub use camera::Camera;
 pub use light::{Attenuation, Environment, EnvironmentMap, Light, LightKind};
 pub use material::{
-    AlphaMode, Clearcoat, Material, MetallicRoughness, Phong, Shading, Sheen, Transmission, Unlit,
+    AlphaMode, Clearcoat, Material, MetallicRoughness, Phong, Shading, Sheen, Strengths,
+    Transmission, Unlit,
 };
 pub use mesh::{Instance, Mesh};
 pub use scene::{LoadNotes, Scene};

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::Writer;
 use super::document::{number, numbers, own_extras};
 use crate::load::shorten;
-use crate::{AlphaMode, Material, MetallicRoughness, Phong, Shading, TextureRef};
+use crate::{AlphaMode, Material, MetallicRoughness, Phong, Shading, Strengths, TextureRef};
 
 /// Builds a JSON object, leaving defaults out.
 #[derive(Default)]
@@ -30,6 +30,18 @@ impl Object {
     }
 }
 
+fn exact_strengths(strengths: &Strengths) -> Value {
+    let Strengths { color, ambient, diffuse, specular, shininess, is_rounded } = *strengths;
+    json!({
+        "color": numbers(color.as_ref()),
+        "ambient": number(ambient),
+        "diffuse": number(diffuse),
+        "specular": number(specular),
+        "shininess": number(shininess),
+        "rounded": is_rounded,
+    })
+}
+
 impl Writer<'_> {
     /// The file's material for a scene's.
     pub(super) fn material(&mut self, index: usize) -> usize {
@@ -47,15 +59,16 @@ impl Writer<'_> {
         let mut json = Object::default();
         let mut extensions = Map::new();
         json.set("name", json!(shorten(&material.name)));
+        let mut own = Map::new();
+        if let Some(strengths) = &material.strengths {
+            own.insert("strengths".to_owned(), exact_strengths(strengths));
+        }
         match &material.shading {
             Shading::MetallicRoughness(m) => self.core(m, &mut json, &mut extensions),
             Shading::Phong(phong) => {
                 self.core(&stand_in(phong), &mut json, &mut extensions);
-                let mut exact = Object::default();
-                exact.set("shininess", number(phong.shininess));
-                exact.factor("ambient", phong.ambient, 0.0);
-                let own = Map::from_iter([("phong".to_owned(), Value::Object(exact.0))]);
-                own_extras(&mut json.0, &own);
+                let exact = json!({ "shininess": number(phong.shininess) });
+                own.insert("phong".to_owned(), exact);
             }
             Shading::Unlit(unlit) => {
                 // What the extension recommends to those who do not know it: rough, no metal.
@@ -67,6 +80,9 @@ impl Writer<'_> {
                 self.core(&core, &mut json, &mut extensions);
                 self.extension(&mut extensions, "KHR_materials_unlit", Object::default());
             }
+        }
+        if !own.is_empty() {
+            own_extras(&mut json.0, &own);
         }
         if takes_light(material) {
             self.layers(material, &mut extensions);

@@ -52,7 +52,7 @@ pub struct Material {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular: Option<f32>,
-    /// Linear, from 0 to 1; Phong only, as the next two.
+    /// Linear, from 0 to 1; Phong only, as the next.
     #[tsify(optional, type = "[number, number, number]")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular_color: Option<Vec3>,
@@ -60,10 +60,6 @@ pub struct Material {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shininess: Option<f32>,
-    /// The share of its colour that it shows without light, in VXCT's look.
-    #[tsify(optional)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ambient: Option<f32>,
 }
 
 impl From<&lumivox_scene::Material> for Material {
@@ -79,7 +75,6 @@ impl From<&lumivox_scene::Material> for Material {
             specular: None,
             specular_color: None,
             shininess: None,
-            ambient: None,
         };
         match &material.shading {
             lumivox_scene::Shading::MetallicRoughness(m) => Self {
@@ -97,7 +92,6 @@ impl From<&lumivox_scene::Material> for Material {
                 color: p.diffuse,
                 specular_color: Some(p.specular),
                 shininess: Some(p.shininess),
-                ambient: Some(p.ambient),
                 ..plain
             },
             lumivox_scene::Shading::Unlit(u) => {
@@ -126,15 +120,12 @@ pub struct MaterialChange {
     /// From 0 to 1.
     #[tsify(optional)]
     pub specular: Option<f32>,
-    /// Linear, from 0 to 1; Phong only, as the next two.
+    /// Linear, from 0 to 1; Phong only, as the next.
     #[tsify(optional, type = "[number, number, number]")]
     pub specular_color: Option<Vec3>,
     /// From 0 to 1000000.
     #[tsify(optional)]
     pub shininess: Option<f32>,
-    /// From 0 to 1000000.
-    #[tsify(optional)]
-    pub ambient: Option<f32>,
 }
 
 impl MaterialChange {
@@ -157,13 +148,9 @@ impl MaterialChange {
         let specular = number(name, "specular", self.specular, 0.0..=1.0)?;
         let specular_color = vector(name, "specular_color", self.specular_color, 1.0)?;
         let shininess = number(name, "shininess", self.shininess, 0.0..=MOST)?;
-        let ambient = number(name, "ambient", self.ambient, 0.0..=MOST)?;
         let of_metal = [("metallic", metallic), ("roughness", roughness), ("specular", specular)];
-        let of_phong = [
-            ("specular_color", specular_color.map(|color| color.x)),
-            ("shininess", shininess),
-            ("ambient", ambient),
-        ];
+        let of_phong =
+            [("specular_color", specular_color.map(|color| color.x)), ("shininess", shininess)];
         let lacks = |properties: &[(&str, Option<f32>)], shading: &str| match properties
             .iter()
             .find(|(_, value)| value.is_some())
@@ -187,7 +174,6 @@ impl MaterialChange {
                 put(&mut p.diffuse, color);
                 put(&mut p.specular, specular_color);
                 put(&mut p.shininess, shininess);
-                put(&mut p.ambient, ambient);
             }
             lumivox_scene::Shading::Unlit(u) => {
                 lacks(&of_metal, "unlit")?;
@@ -195,6 +181,10 @@ impl MaterialChange {
                 let alpha = u.color.w;
                 put(&mut u.color, color.map(|color| color.extend(alpha)));
             }
+        }
+        if material != *present {
+            // The look of VXCT has to follow.
+            material.strengths = None;
         }
         Ok(material)
     }

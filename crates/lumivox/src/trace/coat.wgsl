@@ -15,11 +15,9 @@ struct Coat {
 }
 
 fn load_coat(pixel: vec2u) -> Coat {
-    let roughness = textureLoad(gbuffer_emission, pixel, 0).a;
     return Coat(
         1.0 - textureLoad(gbuffer_diffuse, pixel, 0).a,
-        // Below zero there is no coat, and the number is the caller's.
-        alpha_from_roughness(select(roughness, 1.0, roughness < 0.0)),
+        alpha_from_roughness(textureLoad(gbuffer_emission, pixel, 0).a),
     );
 }
 

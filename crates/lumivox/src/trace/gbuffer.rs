@@ -42,8 +42,7 @@ pub struct GBufferViews<'a> {
     pub diffuse: &'a wgpu::TextureView,
     /// Specular reflectance at normal incidence, and perceptual roughness in a.
     pub specular: &'a wgpu::TextureView,
-    /// Emitted radiance, and in a the coat's perceptual roughness (`Rgba16Float`). Where there is no coat, a caller may
-    /// keep a number of its own in a, below zero.
+    /// Emitted radiance, and in a the coat's perceptual roughness (`Rgba16Float`).
     pub emission: &'a wgpu::TextureView,
 }
 

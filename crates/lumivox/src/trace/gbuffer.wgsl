@@ -22,7 +22,7 @@ struct View {
 @group(3) @binding(3) var gbuffer_diffuse: texture_2d<f32>;
 // Specular reflectance at normal incidence in rgb, perceptual roughness in a.
 @group(3) @binding(4) var gbuffer_specular: texture_2d<f32>;
-// Emitted radiance in rgb; the coat's perceptual roughness in a, it may be below zero where there is no coat.
+// Emitted radiance in rgb; the coat's perceptual roughness in a.
 @group(3) @binding(5) var gbuffer_emission: texture_2d<f32>;
 
 struct Surface {

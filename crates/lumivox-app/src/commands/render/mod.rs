@@ -51,6 +51,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
         output::check(&args.output)?;
     }
     let mut settings = settings::of(&args.picture, &args.voxels, &args.light, &args.cones);
+    args.cones.check()?;
     settings.trace.validate()?;
     let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
     args.scene.scene.check()?;

@@ -1,12 +1,10 @@
 //! Scenes: opening, closing, listing.
 
-use std::path::{Path, PathBuf};
-
 use clap::Parser;
-use lumivox_scene::{EXTENSIONS, builtin, extensions_in_words};
+use lumivox_scene::{builtin, extensions_in_words};
 
 use crate::args::camera::{self, CameraChoice};
-use crate::args::scene::SceneSource;
+use crate::args::scene::{SceneSource, within};
 use crate::cli::{LoadArgs, SourceArgs};
 use crate::console::command::{Command, Group, MANY, PLAIN, Takes};
 use crate::console::{Console, Effect, Reply, names, suggest};
@@ -174,20 +172,6 @@ fn find(console: &Console, name: &str) -> anyhow::Result<SceneSource> {
         "there is no file \"{name}\", nor a scene of that name ({kinds}) in a folder scenes{remedy}"
     ))
     .into())
-}
-
-/// A scene in a folder: a file of that name, with or without one of the extensions.
-fn within(folder: &Path, name: &Path) -> Option<PathBuf> {
-    let file = folder.join(name);
-    if file.is_file() {
-        return Some(file);
-    }
-    EXTENSIONS.iter().find_map(|extension| {
-        let mut with_extension = file.clone().into_os_string();
-        with_extension.push(format!(".{extension}"));
-        let with_extension = PathBuf::from(with_extension);
-        with_extension.is_file().then_some(with_extension)
-    })
 }
 
 /// What stands behind `load` to open a scene like this. `aspect` is that of the picture, if it is known.

@@ -2,11 +2,16 @@
 
 use std::time::Duration;
 
+use lumivox_render::Progress;
+
 use crate::console::arguments::{on_or_off, toggled, whole};
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Effect, Reply};
 use crate::exit::Failure;
 use crate::report::Times;
+
+/// How long `avgf` takes to find times that are not there.
+const LONGEST_MEASUREMENT: Duration = Duration::from_secs(1);
 
 /// The most frames that a script may wait for at once.
 const LONGEST_WAIT: u32 = 65_536;
@@ -61,17 +66,12 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "avgf",
-        summary: "Print the mean time of the frames so far in milliseconds",
-        details: "Of the last 4096 frames at most; `clearf` starts anew.",
+        summary: "Print the mean time of the last 100 frames in milliseconds",
+        details: "`clearf` starts anew. Where there are fewer, as of a picture that is complete, others are rendered for \
+                  their times alone, for a second at most.",
         example: "avgf",
         vxct: Some("milliseconds, where VXCT prints seconds under that label"),
-        run: |console, _| {
-            let times = console.explorer.times();
-            Ok(Reply::say(match times.mean() {
-                Some(mean) => format!("{} ms, mean of {}", ms(mean), frames(times.count())),
-                None => "no frame has been rendered yet".to_owned(),
-            }))
-        },
+        run: average,
         ..FRAMES
     },
     Command {
@@ -107,11 +107,19 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "draw_block",
-        summary: "Render the frames that the picture still lacks, and go on when the GPU has finished",
-        details: "Prints how many frames are in the picture.",
-        example: "draw_block",
-        vxct: Some("no more than its name is known of VXCT's; what it does here is ours"),
-        run: draw_block,
+        usage: "[on|off]",
+        count: (0, 1),
+        takes: &[Takes::Switch],
+        summary: "Wait for the GPU at the end of each frame, or at the beginning of the next one",
+        details: "On, a frame's time is that of the frame; off, the CPU goes on meanwhile, and times are those from frame to \
+                  frame. Without a value it toggles, and prints what it is.",
+        example: "draw_block on",
+        vxct: Some("on at first"),
+        run: |console, arguments| {
+            let is_on = toggled(arguments, "draw_block", console.explorer.waits_for_gpu)?;
+            console.explorer.waits_for_gpu = is_on;
+            Ok(Reply::say(format!("draw_block {}", on_or_off(is_on))))
+        },
         ..FRAMES
     },
     Command {
@@ -166,19 +174,24 @@ fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     }))
 }
 
-fn draw_block(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
+/// Frames that `avgf` tells the mean of.
+const MEASURED: usize = 100;
+
+fn average(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     console.update()?;
     let Console { explorer, hear, .. } = console;
-    let mut tell = |progress| {
-        let _ = hear(progress);
-    };
-    while pollster::block_on(explorer.frame(&mut tell))? {
-        let done = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
-        let total = explorer.settings().frames;
-        tell(lumivox_render::Progress { stage: "render", done, total });
+    let start = std::time::Instant::now();
+    while explorer.times().count() < MEASURED {
+        pollster::block_on(explorer.rehearse())?;
+        let done = explorer.times().count() as u32;
+        let progress = Progress { stage: "render", done, total: MEASURED as u32 };
+        if hear(progress).is_break() || start.elapsed() > LONGEST_MEASUREMENT {
+            break;
+        }
     }
-    let done = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
-    Ok(Reply::say(format!("{} in the picture", frames(done as usize))))
+    let times: Vec<Duration> = explorer.times().last(MEASURED).collect();
+    let mean = times.iter().sum::<Duration>() / (times.len() as u32).max(1);
+    Ok(Reply::say(format!("{} ms, mean of {}", ms(mean), frames(times.len()))))
 }
 
 fn timing(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {

@@ -3,7 +3,7 @@
 //! Its numbers belong to the look `vxct` alone. Switches that mean something in the physical look, too, do that there.
 
 use lumivox_render::parameters::Parameter;
-use lumivox_render::{Components, Look, RenderSettings, ShadowMethod, View, VxctSettings};
+use lumivox_render::{Look, RenderSettings, ShadowMethod, View, VxctSettings};
 
 use crate::console::arguments::{on_or_off, toggled};
 use crate::console::command::{Command, Group, PLAIN, Takes};
@@ -56,17 +56,17 @@ macro_rules! number {
 
 /// A component of light by itself.
 macro_rules! only {
-    ($name:literal, $summary:literal, $details:literal, $view:expr, $components:expr) => {
+    ($name:literal, $summary:literal, $details:literal, $view:expr, $on:expr) => {
         Command {
             name: $name,
             usage: "",
             count: (0, 0),
             takes: &[],
             summary: $summary,
-            details: concat!("Look vxct: that part of its light. ", $details),
+            details: concat!("Look vxct: it sets the switches phong, vox_diffuse, vox_specular and vox_shadows. ", $details),
             example: $name,
             vxct: Some("in the physical look a view"),
-            run: |console, _| only(console, $view, $components),
+            run: |console, _| only(console, $view, $on),
             ..LOOK
         }
     };
@@ -161,15 +161,15 @@ pub const TABLE: &[Command] = &[
         "diffuse_dist_factor",
         ["ddf"],
         "Set the step of diffuse cones",
-        "As a share of the cone's diameter, 0.001 to 4. It changes the cost, not the brightness.",
+        "As a share of the cone's diameter, 0.001 to 4.",
         "ddf 0.1",
-        "brightness does not depend on it"
+        ""
     ),
     number!(
         "occlusion_dist_factor",
         ["odf"],
         "Set the step of shadow cones",
-        "As a share of the cone's diameter, 0.001 to 4. It changes the cost, not the brightness.",
+        "As a share of the cone's diameter, 0.001 to 4. Finer steps are darker: opacity is not corrected for them.",
         "odf 0.35",
         "VXCT's documentation calls it `ddf` by mistake"
     ),
@@ -177,7 +177,7 @@ pub const TABLE: &[Command] = &[
         "specular_dist_factor",
         ["sdf"],
         "Set the step of specular cones",
-        "As a share of the cone's diameter, 0.001 to 4. It changes the cost, not the brightness.",
+        "As a share of the cone's diameter, 0.001 to 4. Finer steps are darker: opacity is not corrected for them.",
         "sdf 0.3",
         "VXCT's documentation calls it `ddf` by mistake"
     ),
@@ -216,45 +216,39 @@ pub const TABLE: &[Command] = &[
     number!(
         "shininess_falloff",
         [],
-        "Set how fast reflections fade with the distance of what is reflected",
+        "Set how fast reflections fade where a light stands off the mirrored direction",
         "From 0, not at all, to 16. `sf NUMBER` is the same.",
         "shininess_falloff 3",
         "`sf` is a name of its own here: alone it renders a frame"
     ),
-    only!(
-        "all",
-        "Show all light",
-        "Physical look: the view `final`.",
-        View::Final,
-        Components::All
-    ),
+    only!("all", "Show all light", "Physical look: the view `final`.", View::Final, [true; 4]),
     only!(
         "phong_only",
         "Show direct light alone",
         "Physical look: the view `direct`.",
         View::Direct,
-        Components::Phong
+        [true, false, false, false]
     ),
     only!(
         "shadows_only",
         "Show shadows alone",
         "Physical look: the view `shadow`.",
         View::Shadow,
-        Components::Shadows
+        [false, false, false, true]
     ),
     only!(
         "specular_only",
         "Show glossy reflections alone",
         "Physical look: the view `specular`.",
         View::Specular,
-        Components::Specular
+        [false, false, true, false]
     ),
     only!(
         "diffuse_only",
         "Show diffuse indirect light alone",
         "Physical look: the view `diffuse`.",
         View::Diffuse,
-        Components::Diffuse
+        [false, true, false, false]
     ),
 ];
 
@@ -298,9 +292,9 @@ fn phong(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if is_vxct(console) {
         return vxct_switch(console, arguments, "phong", |settings| &mut settings.phong);
     }
-    let was_on = console.explorer.settings().view != View::Indirect;
+    let was_on = super::view::base(console) != View::Indirect;
     let is_on = toggled(arguments, "phong", was_on)?;
-    console.change(|settings| settings.view = if is_on { View::Final } else { View::Indirect })?;
+    super::view::show(console, if is_on { View::Final } else { View::Indirect })?;
     Ok(Reply::say(format!("phong {}", on_or_off(is_on))))
 }
 
@@ -348,15 +342,18 @@ pub fn shininess_falloff(console: &mut Console, arguments: &[&str]) -> anyhow::R
     super::parameters::run(console, "shininess_falloff", arguments)
 }
 
-/// Shows a part of light.
-pub fn only(console: &mut Console, view: View, components: Components) -> anyhow::Result<Reply> {
-    console.change(|settings| match vxct_of(settings) {
-        Some(vxct) => {
-            vxct.components = components;
-            settings.view = View::Final;
+/// Shows a part of light. `on` is what VXCT's switches become: phong, diffuse, specular, shadows.
+fn only(console: &mut Console, view: View, on: [bool; 4]) -> anyhow::Result<Reply> {
+    if !is_vxct(console) {
+        super::view::show(console, view)?;
+        return Ok(Reply::default());
+    }
+    console.change(|settings| {
+        if let Some(vxct) = vxct_of(settings) {
+            [vxct.phong, vxct.diffuse, vxct.specular, vxct.shadows] = on;
         }
-        None => settings.view = view,
     })?;
+    super::view::show(console, View::Final)?;
     Ok(Reply::default())
 }
 

@@ -3,7 +3,9 @@
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use lumivox_explorer::Placement;
 
-use crate::console::arguments::{PLACE, on_or_off, rounded, short, switch, vector, wrong};
+use crate::console::arguments::{
+    PLACE, choice, number, on_or_off, rounded, short, switch, vector, wrong,
+};
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
@@ -11,6 +13,9 @@ use crate::report::Table;
 
 const OBJECTS: Command =
     Command { group: Group::Objects, takes: &[Takes::Object, Takes::Anything], ..PLAIN };
+
+/// An object, then perhaps an axis.
+const AXIS: [Takes; 3] = [Takes::Object, Takes::Word(&["x", "y", "z"]), Takes::Anything];
 
 /// Turns, degrees: any that f32 still tells apart.
 const TURN: std::ops::RangeInclusive<f32> = -36_000.0..=36_000.0;
@@ -29,11 +34,12 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "translate",
-        usage: "NAME X Y Z",
-        count: (4, 4),
+        usage: "NAME X Y Z|x VALUE|y VALUE|z VALUE",
+        count: (3, 4),
+        takes: &AXIS,
         summary: "Move an object along its own axes",
-        details: "Metres of its own space, on top of all that was done to it before.",
-        example: "translate 'tall block' 0.1 0 0",
+        details: "Metres of its own space, along one axis or all, on top of all that was done to it before.",
+        example: "translate 'tall block' x 0.1",
         vxct: Some("unknown names and wrong numbers are errors; VXCT passes over them"),
         run: |console, arguments| {
             transform(console, arguments, "the distance in metres", PLACE, |by| {
@@ -44,11 +50,12 @@ pub const TABLE: &[Command] = &[
     },
     Command {
         name: "rotate",
-        usage: "NAME X Y Z",
-        count: (4, 4),
+        usage: "NAME X Y Z|x VALUE|y VALUE|z VALUE",
+        count: (3, 4),
+        takes: &AXIS,
         summary: "Turn an object about its own axes",
-        details: "Degrees about x, y and z, z first, on top of all that was done to it before.",
-        example: "rotate 'tall block' 0 30 0",
+        details: "Degrees about one axis, or about x, y and z, z first, on top of all that was done to it before.",
+        example: "rotate 'tall block' y 30",
         vxct: Some("unknown names and wrong numbers are errors; VXCT passes over them"),
         run: |console, arguments| {
             transform(console, arguments, "the angle in degrees", TURN, |degrees| {
@@ -169,8 +176,18 @@ fn transform(
     matrix: impl FnOnce(Vec3) -> Result<Mat4, Failure>,
 ) -> anyhow::Result<Reply> {
     let object = object(console, arguments)?;
-    let numbers = arguments.get(1..).unwrap_or_default();
-    let local = matrix(vector(numbers, what, range)?)?;
+    let local = matrix(match arguments.get(1..).unwrap_or_default() {
+        // VXCT's way.
+        [axis, value] if !axis.contains(',') => {
+            let along = match choice(axis, "the axis", &["x", "y", "z"])? {
+                "x" => Vec3::X,
+                "y" => Vec3::Y,
+                _ => Vec3::Z,
+            };
+            along * number(value, what, range)?
+        }
+        numbers => vector(numbers, what, range)?,
+    })?;
     let edit = console.explorer.local_edit(object).unwrap_or(Mat4::IDENTITY);
     check_transform(console, object, edit * local)?;
     console.explorer.transform(object, local);

@@ -72,7 +72,6 @@ pub const TABLE: &[Command] = &[
         run: |console, _| {
             let what =
                 console.explorer.undo().map_err(|error| Failure::input(error.to_string()))?;
-            console.strengths.clear();
             Ok(Reply::say(format!("undone: {}", shown::line(&what))))
         },
         ..PROGRAM
@@ -85,7 +84,6 @@ pub const TABLE: &[Command] = &[
         run: |console, _| {
             let what =
                 console.explorer.redo().map_err(|error| Failure::input(error.to_string()))?;
-            console.strengths.clear();
             Ok(Reply::say(format!("redone: {}", shown::line(&what))))
         },
         ..PROGRAM

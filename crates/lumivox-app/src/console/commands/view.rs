@@ -1,7 +1,7 @@
 //! What is shown: surfaces, voxels, wires.
 
 use lumivox_render::parameters::Parameter;
-use lumivox_render::{Components, Look, View, Wireframe};
+use lumivox_render::{Look, Overlay, View, Wireframe};
 
 use crate::console::arguments::{on_or_off, toggled};
 use crate::console::command::{Command, Group, PLAIN, Takes};
@@ -19,11 +19,11 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "objs",
         summary: "Show the objects' surfaces, or leave them out",
-        details: "Left out, a plain background stands in for the picture, and overlays are seen alone. On also ends `objsW`. \
-                  Without a value it toggles, and prints what it is.",
+        details: "Left out, a plain background stands in for the picture, and overlays are seen alone. Without a value it \
+                  toggles, and prints what it is.",
         example: "objs off",
         vxct: Some(""),
-        run: surfaces,
+        run: |console, arguments| flip_objects(console, arguments, "objs", |now| &mut now.objects),
         ..VIEW
     },
     Command {
@@ -33,7 +33,7 @@ pub const TABLE: &[Command] = &[
         details: "All edges of all triangles. Without a value it toggles, and prints what it is.",
         example: "objsW on",
         vxct: Some(""),
-        run: wires,
+        run: |console, arguments| flip_objects(console, arguments, "objsW", |now| &mut now.wires),
         ..VIEW
     },
     Command {
@@ -45,43 +45,39 @@ pub const TABLE: &[Command] = &[
         example: "overlayW on",
         vxct: Some(""),
         run: |console, arguments| {
-            let was_on = console.explorer.settings().overlay.wireframe == Wireframe::Over;
-            let is_on = toggled(arguments, "overlayW", was_on)?;
-            console.change(|settings| {
-                settings.overlay.wireframe = if is_on { Wireframe::Over } else { Wireframe::Off };
-            })?;
-            Ok(Reply::say(format!("overlayW {}", on_or_off(is_on))))
+            flip_objects(console, arguments, "overlayW", |now| &mut now.overlay)
         },
         ..VIEW
     },
     Command {
         name: "voxs",
         summary: "Show the voxels as cubes, or what was shown before",
-        details: "Of the level that `lod` sets. The view `voxels`. Without a value it toggles, and prints what it is.",
+        details: "Of the level that `lod` sets. The view `voxels`, or `wire-voxels` while `voxsW` is on. Without a value it \
+                  toggles, and prints what it is.",
         example: "voxs on",
         vxct: Some(""),
-        run: |console, arguments| view(console, arguments, "voxs", View::Voxels),
+        run: |console, arguments| flip_view(console, arguments, "voxs", |now| &mut now.voxels),
         ..VIEW
     },
     Command {
         name: "voxsW",
         aliases: &["voxsw"],
-        summary: "Show the voxels as wire cubes, or what was shown before",
-        details: "Of the level that `lod` sets. The view `wire-voxels`; `wire_voxels over` draws them over surfaces. Without a \
-                  value it toggles, and prints what it is.",
+        summary: "Let `voxs` show wire cubes, or solid ones",
+        details: "While `voxs` is on it changes the picture. `wire_voxels over` draws wire cubes over surfaces. Without a value \
+                  it toggles, and prints what it is.",
         example: "voxsW on",
         vxct: Some(""),
-        run: |console, arguments| view(console, arguments, "voxsW", View::WireVoxels),
+        run: |console, arguments| flip_view(console, arguments, "voxsW", |now| &mut now.wires),
         ..VIEW
     },
     Command {
         name: "loclod",
         summary: "Show what the voxels of a level hold on the surfaces, or what was shown before",
-        details: "Of the level that `lod` sets. The view `lod`; it overrides `iLight`. Without a value it toggles, and prints \
-                  what it is.",
+        details: "Of the level that `lod` sets. The view `lod`; it overrides `iLight`, which keeps its state. Without a value it \
+                  toggles, and prints what it is.",
         example: "loclod on",
         vxct: Some(""),
-        run: |console, arguments| view(console, arguments, "loclod", View::Lod),
+        run: |console, arguments| flip_view(console, arguments, "loclod", |now| &mut now.lod),
         ..VIEW
     },
     Command {
@@ -99,10 +95,10 @@ pub const TABLE: &[Command] = &[
         name: "iLight",
         aliases: &["ilight"],
         summary: "Show indirect light, or direct light alone",
-        details: "Physical look: off is the view `direct`, on `final`. Look vxct: off shows Phong's terms alone. Without a value \
-                  it toggles, and prints what it is.",
+        details: "Physical look: off is the view `direct`, on `final`. Look vxct: off is Phong's shader, with highlights and \
+                  without shadows. Without a value it toggles, and prints what it is.",
         example: "iLight off",
-        vxct: Some(""),
+        vxct: Some("on at first"),
         run: indirect,
         ..VIEW
     },
@@ -121,62 +117,140 @@ pub const TABLE: &[Command] = &[
     },
 ];
 
-fn surfaces(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    let is_on = toggled(arguments, "objs", !console.explorer.settings().overlay.hides_surfaces)?;
-    console.change(|settings| {
-        let overlay = &mut settings.overlay;
-        if is_on && overlay.hides_surfaces && overlay.wireframe == Wireframe::Through {
-            overlay.wireframe = Wireframe::Off;
+/// What VXCT's switches of voxels say: each is on or off by itself, whatever the others are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shown {
+    /// The view where no switch is on.
+    base: View,
+    /// `voxs`
+    voxels: bool,
+    /// `voxsW`
+    wires: bool,
+    /// `loclod`
+    lod: bool,
+}
+
+impl Shown {
+    /// What they are, given the view; `before` is what they were when they were last asked for.
+    fn of(view: View, before: Self) -> Self {
+        match view {
+            _ if before.view() == view => before,
+            View::Voxels => Self { voxels: true, wires: false, ..before },
+            View::WireVoxels => Self { voxels: true, wires: true, ..before },
+            View::Lod => Self { voxels: false, lod: true, ..before },
+            base => Self { base, voxels: false, lod: false, ..before },
         }
-        overlay.hides_surfaces = !is_on;
-    })?;
-    Ok(Reply::say(format!("objs {}", on_or_off(is_on))))
-}
-
-fn wires(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    let overlay = &console.explorer.settings().overlay;
-    let was_on = overlay.hides_surfaces && overlay.wireframe == Wireframe::Through;
-    let is_on = toggled(arguments, "objsW", was_on)?;
-    if is_on != was_on {
-        console.change(|settings| {
-            settings.overlay.hides_surfaces = is_on;
-            settings.overlay.wireframe = if is_on { Wireframe::Through } else { Wireframe::Off };
-        })?;
     }
-    Ok(Reply::say(format!("objsW {}", on_or_off(is_on))))
+
+    fn view(self) -> View {
+        match self {
+            Self { voxels: true, wires: true, .. } => View::WireVoxels,
+            Self { voxels: true, .. } => View::Voxels,
+            Self { lod: true, .. } => View::Lod,
+            Self { base, .. } => base,
+        }
+    }
 }
 
-/// Shows a view, or what was shown before.
-fn view(
+/// Flips one of the switches.
+fn flip_view(
     console: &mut Console,
     arguments: &[&str],
     name: &str,
-    view: View,
+    switch: fn(&mut Shown) -> &mut bool,
 ) -> anyhow::Result<Reply> {
-    let now = console.explorer.settings().view;
-    let is_on = toggled(arguments, name, now == view)?;
-    if is_on != (now == view) {
-        let before = console.view.unwrap_or_default();
-        console.change(|settings| settings.view = if is_on { view } else { before })?;
-        let is_special = matches!(now, View::Voxels | View::WireVoxels | View::Lod);
-        if is_on && !is_special {
-            console.view = Some(now);
-        }
+    let mut shown = Shown::of(console.explorer.settings().view, console.shown);
+    let is_on = toggled(arguments, name, *switch(&mut shown))?;
+    *switch(&mut shown) = is_on;
+    console.change(|settings| settings.view = shown.view())?;
+    console.shown = shown;
+    Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
+}
+
+/// Chooses what is shown where neither voxels nor their levels are.
+pub fn show(console: &mut Console, view: View) -> anyhow::Result<()> {
+    let shown = Shown { base: view, ..Shown::of(console.explorer.settings().view, console.shown) };
+    console.change(|settings| settings.view = shown.view())?;
+    console.shown = shown;
+    Ok(())
+}
+
+/// The view where no switch is on.
+pub fn base(console: &Console) -> View {
+    Shown::of(console.explorer.settings().view, console.shown).base
+}
+
+/// What VXCT's switches of objects say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Objects {
+    /// `objs`
+    objects: bool,
+    /// `objsW`
+    wires: bool,
+    /// `overlayW`
+    overlay: bool,
+}
+
+impl Default for Objects {
+    fn default() -> Self {
+        Self { objects: true, wires: false, overlay: false }
     }
+}
+
+impl Objects {
+    fn set(self, overlay: &mut Overlay) {
+        overlay.hides_surfaces = !self.objects || self.wires;
+        overlay.wireframe = match self {
+            Self { objects: true, wires: true, .. } => Wireframe::Through,
+            Self { overlay: true, .. } => Wireframe::Over,
+            _ => Wireframe::Off,
+        };
+    }
+}
+
+/// Flips one of the switches. They are told apart by what was set last: settings of overlays that no switch makes start
+/// anew.
+fn flip_objects(
+    console: &mut Console,
+    arguments: &[&str],
+    name: &str,
+    switch: fn(&mut Objects) -> &mut bool,
+) -> anyhow::Result<Reply> {
+    let now = &console.explorer.settings().overlay;
+    let mut made = Overlay::default();
+    console.objects.set(&mut made);
+    let is_known = (made.hides_surfaces, made.wireframe) == (now.hides_surfaces, now.wireframe);
+    let mut objects = if is_known {
+        console.objects
+    } else {
+        let wires = now.hides_surfaces && now.wireframe == Wireframe::Through;
+        Objects {
+            objects: !now.hides_surfaces || wires,
+            wires,
+            overlay: !wires && now.wireframe != Wireframe::Off,
+        }
+    };
+    let is_on = toggled(arguments, name, *switch(&mut objects))?;
+    *switch(&mut objects) = is_on;
+    console.change(|settings| objects.set(&mut settings.overlay))?;
+    console.objects = objects;
     Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
 }
 
 fn indirect(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    let settings = console.explorer.settings();
-    let was_on = match &settings.look {
-        Look::Vxct(vxct) => vxct.components != Components::Phong,
-        Look::Physical => settings.view != View::Direct,
+    let was_on = match &console.explorer.settings().look {
+        Look::Vxct(vxct) => vxct.indirect_light,
+        Look::Physical => base(console) != View::Direct,
     };
     let is_on = toggled(arguments, "iLight", was_on)?;
-    if is_on != was_on {
-        let (view, components) =
-            if is_on { (View::Final, Components::All) } else { (View::Direct, Components::Phong) };
-        super::look::only(console, view, components)?;
+    if console.explorer.settings().vxct().is_some() {
+        console.change(|settings| {
+            if let Look::Vxct(vxct) = &mut settings.look {
+                vxct.indirect_light = is_on;
+            }
+        })?;
+    } else if is_on != was_on {
+        show(console, if is_on { View::Final } else { View::Direct })?;
     }
     Ok(Reply::say(format!("iLight {}", on_or_off(is_on))))
 }

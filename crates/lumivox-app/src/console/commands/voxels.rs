@@ -52,9 +52,9 @@ pub const TABLE: &[Command] = &[
         usage: "[SECONDS]",
         count: (0, 1),
         summary: "Set the seconds between voxelizations while `dynamic` is on, or print them",
-        details: "From 0.001 to 86400; 0 voxelizes at every frame. It switches `dynamic` on. The default is 0.5.",
+        details: "From 0.001 to 86400; 0 voxelizes at every frame. The default is 0.5.",
         example: "vox_freq 0.25",
-        vxct: Some("it switches `dynamic` on"),
+        vxct: Some(""),
         run: period,
         ..VOXELS
     },
@@ -170,11 +170,15 @@ fn period(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         return Ok(Reply::say(format!("vox_freq {seconds}")));
     };
     let what = "the time in seconds";
-    console.explorer.revoxelize = if number(text, what, 0.0..=LONGEST_S)? == 0.0 {
+    let chosen = if number(text, what, 0.0..=LONGEST_S)? == 0.0 {
         Revoxelize::EveryFrame
     } else {
         Revoxelize::Every(number(text, what, PERIODS)?)
     };
+    console.dynamic = Some(chosen);
+    if matches!(console.explorer.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame) {
+        console.explorer.revoxelize = chosen;
+    }
     Ok(Reply::default())
 }
 

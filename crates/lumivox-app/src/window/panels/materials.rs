@@ -56,7 +56,6 @@ fn one(ui: &mut Ui, name: &str, material: &Material, app: &mut App) {
             color(ui, app, "Diffuse", "Linear", &key("diffuse"), p.diffuse.to_array());
             color(ui, app, "Specular", "Linear", &key("specular_color"), p.specular.to_array());
             slider(ui, app, "Shininess", &key("shininess"), p.shininess, 256.0);
-            slider(ui, app, "Ambient", &key("ambient"), p.ambient, 1.0);
         }
         Shading::Unlit(u) => {
             color(ui, app, "Colour", "Linear", &key("color"), u.color.truncate().to_array());

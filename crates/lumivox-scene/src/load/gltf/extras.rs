@@ -10,7 +10,9 @@ use gltf::json::Extras;
 use serde_json::Value;
 
 use super::Loader;
-use crate::{Attenuation, Bounds, Environment, EnvironmentMap, Light, LightKind, Phong, Shading};
+use crate::{
+    Attenuation, Bounds, Environment, EnvironmentMap, Light, LightKind, Phong, Shading, Strengths,
+};
 
 /// The part of an entry's extras that is ours.
 pub(super) fn own(extras: &Extras) -> Option<Value> {
@@ -93,8 +95,7 @@ fn attenuation(value: &Value) -> Option<Attenuation> {
     fits.then_some(Attenuation { constant, linear, quadratic })
 }
 
-/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the exponent and the
-/// ambient share.
+/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the exponent.
 pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
     let Shading::MetallicRoughness(m) = shading else { return shading };
     let Some(own) = own(extras) else { return shading };
@@ -106,7 +107,20 @@ pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
         specular: m.specular_color.min(Vec3::ONE),
         specular_texture: m.specular_texture,
         shininess,
-        ambient: not_negative(&own["phong"]["ambient"]).unwrap_or(0.0),
+    })
+}
+
+/// What a surface is in the look of VXCT.
+pub(super) fn strengths(extras: &Extras) -> Option<Strengths> {
+    let own = own(extras)?;
+    let saved = own.get("strengths")?;
+    Some(Strengths {
+        color: Vec3::from_array(numbers(&saved["color"])?),
+        ambient: number(&saved["ambient"])?,
+        diffuse: number(&saved["diffuse"])?,
+        specular: number(&saved["specular"])?,
+        shininess: number(&saved["shininess"])?,
+        is_rounded: saved["rounded"].as_bool() == Some(true),
     })
 }
 

@@ -155,7 +155,6 @@ impl<'s, 'o> Materials<'s, 'o> {
                 specular,
                 specular_texture,
                 shininess: shininess.max(1.0),
-                ambient: 0.0,
             });
         }
         self.images = total;

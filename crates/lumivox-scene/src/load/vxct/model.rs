@@ -82,8 +82,9 @@ impl<'m, 'o> Models<'m, 'o> {
         let is_active = values.flag(block, "active", true)?;
         let is_voxelized = !values.flag(block, "static", false)?;
         let world_from_local = transform(block, values)?;
-        let material = surface::material(block, &name, values)?;
-        let Some(source) = self.source(block, &name, at, values)? else { return Ok(()) };
+        let source = self.source(block, &name, at, values)?;
+        let material = surface::material(block, &name, source == Some(Source::Cube), values)?;
+        let Some(source) = source else { return Ok(()) };
         if !world_from_local.is_finite() {
             let part = format!("model \"{name}\" at {at}, its transform");
             return Err(SceneError::NotFinite { file: values.file.to_owned(), part });
@@ -196,7 +197,7 @@ impl<'m, 'o> Models<'m, 'o> {
     ) -> Result<Result<Mesh, String>, SceneError> {
         let file = match source {
             Source::Cube => {
-                let mut cube = cuboid(Vec3::NEG_ONE, Vec3::ONE, Faces::ALL);
+                let mut cube = cuboid(Vec3::splat(-0.5), Vec3::splat(0.5), Faces::ALL);
                 "cube".clone_into(&mut cube.name);
                 return Ok(Ok(cube));
             }

@@ -1,32 +1,16 @@
-//! A model's material in physical terms.
-//!
-//! VXCT adds up, for each light of colour L: `ambient_str * colour * L`, which no orientation changes,
-//! `diffuse_str * colour * L cos`, and `specular_str * L cos^shininess` about the mirror direction, and
-//! shows the sum as it is.
-//!
-//! A lamp that gives a white diffuse surface a radiance of L has an irradiance of E = pi L where it is met
-//! at right angles. The diffuse albedo that gives `diffuse_str * colour * L` is `diffuse_str * colour`.
-//! The lobe of [`Phong`] is normalised (Lafortune and Willems 1994, "Using the modified Phong reflectance
-//! model for physically based rendering"): its peak is `specular (n + 2) / (2 pi)`, which times E is
-//! `specular (n + 2) / 2 L`. It equals `specular_str * L` for `specular = 2 specular_str / (n + 2)`.
+//! A model's material: Phong's strengths as the file has them, and what comes nearest in physical terms.
 
 use glam::Vec3;
 
 use super::keys::{MATERIAL, RGB, Values, find};
 use super::tree::{Block, quote};
-use crate::{Material, Phong, SceneError, Shading};
+use crate::{Material, Phong, SceneError, Shading, Strengths};
 
-/// What VXCT's surfaces are where a scene says nothing.
-const COLOR: Vec3 = Vec3::splat(0.85);
-const SHININESS: f32 = 32.0;
-const AMBIENT: f32 = 0.08;
-const DIFFUSE: f32 = 1.0;
-const SPECULAR: f32 = 0.5;
-
-/// The material of a model's block, under the model's name.
+/// The material of a model's block, under the model's name; `is_rounded` as [`Strengths`] has it.
 pub(super) fn material(
     model: &Block<'_>,
     name: &str,
+    is_rounded: bool,
     values: &mut Values<'_>,
 ) -> Result<Material, SceneError> {
     let emits = emits(model, values)?;
@@ -36,56 +20,53 @@ pub(super) fn material(
         None => &none,
     };
     values.check(block, &MATERIAL);
-    let color = at_least_0(values.vector(block, "color", &RGB, COLOR)?, block, values);
-    let mut strength = |key: &str, default: f32| {
-        let value = values.number(block, key, default)?;
-        if value < 0.0 {
-            values.warn(block.at, format!("\"{key}\" is {value} and became 0"));
-        }
-        Ok::<_, SceneError>(value.max(0.0))
+    let usual = Strengths::default();
+    let strengths = Strengths {
+        color: values.vector(block, "color", &RGB, usual.color)?,
+        ambient: values.number(block, "ambient_str", usual.ambient)?,
+        diffuse: values.number(block, "diffuse_str", usual.diffuse)?,
+        specular: values.number(block, "specular_str", usual.specular)?,
+        shininess: values.number(block, "shininess", usual.shininess)?,
+        is_rounded,
     };
-    let shininess = strength("shininess", SHININESS)?;
-    let specular = strength("specular_str", SPECULAR)?;
-    let diffuse = strength("diffuse_str", DIFFUSE)?;
-    let ambient = strength("ambient_str", AMBIENT)?;
-
-    let mut material =
-        Material { name: name.to_owned(), double_sided: true, ..Material::default() };
-    let black = Phong { diffuse: Vec3::ZERO, ..Phong::default() };
+    let mut material = Material {
+        name: name.to_owned(),
+        double_sided: true,
+        strengths: Some(strengths),
+        ..Material::default()
+    };
     if emits {
         // It shows its colour whatever the light: 1 is the screen's white, and a cd/m².
-        material.emissive = color;
-        material.shading = Shading::Phong(black);
-        return Ok(material);
+        material.emissive = strengths.color.max(Vec3::ZERO);
+        material.shading = Shading::Phong(Phong { diffuse: Vec3::ZERO, ..Phong::default() });
+    } else {
+        material.shading = Shading::Phong(strengths.to_phong());
+        for text in limits(&strengths) {
+            values.warn(block.at, format!("{text}; only the look of VXCT shows it as it is"));
+        }
     }
-    let lobe = 2.0 * specular / (shininess + 2.0);
-    let albedo = color * diffuse;
-    if albedo.max_element() > 1.0 {
-        let text = "the surface reflects more light than it gets: its \"color\" times \"diffuse_str\" \
-                    was limited to 1";
-        values.warn(block.at, text);
-    }
-    if lobe > 1.0 {
-        let text = "the surface reflects more light than it gets: its \"specular_str\" was limited to \
-                    (shininess + 2) / 2";
-        values.warn(block.at, text);
-    }
-    material.shading = Shading::Phong(Phong {
-        diffuse: albedo.min(Vec3::ONE),
-        specular: Vec3::splat(lobe.min(1.0)),
-        shininess,
-        // Times the albedo it is VXCT's, which multiplies the colour alone.
-        ambient: if diffuse > 0.0 { (ambient / diffuse).min(f32::MAX) } else { ambient },
-        ..black
-    });
     Ok(material)
 }
 
-fn at_least_0(color: Vec3, block: &Block<'_>, values: &mut Values<'_>) -> Vec3 {
-    if color.cmplt(Vec3::ZERO).any() {
-        values.warn(block.at, "the colour is below 0 and became 0");
-    }
-    color.max(Vec3::ZERO)
+/// What no surface can be.
+fn limits(strengths: &Strengths) -> impl Iterator<Item = &'static str> {
+    let Strengths { color, ambient, diffuse, specular, shininess, .. } = *strengths;
+    let least = [color.min_element(), ambient, diffuse, specular, shininess];
+    let all = [
+        (
+            least.into_iter().any(|number| number < 0.0),
+            "a number of the material is below 0 and became 0",
+        ),
+        (
+            (color * diffuse).max_element() > 1.0,
+            "the surface reflects more light than it gets: its \"color\" times \"diffuse_str\" was limited to 1",
+        ),
+        (
+            2.0 * specular > shininess.max(0.0) + 2.0,
+            "the surface reflects more light than it gets: its \"specular_str\" was limited to (shininess + 2) / 2",
+        ),
+    ];
+    all.into_iter().filter_map(|(is_beyond, text)| is_beyond.then_some(text))
 }
 
 /// Whether a model's shader shows its colour as light.

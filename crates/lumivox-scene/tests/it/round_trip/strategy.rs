@@ -6,7 +6,7 @@ use glam::{Affine2, EulerRot, Mat4, Quat, Vec2, Vec3, Vec4};
 use lumivox_scene::{
     AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,
     Instance, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler,
-    Scene, Shading, Sheen, Texture, TextureRef, Transmission, Unlit, Wrap,
+    Scene, Shading, Sheen, Strengths, Texture, TextureRef, Transmission, Unlit, Wrap,
 };
 use proptest::collection::vec;
 use proptest::option;
@@ -196,8 +196,8 @@ fn shading(textures: usize) -> impl Strategy<Value = Shading> {
                 ior,
             })
         });
-    let phong = (rgb(UNIT), map(), unit(), rgb(UNIT), map(), [amount(), amount()]).prop_map(
-        |(diffuse, diffuse_texture, opacity, specular, specular_texture, [shininess, ambient])| {
+    let phong = (rgb(UNIT), map(), unit(), rgb(UNIT), map(), amount()).prop_map(
+        |(diffuse, diffuse_texture, opacity, specular, specular_texture, shininess)| {
             Shading::Phong(Phong {
                 diffuse,
                 diffuse_texture,
@@ -205,7 +205,6 @@ fn shading(textures: usize) -> impl Strategy<Value = Shading> {
                 specular,
                 specular_texture,
                 shininess,
-                ambient,
             })
         },
     );
@@ -238,9 +237,21 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         option::of(sheen).prop_map(Option::unwrap_or_default),
         option::of(transmission).prop_map(Option::unwrap_or_default),
     );
+    let strengths = (rgb(UNIT), [signed(), signed(), signed(), signed()], any::<bool>()).prop_map(
+        |(color, [ambient, diffuse, specular, shininess], is_rounded)| Strengths {
+            color,
+            ambient,
+            diffuse,
+            specular,
+            shininess,
+            is_rounded,
+        },
+    );
+    let old = option::of(strengths);
     let emission = (rgb(prop_oneof![0.0..2.0_f32, 0.0..1e6_f32].boxed()), map());
-    (name(), shading(textures), emission, (map(), signed()), alpha, any::<bool>(), layers).prop_map(
-        |(name, shading, emission, normal, alpha, double_sided, layers)| Material {
+    let sides = any::<bool>();
+    (name(), shading(textures), emission, (map(), signed()), alpha, sides, layers, old).prop_map(
+        |(name, shading, emission, normal, alpha, double_sided, layers, strengths)| Material {
             name,
             shading,
             emissive: emission.0,
@@ -252,6 +263,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
             clearcoat: layers.0,
             sheen: layers.1,
             transmission: layers.2,
+            strengths,
         },
     )
 }

@@ -17,7 +17,6 @@ use crate::console::properties;
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
 use crate::report::Table;
-pub use setmat::Strengths;
 pub use table::PROPERTIES;
 use table::{NAMES, main_color, shading_name};
 
@@ -38,9 +37,10 @@ pub const TABLE: &[Command] = &[
         takes: &[Takes::Material, Takes::Word(&NAMES)],
         summary: "Change properties of a material, or print them",
         details: "Of all: emission R G B (cd/m2), double_sided, normal_scale, clearcoat, clearcoat_roughness, sheen R G B, \
-                  sheen_roughness, transmission, shading (metallic_roughness, phong or unlit, which keeps the colour). \
+                  sheen_roughness, transmission, strengths (seven numbers for the look vxct, which any other change of the surface ends), \
+                  shading (metallic_roughness, phong or unlit, which keeps the colour). \
                   Metallic-roughness: base_color or albedo R G B [A], metallic, roughness, specular, specular_color R G B, \
-                  ior. Phong: diffuse R G B, opacity, specular R G B, shininess, ambient. Unlit: color R G B [A]. Colours \
+                  ior. Phong: diffuse R G B, opacity, specular R G B, shininess. Unlit: color R G B [A]. Colours \
                   are linear, 0 to 1, and multiply textures.",
         example: "material 'red wall' albedo 0.1 0.1 0.6 roughness 0.5",
         run: material,
@@ -95,6 +95,11 @@ fn material(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
     let original = console.explorer.original();
     if let Some(original) = original.and_then(|original| original.materials.get(number)) {
         bring_textures_back(&mut changed, original);
+    }
+    // What the look of VXCT shows has to follow.
+    let is_other = changed.shading != material.shading || changed.emissive != material.emissive;
+    if is_other && changed.strengths == material.strengths {
+        changed.strengths = None;
     }
     console.explorer.edit_material(number, |material| *material = changed);
     Ok(Reply::default())

@@ -1,67 +1,45 @@
 //! `setmat`: VXCT's names for what a Phong material is made of.
 
 use glam::Vec3;
-use lumivox_scene::{Phong, Shading};
+use lumivox_scene::{Material, Phong, Shading, Strengths};
 
 use super::MATERIALS;
-use super::table::{MOST_AMBIENT, phong};
+use super::table::phong;
 use crate::console::arguments::{choice, number_of, vector};
 use crate::console::command::{Command, MANY, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
+
+const PROPERTIES: [&str; 5] = ["shininess", "specular_str", "diffuse_str", "ambient_str", "color"];
+
+/// VXCT has no limits; these leave room for sums.
+const ANY: std::ops::RangeInclusive<f32> = -1e12..=1e12;
 
 /// Its place in the table.
 pub const SETMAT: Command = Command {
     name: "setmat",
     usage: "NAME PROPERTY VALUE...",
     count: (3, MANY),
-    takes: &[
-        Takes::Object,
-        Takes::Word(&["shininess", "specular_str", "diffuse_str", "ambient_str", "color"]),
-    ],
+    takes: &[Takes::Object, Takes::Word(&PROPERTIES)],
     summary: "Change a property of an object's Phong material by VXCT's names",
-    details: "shininess (1 to 1000000), specular_str, diffuse_str, ambient_str (0 to 1), color R G B (0 to 1). NAME is \
-              an object or else a material; all objects of the material change. diffuse_str is the share of the colour \
-              that the material had when it was opened. Other materials become Phong's by `material NAME shading phong`.",
+    details: "shininess, specular_str, diffuse_str, ambient_str, color R G B: any numbers. NAME is an object or else a \
+              material; all objects of the material change. The physical look takes the surface that comes nearest. Other \
+              materials become Phong's by `material NAME shading phong`.",
     example: "setmat Floor color 0.2 0.4 0.8",
-    vxct: Some(
-        "no more than its name is known of VXCT's; the properties are those of its scene files",
-    ),
+    vxct: Some("takes colours, too"),
     run: setmat,
     ..MATERIALS
 };
 
-/// What `setmat` has set of a material: a colour without a diffuse part is still there once it has one again.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strengths {
-    color: Vec3,
-    diffuse: f32,
-    ambient: f32,
-}
-
-impl Strengths {
-    /// Those of a material: what was set before, unless it was changed otherwise since.
-    fn of(phong: &Phong, before: Option<&Self>) -> Self {
-        let fits = |before: &&Self| before.diffuse_color() == phong.diffuse;
-        let Some(before) = before.filter(fits) else {
-            return Self { color: phong.diffuse, diffuse: 1.0, ambient: phong.ambient };
-        };
-        // To the bit: it was computed so, and has not changed since.
-        if before.ambient_share().to_bits() == phong.ambient.to_bits() {
-            return *before;
-        }
-        let share = if before.diffuse > 0.0 { before.diffuse } else { 1.0 };
-        Self { ambient: phong.ambient * share, ..*before }
-    }
-
-    fn diffuse_color(&self) -> Vec3 {
-        self.color * self.diffuse
-    }
-
-    /// As the loader of VXCT's files has it: ambient light is a share of the diffuse part.
-    fn ambient_share(&self) -> f32 {
-        if self.diffuse > 0.0 { self.ambient / self.diffuse } else { self.ambient }
-    }
+/// The strengths of a material: its own, or those that look like it.
+fn strengths_of(material: &Material) -> Option<Strengths> {
+    let of_phong = |phong: &Phong| Strengths {
+        color: phong.diffuse,
+        specular: 0.5 * (phong.shininess + 2.0) * phong.specular.max_element(),
+        shininess: phong.shininess,
+        ..Strengths::default()
+    };
+    material.strengths.or_else(|| phong(material).map(of_phong))
 }
 
 fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
@@ -79,45 +57,39 @@ fn setmat(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let scene = console.explorer.scene().ok_or_else(nothing_to_show)?;
     let material = scene.materials.get(number).ok_or_else(nothing_to_show)?;
     let called = console.explorer.material_names().into_iter().nth(number).unwrap_or_default();
-    let Some(mut changed) = phong(material).copied() else {
+    let Some(mut strengths) = strengths_of(material) else {
         return Err(Failure::input(format!(
             "the material of \"{name}\" is no Phong material; `material '{called}' roughness 0.5` and the like change it, \
              `material '{called}' shading phong` makes it one"
         ))
         .into());
     };
-    let mut strengths = Strengths::of(&changed, console.strengths.get(&number));
-    // As the loader of VXCT's files has it: the lobe is normalized.
-    let peak = |shininess: f32| 0.5 * (shininess + 2.0);
-    let one = |what: &str| number_of(value, what, 0.0..=1.0);
-    let properties = ["shininess", "specular_str", "diffuse_str", "ambient_str", "color"];
-    match choice(property, "the property", &properties)? {
-        "shininess" => {
-            let shininess = number_of(value, property, 1.0..=1e6)?;
-            let strength = changed.specular * peak(changed.shininess);
-            changed.specular = (strength / peak(shininess)).min(Vec3::ONE);
-            changed.shininess = shininess;
-        }
-        "specular_str" => {
-            changed.specular = Vec3::splat((one(property)? / peak(changed.shininess)).min(1.0));
-        }
-        "diffuse_str" => strengths.diffuse = one(property)?,
-        "ambient_str" => strengths.ambient = one(property)?,
-        _ => strengths.color = vector(value, property, 0.0..=1.0)?,
+    match choice(property, "the property", &PROPERTIES)? {
+        "shininess" => strengths.shininess = number_of(value, property, ANY)?,
+        "specular_str" => strengths.specular = number_of(value, property, ANY)?,
+        "diffuse_str" => strengths.diffuse = number_of(value, property, ANY)?,
+        "ambient_str" => strengths.ambient = number_of(value, property, ANY)?,
+        _ => strengths.color = vector(value, property, ANY)?,
     }
-    if !matches!(property, "shininess" | "specular_str") {
-        changed.diffuse = strengths.diffuse_color();
-        changed.ambient = strengths.ambient_share();
-        if changed.ambient > MOST_AMBIENT {
-            return Err(Failure::input(format!(
-                "{property}: the ambient part would be more than {MOST_AMBIENT} times the diffuse one; `setmat {} ambient_str 0` \
-                 leaves it out",
-                crate::console::line::quote(name)
-            ))
-            .into());
-        }
-    }
-    console.strengths.insert(number, strengths);
-    console.explorer.edit_material(number, |material| material.shading = Shading::Phong(changed));
+    console.explorer.edit_material(number, |material| {
+        set_strengths(material, strengths);
+    });
     Ok(Reply::default())
+}
+
+/// Gives a material strengths, and the surface that comes nearest to them.
+pub fn set_strengths(material: &mut Material, strengths: Strengths) {
+    material.strengths = Some(strengths);
+    if material.emissive == Vec3::ZERO {
+        let textures = phong(material).map(|p| (p.diffuse_texture, p.specular_texture, p.opacity));
+        let (diffuse_texture, specular_texture, opacity) = textures.unwrap_or((None, None, 1.0));
+        material.shading = Shading::Phong(Phong {
+            diffuse_texture,
+            specular_texture,
+            opacity,
+            ..strengths.to_phong()
+        });
+    } else {
+        material.emissive = strengths.color.max(Vec3::ZERO);
+    }
 }

@@ -1,19 +1,16 @@
 //! What of a material can be read and set by name.
 
-use glam::Vec4;
-use lumivox_scene::{Material, MetallicRoughness, Phong, Shading, Unlit};
+use glam::{Vec3, Vec4};
+use lumivox_scene::{Material, MetallicRoughness, Phong, Shading, Strengths, Unlit};
 
 use crate::console::arguments::{
-    choice, color, number, number_of, on_or_off, spaces, switch, vector,
+    choice, color, number, number_of, on_or_off, spaces, switch, vector, wrong,
 };
 use crate::console::properties::{Property, first, names};
 use crate::exit::Failure;
 
 /// The most radiance, cd/m2: as of the command line.
 const BRIGHTEST: f32 = 1e10;
-
-/// The most ambient light, as a share of the diffuse colour.
-pub const MOST_AMBIENT: f32 = 1e6;
 
 type P = Property<Material>;
 
@@ -160,16 +157,6 @@ pub const PROPERTIES: &[P] = &[
         set: |m, words| set!(Phong, m, shininess = number(first(words), "shininess", 0.0..=1e6)?),
     },
     P {
-        name: "ambient",
-        aliases: &[],
-        count: 1,
-        is: "a number from 0 to 1000000",
-        get: |m| phong(m).map(|p| p.ambient.to_string()),
-        set: |m, words| {
-            set!(Phong, m, ambient = number(first(words), "ambient", 0.0..=MOST_AMBIENT)?)
-        },
-    },
-    P {
         name: "color",
         aliases: &[],
         count: 4,
@@ -268,7 +255,48 @@ pub const PROPERTIES: &[P] = &[
             Ok(())
         },
     },
+    P {
+        name: "strengths",
+        aliases: &[],
+        count: 7,
+        is: "seven numbers, VXCT's color R G B, ambient_str, diffuse_str, specular_str and shininess, or none",
+        get: |m| {
+            Some(m.strengths.map_or("none".to_owned(), |s| {
+                format!(
+                    "{} {} {} {} {}",
+                    spaces(s.color),
+                    s.ambient,
+                    s.diffuse,
+                    s.specular,
+                    s.shininess
+                )
+            }))
+        },
+        set: set_strengths,
+    },
 ];
+
+/// They say how VXCT's look shows the surface, and nothing of the physical one: what is set of that ends them.
+fn set_strengths(material: &mut Material, words: &[&str]) -> Result<(), Failure> {
+    if words == ["none"] {
+        material.strengths = None;
+        return Ok(());
+    }
+    let parts: Vec<&str> = words.iter().flat_map(|word| word.split(',')).collect();
+    let &[r, g, b, ambient, diffuse, specular, shininess] = parts.as_slice() else {
+        return Err(wrong("strengths", "seven numbers, or none", &words.join(" ")));
+    };
+    let any = |word: &str| number(word, "a strength", -1e12..=1e12);
+    material.strengths = Some(Strengths {
+        color: Vec3::new(any(r)?, any(g)?, any(b)?),
+        ambient: any(ambient)?,
+        diffuse: any(diffuse)?,
+        specular: any(specular)?,
+        shininess: any(shininess)?,
+        is_rounded: material.strengths.is_some_and(|strengths| strengths.is_rounded),
+    });
+    Ok(())
+}
 
 pub fn shading_name(material: &Material) -> &'static str {
     match material.shading {

@@ -60,8 +60,12 @@ impl Loader<'_> {
             }
             gltf::material::AlphaMode::Blend => AlphaMode::Blend,
         };
-        let plain =
-            Material { alpha, double_sided: material.double_sided(), ..Material::default() };
+        let plain = Material {
+            alpha,
+            double_sided: material.double_sided(),
+            strengths: extras::strengths(material.extras()),
+            ..Material::default()
+        };
         // What is unlit says nothing of light; the rest of its material is for programs that do not
         // know the extension (`KHR_materials_unlit`).
         if material.unlit() {

@@ -7,6 +7,7 @@ use glam::{Mat4, Quat, Vec3};
 
 use crate::{
     Attenuation, Bounds, Instance, LightKind, LoadOptions, Phong, Scene, SceneError, Shading,
+    Strengths,
 };
 
 /// Two objects, the first a triangle with a colour at a vertex.
@@ -54,7 +55,7 @@ fn a_model_has_defaults() {
     assert_eq!(warnings, [""; 0]);
     let instance = Instance { name: "model 1".to_owned(), ..Instance::default() };
     assert_eq!(scene.instances, [instance]);
-    assert_eq!(scene.bounds(), Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE });
+    assert_eq!(scene.bounds(), Bounds { min: Vec3::splat(-0.5), max: Vec3::splat(0.5) });
     assert_eq!(scene.triangle_count(), 12);
     assert!(scene.materials[0].double_sided);
     assert_eq!(scene.materials[0].emissive, Vec3::ZERO);
@@ -62,10 +63,11 @@ fn a_model_has_defaults() {
         diffuse: Vec3::splat(0.85),
         specular: Vec3::splat(2.0 * 0.5 / 34.0),
         shininess: 32.0,
-        ambient: 0.08,
         ..Phong::default()
     };
     assert_eq!(phong(&scene), expected);
+    let strengths = Strengths { is_rounded: true, ..Strengths::default() };
+    assert_eq!(scene.materials[0].strengths, Some(strengths));
     // The cube is flat: each normal lies along an axis.
     assert!(scene.meshes[0].normals.iter().all(|n| n.abs().max_element() == 1.0));
 }
@@ -355,16 +357,19 @@ fn strengths_become_reflectances() {
     // The peak of the normalised lobe under the irradiance pi L is what VXCT adds.
     let peak = surface.specular * (surface.shininess + 2.0) / (2.0 * PI) * PI;
     assert!(peak.abs_diff_eq(Vec3::splat(0.25), 1e-6), "{peak}");
-    // ambient_str * colour
-    assert!((surface.ambient * surface.diffuse).abs_diff_eq(Vec3::new(0.1, 0.05, 0.0), 1e-7));
 
     let (scene, warnings) = cube(
         "material { shininess = -1 specular_str = 3 diffuse_str = -0.5 ambient_str = -1 color { r = -1 g = 1 b = 1 } }",
     );
     let surface = phong(&scene);
-    assert_eq!((surface.shininess, surface.ambient), (0.0, 0.0));
+    assert_eq!(surface.shininess.to_bits(), 0);
     assert_eq!((surface.diffuse, surface.specular), (Vec3::ZERO, Vec3::ONE));
-    assert_eq!(warnings.len(), 5, "{warnings:?}");
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    // The look of VXCT gets all of it as it is.
+    let strengths = scene.materials[0].strengths.unwrap();
+    assert_eq!(strengths.color, Vec3::new(-1.0, 1.0, 1.0));
+    let numbers = [strengths.ambient, strengths.diffuse, strengths.specular, strengths.shininess];
+    assert_eq!(numbers, [-1.0, -0.5, 3.0, -1.0]);
 }
 
 #[test]

@@ -1,0 +1,266 @@
+//! A scene as the shaders of the look read it.
+
+use std::f32::consts::PI;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use lumivox::gpu::{Buffer, upload};
+use lumivox_scene::{Attenuation, Bounds, Environment, Light, LightKind, Material, Scene};
+
+use super::display::{has_display_values, share_of_lamps, vxct_display};
+use crate::Gpu;
+use crate::upload::{Attributes, GpuScene, Lighting};
+
+/// `VXCT_OF_OTHERS`: a material that is not VXCT's.
+pub(super) const OF_OTHERS: u32 = 0;
+/// `VXCT_OF_STRENGTHS`: one that is.
+pub(super) const OF_STRENGTHS: u32 = 1;
+/// `VXCT_OF_EMITTER`: one that shows its colour whatever the light.
+pub(super) const OF_EMITTER: u32 = 2;
+
+/// What VXCT shows where nothing is, in display values, and what looks the same in linear light.
+const BACKGROUND: [f32; 2] = [0.1, 0.01];
+
+/// `VxctDraw` of `material.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct VxctDraw {
+    pub(crate) color: Vec3,
+    pub(crate) ambient: f32,
+    pub(crate) diffuse: f32,
+    pub(crate) specular: f32,
+    pub(crate) shininess: f32,
+    pub(crate) kind: u32,
+    pub(crate) first_index: u32,
+    pub(crate) base_vertex: i32,
+    pub(crate) first_triangle: u32,
+    pub(crate) attribute_words: u32,
+    pub(crate) is_rounded: u32,
+    pub(crate) is_voxelized: u32,
+    padding: [u32; 2],
+}
+
+/// `VxctLight` of `lights.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct VxctLight {
+    pub(crate) position: Vec3,
+    pub(crate) is_parallel: u32,
+    pub(crate) color: Vec3,
+    pub(crate) spot_scale: f32,
+    pub(crate) spot_direction: Vec3,
+    pub(crate) spot_offset: f32,
+    pub(crate) attenuation: Vec3,
+    padding: u32,
+}
+
+/// A scene, as far as the look goes beyond what is on the GPU already.
+#[derive(Clone, Debug)]
+pub(super) struct Records {
+    /// Of the scene's materials.
+    materials: Vec<VxctDraw>,
+    lighting: Lighting,
+    has_display_values: bool,
+    /// The middle of the cube, and half of its edge.
+    pub(super) center: Vec3,
+    pub(super) unit_m: f32,
+    /// The radiance that is shown as 1, cd/m².
+    pub(super) white: f32,
+}
+
+impl Records {
+    /// Of a scene within `bounds`.
+    pub(super) fn new(scene: &Scene, bounds: Bounds) -> Self {
+        let mut records = Self {
+            materials: scene.materials.iter().map(of_material).collect(),
+            lighting: Lighting::of(scene),
+            has_display_values: has_display_values(scene),
+            center: Vec3::ZERO,
+            unit_m: 1.0,
+            white: vxct_display(scene).white,
+        };
+        records.set_bounds(bounds);
+        records
+    }
+
+    /// Takes another box: its middle, and its longest edge, are the cube's.
+    pub(super) fn set_bounds(&mut self, bounds: Bounds) {
+        self.center = 0.5 * (bounds.min + bounds.max);
+        self.unit_m = 0.5 * bounds.size().max_element();
+    }
+
+    /// Takes other lights and surroundings.
+    pub(super) fn set_lights(&mut self, scene: &Scene) {
+        self.lighting = Lighting::of(scene);
+        self.has_display_values = has_display_values(scene);
+        self.white = vxct_display(scene).white;
+    }
+
+    pub(super) fn light_count(&self) -> u32 {
+        self.lighting.lights.len() as u32 + u32::from(self.needs_sky())
+    }
+
+    /// What is seen where nothing is drawn, as a share of white.
+    pub(super) fn background(&self) -> Vec3 {
+        Vec3::splat(BACKGROUND[usize::from(!self.has_display_values)])
+    }
+
+    /// Whether the surroundings are to be seen.
+    pub(super) fn has_environment(&self) -> bool {
+        self.lighting.environment.radiance != Vec3::ZERO
+    }
+
+    /// Whether it would be black: no lamp shines, and the cones do not look at the surroundings.
+    fn needs_sky(&self) -> bool {
+        self.lighting.lights.is_empty() && !self.has_display_values && self.has_environment()
+    }
+
+    /// The records of a scene's draws, and of its lights.
+    pub(super) fn upload(&self, gpu: &Gpu, scene: &GpuScene) -> [Buffer; 2] {
+        let mut first_triangle = 0;
+        let draws: Vec<VxctDraw> = scene
+            .draws
+            .iter()
+            .map(|draw| {
+                let record = VxctDraw {
+                    first_index: draw.indices.start,
+                    base_vertex: draw.base_vertex,
+                    first_triangle,
+                    attribute_words: match scene.batches[draw.batch].kind {
+                        Attributes::Texcoords => 2,
+                        Attributes::All => 6,
+                    },
+                    is_voxelized: u32::from(draw.is_voxelized),
+                    ..self.materials[draw.material]
+                };
+                first_triangle += draw.indices.len() as u32 / 3;
+                record
+            })
+            .collect();
+        let of_scene = self.lighting.lights.iter().map(|light| self.of_light(light));
+        let sky = self.needs_sky().then(|| self.of_sky(&self.lighting.environment));
+        let lights: Vec<VxctLight> = of_scene.chain(sky).collect();
+        [upload_some(gpu, "VXCT's draws", &draws), upload_some(gpu, "VXCT's lights", &lights)]
+    }
+
+    fn of_light(&self, light: &Light) -> VxctLight {
+        let (strength, polynomial) = match (light.kind, light.attenuation) {
+            (LightKind::Directional { illuminance_lux, .. }, _) => (illuminance_lux, Vec3::X),
+            (
+                LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. },
+                given,
+            ) => match given {
+                Some(given) => {
+                    let Attenuation { constant, linear, quadratic } = given;
+                    let (l, q) = (linear * self.unit_m, quadratic * self.unit_m * self.unit_m);
+                    (intensity_cd / given.at(1.0), Vec3::new(constant, l, q))
+                }
+                None => {
+                    let Attenuation { constant, linear, quadratic } = Attenuation::default();
+                    let share = share_of_lamps(self.unit_m);
+                    (intensity_cd * share, Vec3::new(constant, linear, quadratic))
+                }
+            },
+        };
+        let is_parallel = matches!(light.kind, LightKind::Directional { .. });
+        let (spot_scale, spot_offset) = match light.kind {
+            LightKind::Spot { inner_angle_rad, outer_angle_rad, .. } => {
+                let (inner, outer) = (inner_angle_rad.cos(), outer_angle_rad.cos());
+                let scale = 1.0 / (inner - outer).max(1e-3);
+                (scale, -outer * scale)
+            }
+            _ => (0.0, 1.0),
+        };
+        VxctLight {
+            position: if is_parallel {
+                -light.direction
+            } else {
+                (light.position - self.center) / self.unit_m
+            },
+            is_parallel: u32::from(is_parallel),
+            color: light.color * (strength / PI / self.white),
+            spot_scale,
+            spot_direction: light.direction,
+            spot_offset,
+            attenuation: polynomial,
+            padding: 0,
+        }
+    }
+
+    /// As a light from above.
+    fn of_sky(&self, environment: &Environment) -> VxctLight {
+        VxctLight {
+            position: Vec3::Y,
+            is_parallel: 1,
+            color: mean_radiance(environment) / self.white,
+            spot_scale: 0.0,
+            spot_direction: Vec3::NEG_Y,
+            spot_offset: 1.0,
+            attenuation: Vec3::X,
+            padding: 0,
+        }
+    }
+}
+
+/// Over all directions, cd/m².
+fn mean_radiance(environment: &Environment) -> Vec3 {
+    let Some(map) = &environment.map else { return environment.radiance };
+    let mut sum = [0.0_f64; 3];
+    let mut weights = 0.0;
+    for (row, texels) in map.rgb.chunks_exact(map.width as usize).enumerate() {
+        let weight = ((row as f64 + 0.5) / f64::from(map.height) * std::f64::consts::PI).sin();
+        for texel in texels {
+            for (sum, channel) in sum.iter_mut().zip(texel) {
+                *sum += weight * f64::from(*channel);
+            }
+        }
+        weights += weight * f64::from(map.width);
+    }
+    environment.radiance * Vec3::from_array(sum.map(|sum| (sum / weights.max(1e-30)) as f32))
+}
+
+fn of_material(material: &Material) -> VxctDraw {
+    let Some(strengths) = material.strengths else { return VxctDraw::zeroed() };
+    let emits = material.emissive != Vec3::ZERO;
+    VxctDraw {
+        color: strengths.color,
+        ambient: strengths.ambient,
+        diffuse: strengths.diffuse,
+        specular: strengths.specular,
+        shininess: strengths.shininess,
+        kind: if emits { OF_EMITTER } else { OF_STRENGTHS },
+        is_rounded: u32::from(strengths.is_rounded),
+        ..VxctDraw::zeroed()
+    }
+}
+
+/// No binding may be empty.
+fn upload_some<T: Pod>(gpu: &Gpu, label: &str, records: &[T]) -> Buffer {
+    let nothing = [T::zeroed()];
+    upload(&gpu.device, label, if records.is_empty() { &nothing } else { records })
+}
+
+/// Which sides of a draw are seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Sides {
+    /// Those whose corners run counter-clockwise.
+    Front,
+    /// Those whose corners run clockwise.
+    Back,
+    /// Both.
+    Both,
+}
+
+impl Records {
+    /// VXCT shows one side of its materials, whatever the physical look does; what its matrix mirrors, it shows from
+    /// within.
+    pub(super) fn sides(&self, scene: &GpuScene, draw: usize) -> Sides {
+        let draw = &scene.draws[draw];
+        let is_own = self.materials[draw.material].kind != OF_OTHERS;
+        match (is_own, scene.materials[draw.material].is_double_sided) {
+            (true, _) if draw.is_mirrored => Sides::Back,
+            (true, _) | (false, false) => Sides::Front,
+            (false, true) => Sides::Both,
+        }
+    }
+}
