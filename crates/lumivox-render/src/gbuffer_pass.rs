@@ -37,9 +37,12 @@ use crate::raster::{self, RasterPipeline};
 use crate::textures::ScreenTextures;
 use crate::upload::{Attributes, GpuMaterial, GpuScene, SceneDraw};
 
+/// That of the normals.
+pub(crate) const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
 /// Formats of the colour targets, in the order of their locations.
 const FORMATS: [wgpu::TextureFormat; 4] = [
-    wgpu::TextureFormat::Rgba16Float,
+    NORMALS_FORMAT,
     wgpu::TextureFormat::Rgba8UnormSrgb,
     wgpu::TextureFormat::Rgba8UnormSrgb,
     wgpu::TextureFormat::Rgba16Float,
@@ -91,7 +94,7 @@ pub struct GBufferPass {
 #[derive(Debug)]
 pub struct GBufferTargets {
     pub(crate) depth: TextureView,
-    normals: TextureView,
+    pub(crate) normals: TextureView,
     diffuse: TextureView,
     specular: TextureView,
     emission: TextureView,

@@ -89,7 +89,7 @@ impl Renderer {
             scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
         });
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
-        validate_level(settings.voxel_level, &grid)?;
+        validate_level(&settings, &grid)?;
         let mut times = Times::default();
 
         progress(Progress { stage: "upload", done: 0, total: 1 });
@@ -237,7 +237,7 @@ impl Renderer {
     async fn draw_frame(&mut self, is_kept: bool) -> Result<(), RenderError> {
         self.prepare_view().await?;
         let frame = self.frame_count();
-        let Self { settings, camera, scene, gi, lights, passes, targets, vxct, .. } = self;
+        let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
         let jitter = gbuffer_pass::jitter(frame, settings.frames);
         let clip_from_world = gbuffer_pass::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
@@ -246,12 +246,8 @@ impl Renderer {
 
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
-        if let Some(look) = settings.vxct().filter(|_| settings.shows_vxct()) {
-            let (shown, level) = (settings.view, settings.voxel_level);
-            let gbuffer = &targets.gbuffer;
-            let view = &view;
-            let frame = VxctFrame { scene, lights, gbuffer, targets, view, shown, level };
-            vxct.record(&self.gpu, &mut recorder, &frame, look);
+        if settings.shows_vxct() {
+            self.record_vxct(&mut recorder, &view);
         } else if settings.view.is_of_voxels() {
             recorder.stage("voxel view");
             targets.voxel_view.record(
@@ -289,11 +285,21 @@ impl Renderer {
         }
         if is_kept {
             recorder.stage("picture");
-            targets.accumulate.record(&mut recorder);
+            self.targets.accumulate.record(&mut recorder);
             self.record_overlay(&mut recorder, &view)?;
         }
         self.times.add(recorder.finish().await?);
         self.gpu.check("rendering a frame")
+    }
+
+    /// Makes a picture in the look of VXCT, and the depths and normals of what it shows.
+    fn record_vxct(&mut self, recorder: &mut Recorder, view: &lumivox::View) {
+        let Self { gpu, settings, scene, lights, targets, vxct, .. } = self;
+        let Some(look) = settings.vxct() else { return };
+        let (shown, level) = (settings.view, settings.voxel_level);
+        let gbuffer = &targets.gbuffer;
+        let frame = VxctFrame { scene, lights, gbuffer, targets, view, shown, level };
+        vxct.record(gpu, recorder, &frame, look);
     }
 
     /// Compiles what the view and the look need and no frame before did.
@@ -382,13 +388,14 @@ fn validate(settings: &RenderSettings, gpu: &Gpu) -> Result<(), RenderError> {
     Ok(())
 }
 
-fn validate_level(level: u32, grid: &Grid) -> Result<(), RenderError> {
-    if level < grid.levels {
+fn validate_level(settings: &RenderSettings, grid: &Grid) -> Result<(), RenderError> {
+    let last = settings.last_level(grid);
+    if settings.voxel_level <= last {
         return Ok(());
     }
     Err(RenderError::Setting {
         name: "voxel level",
-        value: level.to_string(),
-        expected: format!("from 0 to {}", grid.levels - 1),
+        value: settings.voxel_level.to_string(),
+        expected: format!("from 0 to {last}"),
     })
 }

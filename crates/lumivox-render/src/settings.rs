@@ -348,6 +348,13 @@ impl RenderSettings {
         self.vxct().is_some() && !self.view.needs_octree()
     }
 
+    /// The coarsest level of voxels that can be shown, of a grid with so many of them. VXCT's look has its own, up to 6 at
+    /// any resolution; where there are fewer the last is shown.
+    pub fn last_level(&self, grid: &Grid) -> u32 {
+        let last = grid.levels - 1;
+        if self.shows_vxct() { last.max(crate::vxct::LAST_LEVEL) } else { last }
+    }
+
     /// Whether the volume is looked at, and has to have light.
     pub(crate) fn lights_volume(&self) -> bool {
         !self.shows_vxct()

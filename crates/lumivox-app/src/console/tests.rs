@@ -156,7 +156,7 @@ fn words_are_completed_by_what_stands_there() {
     assert_eq!(completed("translate f"), (10, strings(&["floor", "fan"])));
     assert_eq!(completed("translate t"), (10, strings(&["'tall block'"])));
     assert_eq!(completed("translate 'tall b"), (10, strings(&["'tall block'"])));
-    assert_eq!(completed("translate floor "), (16, vec![]));
+    assert_eq!(completed("translate floor "), (16, strings(&["x", "y", "z"])));
     assert_eq!(completed("material i"), (9, strings(&["\"it's\""])));
     assert_eq!(completed("material red rough"), (13, strings(&["roughness"])));
     assert_eq!(completed("volume o"), (7, strings(&["octree"])));

@@ -59,6 +59,10 @@ impl Lines {
 
     /// Draws them, within a pass whose group 0 is bound.
     pub(super) fn draw(&self, pass: &mut RenderPass<'_>) {
+        if self.count == 0 {
+            // What stands in for no lines at all is shorter than one.
+            return;
+        }
         pass.set_pipeline(&self.pipeline);
         pass.bind(1, &self.group);
         pass.draw(0..6 * self.count, 0..1);

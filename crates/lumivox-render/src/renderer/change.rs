@@ -74,7 +74,7 @@ impl Renderer {
         validate(&settings, &self.gpu)?;
         let bounds = settings.grid_bounds.unwrap_or(self.scene_bounds);
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
-        validate_level(settings.voxel_level, &grid)?;
+        validate_level(&settings, &grid)?;
         let redo = Redo::between(&self.settings, &settings, grid == *self.gi.grid());
         if redo.volume {
             let mut gi = global_illumination(&self.gpu, settings.gi_config(grid)).await?;
@@ -252,8 +252,8 @@ impl Renderer {
     /// [`RenderError::Setting`] when there is no such level, or when the volume does not have what is to be
     /// shown.
     pub fn set_view(&mut self, view: View, voxel_level: u32) -> Result<(), RenderError> {
-        validate_level(voxel_level, self.gi.grid())?;
         let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
+        validate_level(&settings, self.gi.grid())?;
         settings.validate(&self.gpu.device.limits())?;
         let was = std::mem::replace(&mut self.settings, settings);
         let was_lit = was.lights_volume() && was.voxel_bounces() == self.settings.voxel_bounces();

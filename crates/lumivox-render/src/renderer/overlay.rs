@@ -103,7 +103,12 @@ impl Renderer {
         }
     }
 
-    fn record_surfaces(&self, recorder: &mut Recorder, view: (&View, Vec2)) {
+    fn record_surfaces(&mut self, recorder: &mut Recorder, view: (&View, Vec2)) {
+        if self.settings.shows_vxct() && !self.settings.view.is_of_voxels() {
+            // It sees other sides of them. The picture's mean has no part in it.
+            self.record_vxct(recorder, view.0);
+            return;
+        }
         recorder.stage("G-buffer");
         self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, view);
     }
@@ -129,6 +134,7 @@ impl Renderer {
         let mut overlay = settings.overlay.clone();
         // Voxels are no surfaces.
         overlay.hides_surfaces &= !settings.view.is_of_voxels();
-        Shown { overlay, voxel_level: settings.voxel_level }
+        let voxel_level = settings.voxel_level.min(self.gi.grid().levels - 1);
+        Shown { overlay, voxel_level }
     }
 }

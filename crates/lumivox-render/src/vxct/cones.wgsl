@@ -1,13 +1,11 @@
 // VXCT's three cones, step by step as it takes them.
 
-import package::constants::{VXCT_FRONT, VXCT_INTERMEDIATE, VXCT_SIDES};
+import package::constants::{VXCT_FRONT, VXCT_INTERMEDIATE, VXCT_LAST_LEVEL, VXCT_SIDES};
 import package::render::vxct::uniform::{has, settings, VxctCone};
 
 @group(3) @binding(0) var voxels: texture_3d<f32>;
 @group(3) @binding(1) var voxels_sampler: sampler;
 
-// The coarsest level, at any resolution.
-const LAST_LEVEL: f32 = 6.0;
 // How far diffuse and specular cones reach.
 const REACH: f32 = 1.0;
 // The opacity at which a diffuse cone has met something.
@@ -22,7 +20,7 @@ fn sample_voxels(position: vec3f, level: f32) -> vec4f {
 }
 
 fn level_of(diameter: f32) -> f32 {
-    return clamp(log2(diameter * f32(settings.resolution)), 0.0, LAST_LEVEL);
+    return clamp(log2(diameter * f32(settings.resolution)), 0.0, f32(VXCT_LAST_LEVEL));
 }
 
 struct Traced {

@@ -9,8 +9,9 @@ import package::trace::gbuffer::{ray_direction, view};
 @group(1) @binding(0) var voxels: texture_3d<f32>;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
-// Width of a line in pixels.
-const LINE_WIDTH: f32 = 0.8;
+// Half the width of a line in pixels, but at most that share of a cell: where cells are small, holes stay.
+const HALF_WIDTH: f32 = 0.6;
+const WIDEST: f32 = 0.12;
 
 // How far a point of a face across an axis is from the nearest edge of its cell; at most 1/2.
 fn distance_to_edge(position: vec3f, axis: u32) -> f32 {
@@ -55,8 +56,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
                 let leave = walk.next[leave_axis];
                 let near = distance_to_edge(origin + walk.distance * direction, walk.axis);
                 let far = distance_to_edge(origin + leave * direction, leave_axis);
-                let width = LINE_WIDTH * slope;
-                is_met = near < width * walk.distance || far < width * leave;
+                is_met = near < min(HALF_WIDTH * slope * walk.distance, WIDEST)
+                    || far < min(HALF_WIDTH * slope * leave, WIDEST);
             }
             if is_met {
                 let side = array<f32, 3>(0.75, 1.0, 0.6)[walk.axis];

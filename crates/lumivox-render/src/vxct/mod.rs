@@ -25,6 +25,7 @@ use lumivox::{GBuffer, Gi, Lights};
 use lumivox_scene::{Bounds, Scene};
 
 use crate::composite::PICTURE_FORMAT;
+use crate::gbuffer_pass::NORMALS_FORMAT;
 use crate::memory::MemoryUse;
 use crate::raster::{self, RasterPipeline};
 use crate::targets::Targets;
@@ -66,7 +67,8 @@ const SPECULAR_CONES: u32 = 512;
 const OCCLUSION_CONES: u32 = 1024;
 
 /// The constants that the shaders share with this folder.
-pub(crate) const CONSTANTS: [(&str, u32); 14] = [
+pub(crate) const CONSTANTS: [(&str, u32); 15] = [
+    ("VXCT_LAST_LEVEL", LAST_LEVEL),
     ("VXCT_INDIRECT", INDIRECT),
     ("VXCT_PHONG", PHONG),
     ("VXCT_AMBIENT", AMBIENT),
@@ -82,6 +84,9 @@ pub(crate) const CONSTANTS: [(&str, u32); 14] = [
     ("VXCT_OF_STRENGTHS", OF_STRENGTHS),
     ("VXCT_OF_EMITTER", OF_EMITTER),
 ];
+
+/// The coarsest level of the voxels, at any resolution.
+pub(crate) const LAST_LEVEL: u32 = 6;
 
 /// What is drawn into before the background is put behind it: display values, which half floats hold to 1/2000.
 const DRAWN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -422,7 +427,7 @@ impl Passes {
                 shader: &self.shader,
                 vertex: "main",
                 fragment: Some("fragment"),
-                targets: &[Some(target)],
+                targets: &[Some(target), Some(NORMALS_FORMAT.into())],
                 vertex_buffers: &[],
                 groups: &[look, &scene.material_layout, batch, &self.cones_layout],
                 cull_mode: match sides {
@@ -457,17 +462,20 @@ impl Passes {
         let drawn = self.drawn.get_or_insert_with(|| {
             ScreenTextures::new(&device, size).target("drawn", DRAWN_FORMAT)
         });
-        let color = wgpu::RenderPassColorAttachment {
-            view: drawn,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                store: wgpu::StoreOp::Store,
-            },
-        };
+        // What is drawn over the picture asks for depths and normals.
+        let colors = [&*drawn, &targets.gbuffer_textures.normals].map(|view| {
+            Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })
+        });
         let depth = raster::depth_attachment(&targets.gbuffer_textures.depth);
-        recorder.render("vxct::shade", &[Some(color)], Some(depth), |pass| {
+        recorder.render("vxct::shade", &colors, Some(depth), |pass| {
             pass.bind(0, look);
             pass.bind(3, &self.cones);
             for (number, draw) in scene.draws.iter().enumerate() {

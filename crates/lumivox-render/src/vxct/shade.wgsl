@@ -16,6 +16,7 @@ import package::render::vxct::lights::{arriving_light, vxct_lights, Arriving};
 import package::render::vxct::material::{material_of, vxct_draws, VxctMaterial};
 import package::render::vxct::uniform::{has, in_cube, settings};
 import package::render::vxct::vertex::corner_of;
+import package::trace::gbuffer::octahedral_encode;
 
 struct Fragment {
     @builtin(position) @invariant clip: vec4f,
@@ -210,8 +211,14 @@ fn shown_at(fragment: Fragment, samples: PointSamples, point: Point) -> vec4f {
     return vec4f(final_color(shaded), alpha);
 }
 
+struct Targets {
+    @location(0) shown: vec4f,
+    // As the G-buffer has them.
+    @location(1) normals: vec4f,
+}
+
 @fragment
-fn fragment(fragment: Fragment) -> @location(0) vec4f {
+fn fragment(fragment: Fragment) -> Targets {
     let point = Point(
         fragment.from_camera, fragment.normal, fragment.tangent, fragment.texcoords, fragment.color);
     let samples = sample_point(point);
@@ -223,5 +230,9 @@ fn fragment(fragment: Fragment) -> @location(0) vec4f {
     let is_data = settings.shown == VIEW_NORMAL || settings.shown == VIEW_DEPTH
         || settings.shown == VIEW_COST;
     // Display values end at 1.
-    return select(clamp(shown, vec4f(0.0), vec4f(1.0)), shown, vec4<bool>(is_data));
+    let frame = frame_at(point, samples);
+    return Targets(
+        select(clamp(shown, vec4f(0.0), vec4f(1.0)), shown, vec4<bool>(is_data)),
+        vec4f(octahedral_encode(frame.shading), octahedral_encode(frame.geometric)),
+    );
 }

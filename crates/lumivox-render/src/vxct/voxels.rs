@@ -6,13 +6,11 @@ use lumivox::gpu::{
     ShaderError, ShaderLibrary, Texture, TextureView, storage_buffer,
 };
 
-use super::Layouts;
+use super::{LAST_LEVEL, Layouts};
 use crate::upload::GpuScene;
 use crate::{Gpu, RenderError};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// VXCT has so many levels at any resolution.
-const MOST_LEVELS: u32 = 7;
 /// The picture that WebGPU wants to have; one byte a pixel, and never written.
 const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
@@ -47,7 +45,7 @@ impl Voxels {
     ) -> Result<Self, RenderError> {
         check(gpu, resolution)?;
         let device = &gpu.pipelines;
-        let levels = MOST_LEVELS.min(resolution.ilog2() + 1);
+        let levels = 1 + LAST_LEVEL.min(resolution.ilog2());
         let texture = Texture::new(
             device,
             &wgpu::TextureDescriptor {

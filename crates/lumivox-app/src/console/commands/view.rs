@@ -85,9 +85,9 @@ pub const TABLE: &[Command] = &[
         usage: "[LEVEL]",
         takes: &[Takes::Anything],
         summary: "Set the level of the voxels that are shown, or print it",
-        details: "0 is the finest; the setting `level`.",
+        details: "0 is the finest; the setting `level`. Look vxct: 0 to 6.",
         example: "lod 2",
-        vxct: Some("levels beyond the last are errors"),
+        vxct: Some(""),
         run: |console, arguments| super::parameters::run(console, "level", arguments),
         ..VIEW
     },

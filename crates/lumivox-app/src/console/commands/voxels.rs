@@ -120,11 +120,11 @@ pub fn check_level(explorer: &Explorer, settings: &RenderSettings) -> Result<(),
     let Some(scene) = explorer.scene() else { return Ok(()) };
     let bounds = settings.grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
     let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset);
-    let levels = grid.map_or(u32::MAX, |grid| grid.levels);
-    if settings.voxel_level < levels {
+    let most = grid.map_or(u32::MAX, |grid| settings.last_level(&grid));
+    if settings.voxel_level <= most {
         return Ok(());
     }
-    let (level, most, resolution) = (settings.voxel_level, levels - 1, settings.resolution);
+    let (level, resolution) = (settings.voxel_level, settings.resolution);
     Err(Failure::input(format!(
         "level is a whole number from 0 to {most} with {resolution} voxels; got {level} (`level 0` shows the finest)"
     )))

@@ -18,7 +18,7 @@ use crate::common::{folder, lumivox};
 use session::rehearse;
 
 /// The tests that tell a command by what it does.
-const SESSIONS: [fn(); 23] = [
+const SESSIONS: [fn(); 25] = [
     files::scenes_are_loaded_by_path_and_by_name,
     files::pictures_are_written_and_compared,
     files::animations_play,
@@ -42,6 +42,8 @@ const SESSIONS: [fn(); 23] = [
     view::parts_of_light_in_the_physical_look,
     vxct::switches,
     vxct::numbers,
+    vxct::a_script_of_its_own,
+    vxct::a_script_that_goes_on,
 ];
 
 /// A command is covered when a session gives it to the console, by each of its names.

@@ -12,8 +12,8 @@ pub fn surfaces_voxels_and_wires() {
     session.says("objsW", &["objsW on"]);
     let wires = session.changes("echo");
     session.equals("objsw off", start);
-    session.does("objsw on");
-    session.equals("objs on", start);
+    // Each switch is on or off by itself.
+    session.equals("objsW; overlayW; overlayW; objsW", start);
     let over = session.changes("overlayW on");
     session.changes("wireframe through");
     session.equals("overlayw off", start);
@@ -23,9 +23,13 @@ pub fn surfaces_voxels_and_wires() {
     session.says("lod", &["level 2"]);
     session.equals("lod 0", cubes);
     session.changes("voxsW on");
-    session.equals("voxsw off", start);
+    session.equals("voxsw off", cubes);
+    session.equals("voxs; voxsW; voxs; voxsW", cubes);
+    session.equals("voxs off", start);
     session.changes("loclod on");
-    session.changes("lod 1");
+    let coarse = session.changes("lod 1");
+    session.equals("iLight", coarse);
+    session.says("iLight", &["iLight on"]);
     session.equals("loclod off; lod 0", start);
     session.changes("iLight off");
     session.says("view", &["view direct"]);
@@ -35,6 +39,9 @@ pub fn surfaces_voxels_and_wires() {
     session.changes("show_grid off; ray 10 10");
     session.equals("ray off", start);
     session.says("ray 0,1,10 0,0.1,1", &["the ray hits nothing"]);
+    // Lines that are gone leave wires alone.
+    session.changes("overlayW; ray; ray off");
+    session.equals("overlayW", start);
     session.says("ray 0,0.5,0 0,-1,0", &["floor, ceiling, back wall"]);
     session.differs(nothing, wires);
     session.differs(wires, over);

@@ -28,11 +28,124 @@ pub fn switches() {
         ("specular_only", "all"),
         ("diffuse_only", "all"),
         ("iLight off", "iLight on"),
+        ("vdiff; vspec; phong", "all"),
     ] {
         session.changes(line);
         session.equals(back, start);
     }
     session.says("side_cones", &["side_cones on"]);
+    // The parts of light are switches of their own: one alone, and others added to it.
+    session.does("all; side_cones off; phong off; vspec off");
+    let both = session.changes("echo");
+    session.equals("shadows_only; vdiff", both);
+    session.does("all; vdiff; vspec; vshad");
+    let alone = session.picture();
+    session.equals("phong_only", alone);
+    session.finish();
+}
+
+/// A script in the words of VXCT's own documentation, from its start to its end: each command there and back.
+#[test]
+pub fn a_script_of_its_own() {
+    let mut session = session();
+    let start = session.picture();
+    let there_and_back = [
+        ("objs", "objs"),
+        ("objsW", "objsW"),
+        ("overlayW", "overlayW"),
+        ("pos1", "pos2"),
+        ("setmat LeftWall diffuse_str 0.4", "setmat LeftWall diffuse_str 1"),
+        ("setmat LeftWall ambient_str 1.5", "setmat LeftWall ambient_str 0.08"),
+        ("setmat TallBlock specular_str 105", "setmat TallBlock specular_str 0.4"),
+        ("translate TallBlock x 0.25", "translate TallBlock x -0.25"),
+        ("translate TallBlock y 0.25", "translate TallBlock y -0.25"),
+        ("translate TallBlock z 0.25", "translate TallBlock z -0.25"),
+        ("scale ShortBlock 2", "scale ShortBlock 0.5"),
+        ("toggle TallBlock", "toggle TallBlock"),
+        ("voxs", "voxs"),
+        ("loclod", "loclod"),
+        ("iLight", "iLight"),
+        ("phong", "phong"),
+        ("phong_ambient", "phong_ambient"),
+        ("phong_specular", "phong_specular"),
+        ("phong_diffuse", "phong_diffuse"),
+        ("front_cone", "front_cone"),
+        ("side_cones", "side_cones"),
+        ("intermediate_cones", "intermediate_cones"),
+        ("phong_only", "all"),
+        ("shadows_only", "all"),
+        ("specular_only", "all"),
+        ("diffuse_only", "all"),
+        ("vox_diffuse", "vdiff"),
+        ("vox_specular", "vspec"),
+        ("vox_shadows", "vshad"),
+        ("diffuse_dist_factor 1.5", "ddf 0.1"),
+        ("occlusion_dist_factor 1.5", "odf 0.35"),
+        ("specular_dist_factor 3", "sdf 0.8"),
+        ("diffuse_offset 0.5", "do 0.19"),
+        ("diffuse_origin_offset 0.3", "doo 0.05"),
+        ("occlusion_offset 0.5", "oo 0.08"),
+        ("specular_offset 0.6", "so 0.15"),
+        ("diffuse_aperture 1.2", "da 0.55"),
+        ("occlusion_aperture 1", "oa 0.4"),
+        ("specular_aperture 0.6", "sa 0.04"),
+        ("shadow_str 4", "ss 1.5"),
+        ("shininess_falloff 0.1", "sf 3"),
+    ];
+    session.does("pos2");
+    let home = session.changes("setmat LeftWall specular_str 1.5");
+    for (there, back) in there_and_back {
+        session.changes(there);
+        session.equals(back, home);
+    }
+    for (print, value) in [
+        ("diffuse_offset", "diffuse_offset 0.19"),
+        ("do", "diffuse_offset 0.19"),
+        ("so", "specular_offset 0.15"),
+        ("oo", "occlusion_offset 0.08"),
+    ] {
+        session.says(print, &[value]);
+    }
+    // A turn by 90 degrees and back leaves f32's last bits.
+    session.changes("rotate TallBlock y 45");
+    session.does("rotate TallBlock y -45");
+    let turned = session.picture();
+
+    // Levels, at any resolution, and wires that wait for their voxels.
+    let solid = session.changes("voxs");
+    session.changes("lod 6");
+    session.equals("lod 0", solid);
+    session.changes("voxsW");
+    session.equals("voxsW", solid);
+    session.equals("voxs", turned);
+    session.finish();
+}
+
+/// What takes time: voxels that follow or not, frames, their times, other scenes.
+#[test]
+pub fn a_script_that_goes_on() {
+    let mut session = session();
+    session.does("pos2");
+    session.picture();
+    session.does("vox");
+    // `vox_freq` says how often, `dynamic` whether.
+    session.does("vox_freq 1");
+    session.says("dynamic", &["dynamic on: revoxelize every 1"]);
+    session.says("dynamic", &["dynamic off"]);
+    session.says("sfMode", &["sfMode on"]);
+    session.says("sf", &["frame 1 of 1"]);
+    session.says("sfMode", &["sfMode off"]);
+    session.says("draw_block", &["draw_block"]);
+    session.does("clearf");
+    session.says("avgf", &[" ms, mean of "]);
+    session.says("lastframes 2", &["\n"]);
+    session.says("ray", &["normal"]);
+    session.does("ray off");
+    // Another scene, from the same place.
+    session.says("camera", &["at 0,0,1.8, looking along 0,0,-1"]);
+    session.changes("load gallery");
+    session.says("camera", &["at 0,0,1.8, looking along 0,0,-1"]);
+    session.does("quit");
     session.finish();
 }
 
