@@ -1,7 +1,7 @@
 //! What commands say: tables for people, structures for JSON.
 
-use lumivox::Grid;
 use lumivox::gpu::StageTime;
+use lumivox::{Grid, OctreeStats};
 use lumivox_render::{MemoryUse, describe};
 use lumivox_scene::Scene;
 use serde::Serialize;
@@ -165,6 +165,49 @@ impl SceneCounts {
             lights: scene.lights.len(),
             cameras: scene.cameras.len(),
         }
+    }
+}
+
+/// What an octree is made of.
+#[derive(Clone, Debug, Serialize)]
+pub struct OctreeReport {
+    /// Places for nodes: eight in each group.
+    pub nodes: u64,
+    /// Groups of eight, the root's included.
+    pub groups: u32,
+    /// Bricks of 3x3x3 texels.
+    pub bricks: u32,
+    /// Passes of the builder with locks; 0 with ranks.
+    pub lock_passes: u32,
+    /// Threads that it deferred in all of them together.
+    pub deferred: u64,
+}
+
+impl From<OctreeStats> for OctreeReport {
+    fn from(stats: OctreeStats) -> Self {
+        let OctreeStats { groups, bricks, lock_passes, deferred, .. } = stats;
+        Self { nodes: 8 * u64::from(groups), groups, bricks, lock_passes, deferred }
+    }
+}
+
+impl OctreeReport {
+    /// In a line.
+    pub fn line(&self) -> String {
+        let built = if self.lock_passes == 0 {
+            "by ranks".to_owned()
+        } else {
+            format!(
+                "by locks in {}, {} deferred",
+                counted(self.lock_passes as usize, "pass", "passes"),
+                counted(self.deferred as usize, "thread", "threads")
+            )
+        };
+        format!(
+            "octree   {} in {}, {}; built {built}",
+            counted(self.nodes as usize, "node", "nodes"),
+            counted(self.groups as usize, "group", "groups"),
+            counted(self.bricks as usize, "brick", "bricks")
+        )
     }
 }
 

@@ -281,7 +281,16 @@ impl Gi {
 
     /// Textures for [`Self::trace`] to write to.
     pub fn targets(&self, size: UVec2, resolution: TraceResolution) -> TraceTargets {
+        if resolution == TraceResolution::Half {
+            // Early, so that it is compiled with all else; tracing tells what is wrong.
+            let _ = self.prepare_half();
+        }
         self.tracer.targets(&self.device, size, resolution)
+    }
+
+    fn prepare_half(&self) -> Result<(), GiError> {
+        let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
+        self.tracer.prepare_half(&self.device, &self.shaders, layouts)
     }
 
     /// Binds the caller's G-buffer for [`Self::trace`].
@@ -303,6 +312,9 @@ impl Gi {
         targets: &TraceTargets,
     ) -> Result<(), GiError> {
         settings.validate()?;
+        if targets.resolution() == TraceResolution::Half {
+            self.prepare_half()?;
+        }
         targets.set(&self.queue, settings, self.config.grid.voxel_size_m, self.bounces);
         let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
         self.tracer.run(recorder, &bound, targets);

@@ -135,7 +135,7 @@ impl Row {
         resolution: u32,
         variant: &Variant,
     ) -> anyhow::Result<Self> {
-        let bounds = scene.bounds();
+        let bounds = scene.voxel_bounds();
         let grid = Grid::fit(bounds.min, bounds.max, resolution, Vec3::ZERO)?;
         let directionality =
             if args.isotropic { Directionality::Isotropic } else { Directionality::SixLobes };

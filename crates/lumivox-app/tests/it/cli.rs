@@ -304,3 +304,52 @@ fn the_voxels_can_be_seen() {
     assert_eq!(report["settings"]["isotropic"], true);
     assert_eq!(report["camera"]["name"], "framing");
 }
+
+#[test]
+fn voxels_tell_what_an_octree_is_made_of() {
+    let folder = folder();
+    let line = "voxels builtin:cornell --resolution 32 --volume octree --octree-builder";
+    let report = lumivox(folder.path(), &format!("{line} locks --json")).expect_ok().json();
+    let octree = |name: &str| report["octree"][name].as_u64().unwrap();
+    assert_eq!(octree("nodes"), 8 * octree("groups"));
+    assert!(octree("groups") > 100 && octree("bricks") > 100 && octree("lock_passes") > 0);
+    let ranked = lumivox(folder.path(), &format!("{line} ranks")).expect_ok().stdout;
+    assert!(ranked.contains(" bricks; built by ranks"), "{ranked}");
+    let dense = lumivox(folder.path(), "voxels builtin:cornell --resolution 32 --json").expect_ok();
+    assert!(dense.json()["octree"].is_null());
+}
+
+#[test]
+fn a_scene_without_models_has_no_infinite_bounds() {
+    let folder = folder();
+    fs::write(folder.path().join("a.scene"), "scene { }").unwrap();
+    let text = lumivox(folder.path(), "info a.scene").expect_ok().stdout;
+    assert!(text.contains("none: nothing is shown") && !text.contains("inf,"), "{text}");
+    let info = lumivox(folder.path(), "info a.scene --json").expect_ok().json();
+    assert!(info["bounds_min"].is_null() && info["bounds_max"].is_null());
+    let voxels = lumivox(folder.path(), "voxels a.scene");
+    assert!(voxels.code != 0 && !voxels.stderr.contains("inf"), "{}", voxels.stderr);
+}
+
+/// VXCT's parameters, and its way to name scenes.
+#[test]
+fn the_look_takes_its_parameters() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("scenes")).unwrap();
+    let text = "scene { model { primitive = cube } light { position { x = 1 y = 1 z = 2 } } }";
+    fs::write(folder.path().join("scenes/dice.txt"), text).unwrap();
+    let line = "render dice --size 32x18 --frames 1 --resolution 16 --preset vxct";
+    lumivox(folder.path(), &format!("{line} -o a.png")).expect_ok();
+    let other = "--vxct indirect_light=off --vxct front_cone=on";
+    lumivox(folder.path(), &format!("{line} -o b.png {other}")).expect_ok();
+    let read = |name| fs::read(folder.path().join(name)).unwrap();
+    assert_ne!(read("a.png"), read("b.png"));
+    for (options, needles) in [
+        ("--preset vxct --vxct shadow=2", "one of indirect_light, phong"),
+        ("--preset vxct --vxct shadow_str=99", "from 0 to 16"),
+        ("--preset fast --vxct shadow_str=2", "give --preset vxct"),
+    ] {
+        let run = lumivox(folder.path(), &format!("render dice {options} -o c.png"));
+        assert!(run.code != 0 && run.stderr.contains(needles), "{options}: {}", run.stderr);
+    }
+}

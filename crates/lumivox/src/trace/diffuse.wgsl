@@ -8,17 +8,15 @@ import package::trace::screen::{settings, traced_pixel, traced_size};
 @group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(2) var samples_out: texture_storage_2d<r32float, write>;
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) invocation: vec3u) {
-    if any(invocation.xy >= traced_size()) {
-        return;
-    }
-    let pixel = traced_pixel(invocation.xy);
+struct TracedDiffuse {
+    irradiance: vec4f,
+    samples: f32,
+}
+
+fn trace_diffuse(pixel: vec2u) -> TracedDiffuse {
     let surface = load_surface(pixel);
     if surface.depth <= 0.0 || settings.gathers == 0u {
-        textureStore(irradiance_out, invocation.xy, vec4f(0.0, 0.0, 0.0, 1.0));
-        textureStore(samples_out, invocation.xy, vec4f(0.0));
-        return;
+        return TracedDiffuse(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
     }
     let gathered = gather(
         surface.position_in_world,
@@ -29,6 +27,15 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         view.frame,
         settings.cones,
     );
-    textureStore(irradiance_out, invocation.xy, vec4f(gathered.irradiance, gathered.openness));
-    textureStore(samples_out, invocation.xy, vec4f(f32(gathered.samples), 0.0, 0.0, 0.0));
+    return TracedDiffuse(vec4f(gathered.irradiance, gathered.openness), f32(gathered.samples));
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    if any(invocation.xy >= traced_size()) {
+        return;
+    }
+    let traced = trace_diffuse(traced_pixel(invocation.xy));
+    textureStore(irradiance_out, invocation.xy, traced.irradiance);
+    textureStore(samples_out, invocation.xy, vec4f(traced.samples, 0.0, 0.0, 0.0));
 }

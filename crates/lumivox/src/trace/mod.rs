@@ -9,13 +9,15 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
+use std::sync::OnceLock;
+
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 
 use crate::GiError;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
-    Texture, TextureView, uniform_buffer,
+    Texture, TextureView, storage_buffer, uniform_buffer,
 };
 
 #[cfg(test)]
@@ -30,6 +32,8 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("trace::coat", include_str!("coat.wgsl")),
     ("trace::cone", include_str!("cone.wgsl")),
     ("trace::diffuse", include_str!("diffuse.wgsl")),
+    ("trace::edge_count", include_str!("edge_count.wgsl")),
+    ("trace::edges", include_str!("edges.wgsl")),
     ("trace::gather", include_str!("gather.wgsl")),
     ("trace::gbuffer", include_str!("gbuffer.wgsl")),
     ("trace::hemisphere", include_str!("hemisphere.wgsl")),
@@ -96,11 +100,41 @@ impl TraceSettings {
 pub(crate) struct Tracer {
     diffuse: Kernel,
     specular: Kernel,
-    upsample: Kernel,
     diffuse_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
-    upsample_layout: wgpu::BindGroupLayout,
+    half: Layouts,
+    /// Once something was traced at half resolution.
+    kernels: OnceLock<HalfKernels>,
 }
+
+/// What half resolution binds.
+#[derive(Debug)]
+struct Layouts {
+    upsample: wgpu::BindGroupLayout,
+    count: wgpu::BindGroupLayout,
+    edges: wgpu::BindGroupLayout,
+}
+
+/// What half resolution needs besides.
+#[derive(Debug)]
+struct HalfKernels {
+    upsample: Kernel,
+    count: Kernel,
+    edges: Kernel,
+}
+
+/// What belongs to one size of picture at half resolution.
+#[derive(Debug)]
+struct HalfTargets {
+    upsample: BindGroup,
+    count: BindGroup,
+    edges: BindGroup,
+    /// How many pixels are traced by themselves, and the workgroups for them.
+    counts: Buffer,
+}
+
+/// Where the workgroups stand in the counts.
+const ARGUMENTS_OFFSET: u64 = 4;
 
 /// The textures that cones are traced into, for one size of picture.
 #[derive(Debug)]
@@ -116,8 +150,7 @@ pub struct TraceTargets {
     settings: Buffer,
     diffuse_group: BindGroup,
     specular_group: BindGroup,
-    /// At half resolution alone.
-    upsample_group: Option<BindGroup>,
+    half: Option<HalfTargets>,
     bytes: u64,
 }
 
@@ -140,24 +173,56 @@ impl Tracer {
             .texture_2d_unfilterable()
             .storage_texture(d2, OUTPUT_FORMAT)
             .build(device, "glossy cones");
-        let upsample_layout = LayoutBuilder::compute()
-            .uniform()
-            .texture_2d_unfilterable()
-            .texture_2d_unfilterable()
-            .storage_texture(d2, OUTPUT_FORMAT)
-            .storage_texture(d2, OUTPUT_FORMAT)
-            .build(device, "upsample");
+        let half = Layouts {
+            upsample: LayoutBuilder::compute()
+                .uniform()
+                .texture_2d_unfilterable()
+                .texture_2d_unfilterable()
+                .storage_texture(d2, OUTPUT_FORMAT)
+                .storage_texture(d2, OUTPUT_FORMAT)
+                .storage_mut()
+                .storage_mut()
+                .build(device, "upsample"),
+            count: LayoutBuilder::compute().storage_mut().storage_mut().build(device, "edge count"),
+            edges: LayoutBuilder::compute()
+                .uniform()
+                .storage()
+                .storage_texture(d2, OUTPUT_FORMAT)
+                .storage_texture(d2, OUTPUT_FORMAT)
+                .build(device, "edges"),
+        };
         let kernel = |module, layout| {
             Kernel::new(device, shaders, module, "main", &[globals, layout, lights, gbuffer])
         };
         Ok(Self {
             diffuse: kernel("trace::diffuse", &diffuse_layout)?,
             specular: kernel("trace::specular", &specular_layout)?,
-            upsample: kernel("trace::upsample", &upsample_layout)?,
             diffuse_layout,
             specular_layout,
-            upsample_layout,
+            half,
+            kernels: OnceLock::new(),
         })
+    }
+
+    /// Links what half resolution needs, at its first use.
+    pub(crate) fn prepare_half(
+        &self,
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        [globals, lights, gbuffer]: [&wgpu::BindGroupLayout; 3],
+    ) -> Result<(), GiError> {
+        if self.kernels.get().is_some() {
+            return Ok(());
+        }
+        let kernel = |module, layout| {
+            Kernel::new(device, shaders, module, "main", &[globals, layout, lights, gbuffer])
+        };
+        let _ = self.kernels.set(HalfKernels {
+            upsample: kernel("trace::upsample", &self.half.upsample)?,
+            count: kernel("trace::edge_count", &self.half.count)?,
+            edges: kernel("trace::edges", &self.half.edges)?,
+        });
+        Ok(())
     }
 
     pub(crate) fn targets(
@@ -210,14 +275,35 @@ impl Tracer {
             .view(&samples)
             .view(&specular)
             .build(device, "glossy cones");
-        let upsample_group = full.as_ref().map(|(full_irradiance, full_specular)| {
-            BindGroupBuilder::new(&self.upsample_layout)
-                .buffer(&settings)
-                .view(&irradiance)
-                .view(&specular)
-                .view(full_irradiance)
-                .view(full_specular)
-                .build(device, "upsample")
+        let half = full.as_ref().map(|(full_irradiance, full_specular)| {
+            let pixels = u64::from(size.x) * u64::from(size.y);
+            // More than 33 million of them no picture has, whatever its size.
+            let most = device.limits().max_storage_buffer_binding_size / 4;
+            let counts = storage_buffer(device, "edge count", 16);
+            let listed = storage_buffer(device, "edges", 4 * (pixels + 1).min(most));
+            bytes += counts.size() + listed.size();
+            HalfTargets {
+                upsample: BindGroupBuilder::new(&self.half.upsample)
+                    .buffer(&settings)
+                    .view(&irradiance)
+                    .view(&specular)
+                    .view(full_irradiance)
+                    .view(full_specular)
+                    .buffer(&counts)
+                    .buffer(&listed)
+                    .build(device, "upsample"),
+                count: BindGroupBuilder::new(&self.half.count)
+                    .buffer(&counts)
+                    .buffer(&listed)
+                    .build(device, "edge count"),
+                edges: BindGroupBuilder::new(&self.half.edges)
+                    .buffer(&settings)
+                    .buffer(&listed)
+                    .view(full_irradiance)
+                    .view(full_specular)
+                    .build(device, "edges"),
+                counts,
+            }
         });
         let (irradiance, specular) = full.unwrap_or((irradiance, specular));
         TraceTargets {
@@ -229,7 +315,7 @@ impl Tracer {
             settings,
             diffuse_group,
             specular_group,
-            upsample_group,
+            half,
             bytes,
         }
     }
@@ -240,9 +326,15 @@ impl Tracer {
         recorder.stage("trace");
         self.diffuse.run(recorder, &group(&targets.diffuse_group), [x, y, 1]);
         self.specular.run(recorder, &group(&targets.specular_group), [x, y, 1]);
-        if let Some(upsample) = &targets.upsample_group {
+        if let (Some(half), Some(kernels)) = (&targets.half, self.kernels.get()) {
             let UVec2 { x, y } = targets.size;
-            self.upsample.run(recorder, &group(upsample), [x, y, 1]);
+            recorder.clear(&half.counts);
+            kernels.upsample.run(recorder, &group(&half.upsample), [x, y, 1]);
+            kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
+            recorder.compute("trace::edges", |pass| {
+                let groups = group(&half.edges);
+                kernels.edges.dispatch_indirect(pass, &groups, &half.counts, ARGUMENTS_OFFSET);
+            });
         }
     }
 }

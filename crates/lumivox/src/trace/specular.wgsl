@@ -29,21 +29,15 @@ import package::trace::screen::{settings, traced_pixel, traced_size};
 // Half of a hemisphere: wider cones would reach below the surface that they leave.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) invocation: vec3u) {
-    if any(invocation.xy >= traced_size()) {
-        return;
-    }
-    let pixel = traced_pixel(invocation.xy);
-    let samples = textureLoad(diffuse_samples, invocation.xy, 0).r;
+// `samples` are those of the pixel's diffuse cones.
+fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     let nothing = vec4f(0.0, 0.0, 0.0, samples);
     let surface = load_surface(pixel);
     let material = textureLoad(gbuffer_specular, pixel, 0);
     let is_off = settings.gathers == 0u || settings.specular_share <= 0.0;
     let coat = load_coat(pixel);
     if surface.depth <= 0.0 || is_off || (all(material.rgb <= vec3f(0.0)) && coat.strength <= 0.0) {
-        textureStore(specular_out, invocation.xy, nothing);
-        return;
+        return nothing;
     }
 
     let world_from_normal = basis(surface.shading_normal);
@@ -67,8 +61,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let direction = world_from_normal * local_light;
     let cos_plane = dot(direction, surface.geometric_normal);
     if local_light.z <= 0.0 || cos_plane <= 0.0 {
-        textureStore(specular_out, invocation.xy, nothing);
-        return;
+        return nothing;
     }
 
     let solid_angle = settings.specular_share / mirrored_density(local_view.z, half_vector.z, alpha);
@@ -97,5 +90,15 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let weight = fresnel * (both / ggx_masking(local_view.z, alpha));
     // A mirror of the sun may exceed the largest half float.
     let reflected = min(radiance * weight, vec3f(65504.0));
-    textureStore(specular_out, invocation.xy, vec4f(reflected, samples + f32(traced.samples)));
+    return vec4f(reflected, samples + f32(traced.samples));
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    if any(invocation.xy >= traced_size()) {
+        return;
+    }
+    let samples = textureLoad(diffuse_samples, invocation.xy, 0).r;
+    let traced = trace_specular(traced_pixel(invocation.xy), samples);
+    textureStore(specular_out, invocation.xy, traced);
 }

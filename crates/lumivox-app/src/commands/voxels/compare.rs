@@ -41,7 +41,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
         }
         None => None,
     };
-    let bounds = scene.bounds();
+    let bounds = scene.voxel_bounds();
     let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
     let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
     progress.set("uploading", 0, 1);

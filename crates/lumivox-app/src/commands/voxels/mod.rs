@@ -16,8 +16,8 @@ use crate::cli::VoxelsArgs;
 use crate::host::Host;
 use crate::progress::Progress;
 use crate::report::{
-    AdapterReport, GridReport, MemoryReport, SceneCounts, Table, Times, count, memory_table,
-    total_bytes,
+    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, Times, count,
+    memory_table, total_bytes,
 };
 use crate::shown;
 
@@ -37,7 +37,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
         dynamic::mark(&mut scene, share);
     }
     let scene = scene;
-    let bounds = scene.bounds();
+    let bounds = scene.voxel_bounds();
     let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
     let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
 
@@ -92,6 +92,8 @@ struct Report {
     voxels: u32,
     faces: u32,
     levels: Vec<LevelReport>,
+    /// Null for a dense volume.
+    octree: Option<OctreeReport>,
     /// What stays on the GPU.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
@@ -147,6 +149,7 @@ impl Report {
             voxels: stats.voxels,
             faces: stats.faces,
             levels: (0..grid.levels).map(level).collect(),
+            octree: gi.octree_stats().map(OctreeReport::from),
             memory_bytes: total_bytes(&memory),
             memory,
             voxelization_memory: temporary
@@ -187,6 +190,9 @@ impl Report {
         }
         text.push('\n');
         text += &table.text();
+        if let Some(octree) = &self.octree {
+            text += &format!("\n{}\n", octree.line());
+        }
         text.push('\n');
         text += &memory_table(&self.memory);
         text.push('\n');

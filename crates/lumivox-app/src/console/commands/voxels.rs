@@ -10,7 +10,7 @@ use crate::console::arguments::{PLACE, commas, number, on_or_off, toggled, vecto
 use crate::console::command::{Command, Group, PLAIN, Takes};
 use crate::console::{Console, Reply, nothing_to_show};
 use crate::exit::Failure;
-use crate::report::{MemoryReport, count, counted, memory_table};
+use crate::report::{MemoryReport, OctreeReport, count, counted, memory_table};
 use crate::shown;
 
 const VOXELS: Command = Command { group: Group::Voxels, takes: &[Takes::Anything], ..PLAIN };
@@ -240,7 +240,7 @@ fn stats(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     let size: Vec3 = explorer.bounds().size();
     let shown = scene.shown().count();
     let settings = explorer.settings();
-    let lines = [
+    let mut lines = vec![
         format!(
             "scene    {}: {}, {} of {} shown, {:.3} x {:.3} x {:.3} m",
             shown::line(&scene.name),
@@ -274,5 +274,8 @@ fn stats(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
         ),
         format!("GPU      {}", lumivox_render::describe(&explorer.gpu().adapter_info)),
     ];
+    if let Some(stats) = renderer.gi().octree_stats() {
+        lines.insert(2, OctreeReport::from(stats).line());
+    }
     Ok(Reply::say(lines.join("\n")))
 }

@@ -48,7 +48,7 @@ pub fn switches() {
 #[test]
 pub fn a_script_of_its_own() {
     let mut session = session();
-    let start = session.picture();
+    session.picture();
     let there_and_back = [
         ("objs", "objs"),
         ("objsW", "objsW"),

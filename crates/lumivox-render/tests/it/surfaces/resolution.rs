@@ -3,16 +3,17 @@
 use glam::Vec3;
 use lumivox::{TraceResolution, TraceSettings};
 use lumivox_render::{RenderSettings, View};
-use lumivox_scene::Material;
+use lumivox_scene::{Material, Scene};
 
 use crate::surfaces::stage::*;
 
-/// A pane under an open sky before the bottom of a deep black box, both facing the camera: over the edge between them
-/// neighbours have the same normal, but lie in another plane, and lend nothing.
-#[test]
-fn half_resolution_keeps_to_the_surface_of_a_pixel() {
+/// Half the edge of the box.
+const HALF: f32 = 1.2;
+
+/// A deep black box under an open sky, open towards the camera.
+fn black_box() -> Scene {
     let mut scene = scene();
-    let (half, depth) = (1.2, 3.0);
+    let (half, depth) = (HALF, 3.0);
     let black = Material::diffuse("black", Vec3::ZERO);
     let (x, y, z) = (Vec3::X * half, Vec3::Y * half, Vec3::Z * 0.5 * depth);
     add(&mut scene, quad(-2.0 * z, x, y), black.clone());
@@ -20,9 +21,18 @@ fn half_resolution_keeps_to_the_surface_of_a_pixel() {
     for (middle, u, v) in [(-x, y, z), (x, z, y), (-y, z, x), (y, x, z)] {
         add(&mut scene, quad(middle - z, u, v), black.clone());
     }
+    scene.environment.radiance = Vec3::ONE;
+    scene
+}
+
+/// A pane under an open sky before the bottom of a deep black box, both facing the camera: over the edge between them
+/// neighbours have the same normal, but lie in another plane, and lend nothing.
+#[test]
+fn half_resolution_keeps_to_the_surface_of_a_pixel() {
+    let mut scene = black_box();
+    let (x, y) = (Vec3::X * HALF, Vec3::Y * HALF);
     let white = Material::diffuse("white", Vec3::ONE);
     add(&mut scene, quad(-0.5 * x, 0.5 * x, y), white);
-    scene.environment.radiance = Vec3::ONE;
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
         let trace = TraceSettings { resolution, ..TraceSettings::default() };
         let settings = RenderSettings { bounces: 1, frames: 4, trace, ..settings(View::Diffuse) };
@@ -41,4 +51,25 @@ fn half_resolution_keeps_to_the_surface_of_a_pixel() {
         }
         assert!(column(17) < 0.4, "{resolution:?}: the box is dark, not {}", column(17));
     }
+}
+
+/// A post as thin as a pixel before the bottom of such a box: the traced pixels beside it lie in the dark, and lend it
+/// nothing. So it is traced itself, in a single frame too.
+#[test]
+fn half_resolution_traces_what_no_neighbour_fits() {
+    let mut scene = black_box();
+    let pixel = 8.0 * 0.15_f32.tan() / 32.0;
+    let middle = Vec3::new(-0.5 * pixel, 0.0, 0.0);
+    let white = Material::diffuse("white", Vec3::ONE);
+    add(&mut scene, quad(middle, 0.5 * pixel * Vec3::X, Vec3::Y * HALF), white);
+    let [full, half] = [TraceResolution::Full, TraceResolution::Half].map(|resolution| {
+        let trace = TraceSettings { resolution, jitter: false, ..TraceSettings::default() };
+        let settings = RenderSettings { bounces: 1, frames: 1, trace, ..settings(View::Diffuse) };
+        let picture = render(&scene, settings);
+        [14, 15, 16].map(|x: u32| mean_of(&picture, (x, 8).into(), (x + 1, 24).into()).x)
+    });
+    println!("full {full:?}, half {half:?}");
+    // The first frame traces even columns; the post is an odd one.
+    assert!(full[1] > 0.9 && full[0] < 0.5, "or else nothing is tested: {full:?}");
+    assert!((half[1] - full[1]).abs() < 1e-3, "{half:?} are not {full:?}");
 }

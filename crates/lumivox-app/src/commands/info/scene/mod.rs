@@ -41,8 +41,9 @@ pub struct Report {
     /// Vertices of all meshes, each once.
     vertices: usize,
     /// Of the box around everything, m.
-    bounds_min: [f32; 3],
-    bounds_max: [f32; 3],
+    /// Null where nothing is shown.
+    bounds_min: Option<[f32; 3]>,
+    bounds_max: Option<[f32; 3]>,
     /// The program that wrote the file.
     generator: Option<String>,
     extensions_used: Vec<String>,
@@ -119,7 +120,7 @@ impl Report {
         let estimate = MemoryEstimate::new(scene, &settings)?;
         let parts = estimate.parts.iter().filter(|part| part.name != "picture").cloned();
         let memory: Vec<MemoryReport> = parts.map(Into::into).collect();
-        let bounds = scene.bounds();
+        let bounds = Some(scene.bounds()).filter(|bounds| bounds.min.is_finite());
         let materials = |which: fn(&Material) -> bool| {
             scene.materials.iter().filter(|material| which(material)).count()
         };
@@ -147,8 +148,8 @@ impl Report {
             hidden_instances: scene.instances.len() - scene.shown().count(),
             unvoxelized_instances: scene.shown().filter(|i| !i.is_voxelized).count(),
             vertices: scene.meshes.iter().map(|mesh| mesh.positions.len()).sum(),
-            bounds_min: bounds.min.to_array(),
-            bounds_max: bounds.max.to_array(),
+            bounds_min: bounds.map(|bounds| bounds.min.to_array()),
+            bounds_max: bounds.map(|bounds| bounds.max.to_array()),
             generator: notes.generator.clone(),
             extensions_used: notes.extensions_used.clone(),
             extensions_required: notes.extensions_required.clone(),
@@ -219,9 +220,23 @@ impl Report {
         text
     }
 
+    fn bounds(&self) -> String {
+        let (Some(min), Some(max)) = (self.bounds_min, self.bounds_max) else {
+            return "none: nothing is shown".to_owned();
+        };
+        format!("{} to {} m", point(min), point(max))
+    }
+
+    fn size(&self) -> String {
+        let (Some(min), Some(max)) = (self.bounds_min, self.bounds_max) else {
+            return "none".to_owned();
+        };
+        let size = Vec3::from(max) - Vec3::from(min);
+        format!("{:.3} x {:.3} x {:.3} m", size.x, size.y, size.z)
+    }
+
     fn summary(&self) -> Vec<(&'static str, String)> {
         let counts = &self.counts;
-        let size = Vec3::from(self.bounds_max) - Vec3::from(self.bounds_min);
         let names = |names: &[String]| names.join(", ");
         let mut lines = vec![
             (
@@ -252,8 +267,8 @@ impl Report {
                 ),
             ),
             ("vertices", format!("{}, {}", count(self.vertices as u64), bytes(self.vertex_bytes))),
-            ("bounds", format!("{} to {} m", point(self.bounds_min), point(self.bounds_max))),
-            ("size", format!("{:.3} x {:.3} x {:.3} m", size.x, size.y, size.z)),
+            ("bounds", self.bounds()),
+            ("size", self.size()),
             (
                 "materials",
                 format!(

@@ -1,0 +1,18 @@
+// The arguments of the dispatch over the pixels that upsampling listed.
+
+import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS};
+
+// How many there are; and behind it that dispatch's workgroups.
+@group(1) @binding(0) var<storage, read_write> counts: array<u32>;
+@group(1) @binding(1) var<storage, read_write> listed: array<u32>;
+
+@compute @workgroup_size(1)
+fn main() {
+    let count = min(counts[0], arrayLength(&listed) - 1u);
+    let needed = (count + LINEAR_WORKGROUP_SIZE - 1u) / LINEAR_WORKGROUP_SIZE;
+    let rows = (needed + MAX_WORKGROUPS - 1u) / MAX_WORKGROUPS;
+    counts[1] = (needed + max(rows, 1u) - 1u) / max(rows, 1u);
+    counts[2] = rows;
+    counts[3] = select(0u, 1u, needed > 0u);
+    listed[0] = count;
+}
