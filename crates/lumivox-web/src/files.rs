@@ -35,8 +35,8 @@ impl Files {
         self.files.get(path).map(Vec::as_slice)
     }
 
-    /// The one that is a scene: of several formats the first of [`EXTENSIONS`], since text and geometry may belong to
-    /// another.
+    /// The one that is a scene: of several formats the first of [`EXTENSIONS`], since geometry may belong to another; and
+    /// VXCT's, which names geometry, before that.
     ///
     /// # Errors
     /// When there is none, or there are several.
@@ -46,9 +46,14 @@ impl Files {
                 let found = path.rsplit_once('.').map(|(_, found)| found.to_ascii_lowercase());
                 found.as_deref() == Some(extension)
             };
-            self.files.keys().filter(has_it).map(String::as_str).collect()
+            let all: Vec<&str> = self.files.keys().filter(has_it).map(String::as_str).collect();
+            // Words about a model are no scene.
+            let is_one = |path: &&str| extension != "txt" || self.is_text_of_scene(path);
+            if self.files.len() == 1 { all } else { all.into_iter().filter(is_one).collect() }
         };
-        let mut found = EXTENSIONS.iter().map(|extension| of(extension));
+        let of_vxct = ["scene", "vxct", "txt"];
+        let others = EXTENSIONS.iter().copied().filter(|extension| !of_vxct.contains(extension));
+        let mut found = of_vxct.into_iter().chain(others).map(of);
         match found.find(|paths| !paths.is_empty()).as_deref() {
             Some([scene]) => Ok(scene),
             Some(several) => Err(WebError::value(format!(
@@ -64,6 +69,13 @@ impl Files {
                 )))
             }
         }
+    }
+
+    /// Whether a text has what VXCT's scenes begin with.
+    fn is_text_of_scene(&self, path: &str) -> bool {
+        let text = String::from_utf8_lossy(self.get(path).unwrap_or_default());
+        let mut words = text.split_ascii_whitespace();
+        words.any(|word| word == "scene") && matches!(words.next(), Some("{" | "="))
     }
 
     /// The one that is a panorama, if there is one: a file that is there alone, or else one of a format that is no
@@ -150,6 +162,23 @@ mod tests {
         assert!(several.message.contains("a.glb, b.glb"), "{several}");
         let none = of(&["wood.png"]).scene().unwrap_err();
         assert!(none.message.contains("wood.png") && none.message.contains(".glb"), "{none}");
+    }
+
+    #[test]
+    fn scenes_of_vxct_go_before_their_models() {
+        let mut files = of(&["box.obj", "quad.obj"]);
+        files.add("room.scene", b"scene { }".to_vec());
+        assert_eq!(files.scene(), Ok("room.scene"));
+        let mut files = of(&["box.obj"]);
+        files.add("room.txt", b"\nscene = { name = room }".to_vec());
+        assert_eq!(files.scene(), Ok("room.txt"));
+        let mut files = of(&["box.obj"]);
+        files.add("readme.txt", b"A box for every scene.".to_vec());
+        assert_eq!(files.scene(), Ok("box.obj"));
+        // Alone it is what was meant, and its loader tells what is wrong with it.
+        let mut files = Files::default();
+        files.add("readme.txt", b"A box.".to_vec());
+        assert_eq!(files.scene(), Ok("readme.txt"));
     }
 
     #[test]

@@ -121,7 +121,7 @@ pub async fn load_panorama(
 
 async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebError> {
     let files = read_files(list, listener).await?;
-    let scene = parse(&files, listener)?;
+    let scene = parse(&files, files.scene()?, listener)?;
     // Of several none is chosen: which one is meant nobody knows, and the scene needs none.
     let (name, notes) = match files.panorama() {
         Ok(name) => (name, Vec::new()),
@@ -157,16 +157,16 @@ async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError
 
 /// Fetches a scene, and what it names: loaders ask for files, and are asked again when these are there.
 async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
-    let url = address_of(address)?;
-    let name = name_in(&url);
+    let address = address_of(address)?;
+    let (name, url) = place_of(&address);
     let mut files = Files::default();
-    files.add(&name, fetch_there(&url, listener).await?);
+    files.add(&name, fetch_there(&address, listener).await?);
     let mut tried = std::collections::BTreeSet::new();
     loop {
         listener.check().await?;
         // What is missing in this round may be there in the next: only the last one's warnings are true.
         let nobody = tracing::subscriber::NoSubscriber::default();
-        let loaded = tracing::subscriber::with_default(nobody, || parse(&files, listener));
+        let loaded = tracing::subscriber::with_default(nobody, || parse(&files, &name, listener));
         let mut has_more = false;
         for missing in files.take_missing() {
             if !tried.insert(missing.clone()) {
@@ -197,6 +197,18 @@ fn name_in(url: &web_sys::Url) -> String {
     let path = url.pathname();
     let name = path.rsplit('/').next().unwrap_or_default();
     js_sys::decode_uri_component(name).map_or_else(|_| name.to_owned(), String::from)
+}
+
+/// The path of the file at an address, and the address that paths are relative to: a folder `scenes` belongs to the path,
+/// since VXCT's models lie in the folder above it.
+fn place_of(address: &web_sys::Url) -> (String, web_sys::Url) {
+    let name = name_in(address);
+    let folder = address.pathname().rsplit('/').nth(1).unwrap_or_default().to_owned();
+    let above = || resolve("..", Some(address)).or_else(|| resolve(".", Some(address)));
+    match above().filter(|_| folder.eq_ignore_ascii_case("scenes")) {
+        Some(above) => (format!("{folder}/{name}"), above),
+        None => (name, address.clone()),
+    }
 }
 
 /// What is at an address where something must be.
@@ -247,8 +259,7 @@ fn unreadable(what: &str, error: &JsValue, listener: &Listener) -> WebError {
 }
 
 /// Makes the scene of files that are all there, or tells which is missing.
-fn parse(files: &Files, listener: &Listener) -> Result<Scene, WebError> {
-    let name = files.scene()?;
+fn parse(files: &Files, name: &str, listener: &Listener) -> Result<Scene, WebError> {
     let mut tell = |step: lumivox_scene::LoadProgress| {
         listener.tell(step.stage, step.done as f64, step.total as f64);
     };

@@ -144,7 +144,7 @@ pub struct ConeArgs {
 
     /// A parameter of VXCT's look by the name of its console; may be given again [default: those of the resolution]
     ///
-    /// Such as shadow_str=2 or side_cones=on; `lumivox run -c 'parameters vxct'` lists them with their ranges. With
+    /// Such as `shadow_str=2` or `side_cones=on`; `lumivox run -c 'parameters vxct'` lists them with their ranges. With
     /// --preset vxct alone.
     #[arg(long, value_name = "NAME=VALUE", value_parser = vxct_parameter)]
     vxct: Vec<VxctParameter>,

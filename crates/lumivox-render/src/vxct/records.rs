@@ -144,23 +144,19 @@ impl Records {
     }
 
     fn of_light(&self, light: &Light) -> VxctLight {
+        let vector = |a: Attenuation, unit_m: f32| {
+            Vec3::new(a.constant, a.linear * unit_m, a.quadratic * unit_m * unit_m)
+        };
         let (strength, polynomial) = match (light.kind, light.attenuation) {
             (LightKind::Directional { illuminance_lux, .. }, _) => (illuminance_lux, Vec3::X),
             (
                 LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. },
-                given,
-            ) => match given {
-                Some(given) => {
-                    let Attenuation { constant, linear, quadratic } = given;
-                    let (l, q) = (linear * self.unit_m, quadratic * self.unit_m * self.unit_m);
-                    (intensity_cd / given.at(1.0), Vec3::new(constant, l, q))
-                }
-                None => {
-                    let Attenuation { constant, linear, quadratic } = Attenuation::default();
-                    let share = share_of_lamps(self.unit_m);
-                    (intensity_cd * share, Vec3::new(constant, linear, quadratic))
-                }
-            },
+                Some(given),
+            ) => (intensity_cd / given.at(1.0), vector(given, self.unit_m)),
+            (
+                LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. },
+                None,
+            ) => (intensity_cd * share_of_lamps(self.unit_m), vector(Attenuation::default(), 1.0)),
         };
         let is_parallel = matches!(light.kind, LightKind::Directional { .. });
         let (spot_scale, spot_offset) = match light.kind {

@@ -1,9 +1,9 @@
 // Scenes from files: dropped, fetched, broken.
 
 import assert from "node:assert/strict";
-import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { basename, dirname, join } from "node:path";
 import { after, before, beforeEach, test } from "node:test";
 import { App, BOUND, NATIVE } from "./harness/app.mjs";
 import { serve, Session } from "./harness/browser.mjs";
@@ -18,12 +18,21 @@ let app;
 let cornell;
 /** @type {string} */
 let folder;
+/** A scene of VXCT's as it lies in the repository: its model is in the folder above its own.
+ * @type {{ name: string, bytes: Buffer }[]} */
+const VXCT = await Promise.all(["scenes/cornell.scene", "models/quad.obj"].map(async (name) => ({
+    name, bytes: await readFile(new URL(`../../../../${name}`, import.meta.url)),
+})));
 before(async () => {
     folder = await mkdtemp(join(tmpdir(), "lumivox-files-"));
     cornell = await glb("cornell");
     await writeFile(join(folder, "cornell.glb"), cornell);
     for (const { name, bytes } of [...OBJ, ...separate(cornell, "box of cornell")]) await writeFile(join(folder, name), bytes);
-    session = await Session.start({ beside: separate(cornell, "scenes/box of cornell", "box of cornell") });
+    for (const { name, bytes } of VXCT) {
+        await mkdir(join(folder, dirname(name)), { recursive: true });
+        await writeFile(join(folder, name), bytes);
+    }
+    session = await Session.start({ beside: [...separate(cornell, "scenes/box of cornell", "box of cornell"), ...VXCT] });
     app = await App.show(session, "builtin:panel");
 });
 after(async () => {
@@ -50,6 +59,19 @@ test("a .glb is dropped", async () => {
 test("an .obj is dropped with its .mtl", async () => {
     await app.drop(OBJ);
     await shows("corner", "corner.obj");
+});
+
+test("a scene of VXCT is dropped with its model", async () => {
+    await app.drop(VXCT.map(({ name, bytes }) => ({ name: basename(name), bytes })));
+    await shows("cornell", "scenes/cornell.scene");
+});
+
+test("a scene of VXCT at an address finds its model in the folder above", async () => {
+    await app.call("loadScene", "builtin:panel");
+    await app.call("loadScene", new URL("scenes/cornell.scene", session.address).href);
+    await app.render();
+    const difference = await flip(await nativePicture(join(folder, "scenes/cornell.scene"), ...NATIVE), await app.pixels(), "vxct-address.png");
+    assert.ok(difference <= BOUND, `FLIP ${difference} is above ${BOUND}`);
 });
 
 test("a .gltf is dropped with its files", async () => {

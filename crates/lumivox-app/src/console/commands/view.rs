@@ -23,7 +23,7 @@ pub const TABLE: &[Command] = &[
                   toggles, and prints what it is.",
         example: "objs off",
         vxct: Some(""),
-        run: |console, arguments| flip_objects(console, arguments, "objs", |now| &mut now.objects),
+        run: |console, arguments| flip_objects(console, arguments, "objs", |now| &mut now.surfaces),
         ..VIEW
     },
     Command {
@@ -184,7 +184,7 @@ pub fn base(console: &Console) -> View {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Objects {
     /// `objs`
-    objects: bool,
+    surfaces: bool,
     /// `objsW`
     wires: bool,
     /// `overlayW`
@@ -193,15 +193,15 @@ pub struct Objects {
 
 impl Default for Objects {
     fn default() -> Self {
-        Self { objects: true, wires: false, overlay: false }
+        Self { surfaces: true, wires: false, overlay: false }
     }
 }
 
 impl Objects {
     fn set(self, overlay: &mut Overlay) {
-        overlay.hides_surfaces = !self.objects || self.wires;
+        overlay.hides_surfaces = !self.surfaces || self.wires;
         overlay.wireframe = match self {
-            Self { objects: true, wires: true, .. } => Wireframe::Through,
+            Self { surfaces: true, wires: true, .. } => Wireframe::Through,
             Self { overlay: true, .. } => Wireframe::Over,
             _ => Wireframe::Off,
         };
@@ -225,7 +225,7 @@ fn flip_objects(
     } else {
         let wires = now.hides_surfaces && now.wireframe == Wireframe::Through;
         Objects {
-            objects: !now.hides_surfaces || wires,
+            surfaces: !now.hides_surfaces || wires,
             wires,
             overlay: !wires && now.wireframe != Wireframe::Off,
         }
