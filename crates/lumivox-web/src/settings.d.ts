@@ -74,8 +74,8 @@ export interface Settings {
   level_gain?: number;
   /** How the picture comes about; preset vxct takes what goes with that look besides: physical or vxct. Default: physical. */
   look?: "physical" | "vxct";
-  /** Which part of the light is shown: all, phong, shadows, specular or diffuse. Default: all. */
-  components?: "all" | "phong" | "shadows" | "specular" | "diffuse";
+  /** Cones; without them Phong's shader shows all of its terms, and no shadows: on or off. Default: true. */
+  indirect_light?: boolean;
   /** Phong's terms: on or off. Default: true. */
   phong?: boolean;
   /** Phong's ambient term: on or off. Default: true. */
@@ -118,8 +118,6 @@ export interface Settings {
   diffuse_origin_offset?: number;
   /** How fast what is in the way of light becomes a full shadow: a number from 0 to 16. Default: 1.5. */
   shadow_str?: number;
-  /** How fast reflections fade with the distance of what is reflected: a number from 0 to 16. Default: 3. */
+  /** How fast reflections fade where a light stands off the mirrored direction: a number from 0 to 16. Default: 3. */
   shininess_falloff?: number;
-  /** What the voxels hold: vxct or shadowed. Default: vxct. */
-  injected_light?: "vxct" | "shadowed";
 }
