@@ -284,6 +284,9 @@ impl Renderer {
     fn drop_unused_look(&mut self) {
         if !matches!(self.settings.look, Look::Vxct(_)) {
             self.vxct.unlink();
+        } else if !self.settings.lights_volume() {
+            // What the volume holds will be out of date.
+            self.gi.forget_light();
         }
     }
 
