@@ -53,10 +53,12 @@ impl ChangedCells {
     /// Room for so many cells of all levels.
     pub(super) fn new(device: &wgpu::Device, grid: &Grid, count: u64) -> Self {
         let words = level_first_word(grid, grid.levels);
+        // Zeros, which dispatch nothing.
+        let arguments_bytes = u64::from(grid.levels) * Indirect::STRIDE;
         Self {
             ranks: storage_buffer(device, "ranks of changed cells", (words + 1) * 4),
             cells: storage_buffer(device, "changed cells", count * 8),
-            arguments: storage_buffer(device, "no changed cells", 16),
+            arguments: storage_buffer(device, "no changed cells", arguments_bytes),
         }
     }
 
