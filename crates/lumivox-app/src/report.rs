@@ -168,7 +168,7 @@ impl SceneCounts {
     }
 }
 
-/// What an octree is made of.
+/// An octree's parts, and how they were built.
 #[derive(Clone, Debug, Serialize)]
 pub struct OctreeReport {
     /// Places for nodes: eight in each group.

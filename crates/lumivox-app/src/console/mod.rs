@@ -109,7 +109,7 @@ pub struct Console {
     generation: u32,
     /// The bounces that come back when indirect light is switched on.
     bounces: Option<u32>,
-    /// What the switches of voxels and of objects said last.
+    /// The switches of voxels, and of objects, after the last flip of one.
     shown: commands::view::Shown,
     objects: commands::view::Objects,
     /// Panoramas and skies, with the commands that made them.

@@ -60,7 +60,7 @@ impl Lines {
     /// Draws them, within a pass whose group 0 is bound.
     pub(super) fn draw(&self, pass: &mut RenderPass<'_>) {
         if self.count == 0 {
-            // What stands in for no lines at all is shorter than one.
+            // The buffer of no lines is shorter than one line.
             return;
         }
         pass.set_pipeline(&self.pipeline);

@@ -117,7 +117,7 @@ pub const TABLE: &[Command] = &[
     },
 ];
 
-/// What VXCT's switches of voxels say: each is on or off by itself, whatever the others are.
+/// The states of VXCT's switches of voxels: each is on or off by itself, whatever the others are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
     /// The view where no switch is on.
@@ -131,7 +131,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// What they are, given the view; `before` is what they were when they were last asked for.
+    /// The states that go with a view; `before` are those after the last flip.
     fn of(view: View, before: Self) -> Self {
         match view {
             _ if before.view() == view => before,
@@ -180,7 +180,7 @@ pub fn base(console: &Console) -> View {
     Shown::of(console.explorer.settings().view, console.shown).base
 }
 
-/// What VXCT's switches of objects say.
+/// The states of VXCT's switches of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Objects {
     /// `objs`

@@ -121,7 +121,7 @@ pub fn a_script_of_its_own() {
     session.finish();
 }
 
-/// What takes time: voxels that follow or not, frames, their times, other scenes.
+/// Commands that take time: voxels that follow or not, frames, their times, other scenes.
 #[test]
 pub fn a_script_that_goes_on() {
     let mut session = session();

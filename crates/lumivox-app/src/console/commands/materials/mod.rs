@@ -96,7 +96,7 @@ fn material(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
     if let Some(original) = original.and_then(|original| original.materials.get(number)) {
         bring_textures_back(&mut changed, original);
     }
-    // What the look of VXCT shows has to follow.
+    // Strengths that no longer fit the surface would keep it unchanged in the look of VXCT.
     let is_other = changed.shading != material.shading || changed.emissive != material.emissive;
     if is_other && changed.strengths == material.strengths {
         changed.strengths = None;
