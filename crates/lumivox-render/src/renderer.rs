@@ -130,14 +130,14 @@ impl Renderer {
             &gi,
             &settings,
         );
-        if settings.timing != Timing::Off && settings.lights_volume() {
+        if settings.timing != Timing::Off && !settings.shows_vxct() {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
             gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
             gi.forget_light();
         }
-        if settings.lights_volume() {
+        if !settings.shows_vxct() {
             recorder.stage("light");
             gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
         }

@@ -343,7 +343,7 @@ impl RenderSettings {
         }
     }
 
-    /// Whether VXCT's look makes the picture. It has no octree to show.
+    /// Whether VXCT's look makes the picture, and the volume needs no light. It has no octree to show.
     pub(crate) fn shows_vxct(&self) -> bool {
         self.vxct().is_some() && !self.view.needs_octree()
     }
@@ -353,11 +353,6 @@ impl RenderSettings {
     pub fn last_level(&self, grid: &Grid) -> u32 {
         let last = grid.levels - 1;
         if self.shows_vxct() { last.max(crate::vxct::LAST_LEVEL) } else { last }
-    }
-
-    /// Whether the volume is looked at, and has to have light.
-    pub(crate) fn lights_volume(&self) -> bool {
-        !self.shows_vxct()
     }
 
     /// Checks every value against its range and the device's limits. What belongs to the voxel grid

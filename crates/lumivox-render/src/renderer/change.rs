@@ -44,7 +44,7 @@ impl Redo {
             volume || old.size != new.size || old.trace.resolution != new.trace.resolution;
         let light = volume
             || old.trace != new.trace
-            || (!old.lights_volume() && new.lights_volume())
+            || (old.shows_vxct() && !new.shows_vxct())
             || old.voxel_bounces() != new.voxel_bounces()
             || old.shadows != new.shadows
             || old.shadow_resolution != new.shadow_resolution;
@@ -256,8 +256,8 @@ impl Renderer {
         validate_level(&settings, self.gi.grid())?;
         settings.validate(&self.gpu.device.limits())?;
         let was = std::mem::replace(&mut self.settings, settings);
-        let was_lit = was.lights_volume() && was.voxel_bounces() == self.settings.voxel_bounces();
-        if self.settings.lights_volume() && !was_lit {
+        let was_lit = !was.shows_vxct() && was.voxel_bounces() == self.settings.voxel_bounces();
+        if !self.settings.shows_vxct() && !was_lit {
             self.light_voxels()?;
         }
         self.targets.accumulate.reset();
@@ -273,7 +273,7 @@ impl Renderer {
         look.validate()?;
         let was = std::mem::replace(&mut self.settings.look, look);
         self.drop_unused_look();
-        if self.settings.lights_volume() && was != Look::Physical {
+        if !self.settings.shows_vxct() && was != Look::Physical {
             self.light_voxels()?;
         }
         self.targets.accumulate.reset();
@@ -284,7 +284,7 @@ impl Renderer {
     fn drop_unused_look(&mut self) {
         if !matches!(self.settings.look, Look::Vxct(_)) {
             self.vxct.unlink();
-        } else if !self.settings.lights_volume() {
+        } else if self.settings.shows_vxct() {
             // What the volume holds will be out of date.
             self.gi.forget_light();
         }
@@ -358,7 +358,7 @@ impl Renderer {
         self.bind_lights(&mut recorder);
         let Self { gpu, settings, gi, vxct, .. } = self;
         vxct.revoxelize();
-        if settings.lights_volume() {
+        if !settings.shows_vxct() {
             recorder.stage("light");
             gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
         }

@@ -1,8 +1,9 @@
 // The voxels of one level as cubes in their colours, solid or as wires, or by whether light reached them.
 
 import package::constants::{VIEW_LIT, VIEW_WIRE_VOXELS};
-import package::light::environment::environment_background;
 import package::render::voxel_view::cell_walk::{longest_walk, next_axis, walk_into, walked_on};
+import package::render::voxel_view::view::distance_to_edge;
+import package::render::vxct::finish::background;
 import package::render::vxct::uniform::{in_cube, settings};
 import package::trace::gbuffer::{ray_direction, view};
 
@@ -12,21 +13,6 @@ import package::trace::gbuffer::{ray_direction, view};
 // Half the width of a line in pixels, but at most that share of a cell: where cells are small, holes stay.
 const HALF_WIDTH: f32 = 0.6;
 const WIDEST: f32 = 0.12;
-
-// How far a point of a face across an axis is from the nearest edge of its cell; at most 1/2.
-fn distance_to_edge(position: vec3f, axis: u32) -> f32 {
-    let from_corner = fract(position);
-    var to_edge = min(from_corner, 1.0 - from_corner);
-    to_edge[axis] = 1.0;
-    return min(to_edge.x, min(to_edge.y, to_edge.z));
-}
-
-fn background(direction: vec3f) -> vec3f {
-    if settings.has_environment != 0u {
-        return environment_background(direction);
-    }
-    return settings.background * settings.white;
-}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
@@ -43,7 +29,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let is_lit = settings.shown == VIEW_LIT;
     var walk = walk_into(origin, direction, size);
     let steps = longest_walk(size);
-    var shown = vec4f(background(direction), 0.0);
+    var shown = vec4f(background(pixel) * settings.white, 0.0);
     if is_lit {
         shown = vec4f(0.02, 0.02, 0.03, 0.0);
     }

@@ -11,6 +11,7 @@ import package::trace::gbuffer::{ray_direction, view};
 @group(1) @binding(0) var drawn: texture_2d<f32>;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
+// As a share of white.
 fn background(pixel: vec2u) -> vec3f {
     if settings.has_environment != 0u {
         return environment_background(ray_direction(pixel)) / settings.white;

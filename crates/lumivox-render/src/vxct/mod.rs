@@ -7,37 +7,27 @@
 //! that VXCT's scenes fill.
 
 mod display;
+mod passes;
 mod records;
 mod settings;
 mod voxels;
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
-use lumivox::gpu::pipelines::{DrawPipeline, Shader};
-use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
-    TextureView, uniform_buffer,
-};
+use lumivox::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder};
 use lumivox::{GBuffer, Gi, Lights};
 use lumivox_scene::{Bounds, Scene};
 
-use crate::composite::PICTURE_FORMAT;
-use crate::gbuffer_pass::NORMALS_FORMAT;
 use crate::memory::MemoryUse;
-use crate::raster::{self, RasterPipeline};
 use crate::targets::Targets;
-use crate::textures::ScreenTextures;
 use crate::upload::GpuScene;
 use crate::{Gpu, RenderError, View};
 pub use display::{VxctDisplay, has_display_values, vxct_display};
-use records::{OF_EMITTER, OF_OTHERS, OF_STRENGTHS, Records, Sides};
+use passes::Passes;
+use records::{OF_EMITTER, OF_OTHERS, OF_STRENGTHS, Records};
 #[cfg(test)]
 pub(crate) use records::{VxctDraw, VxctLight};
 pub use settings::{ConeShape, Look, VxctSettings};
-use voxels::Voxels;
 
 /// The shader modules of this folder by their paths below `render`.
 pub(crate) const MODULES: &[(&str, &str)] = &[
@@ -87,9 +77,6 @@ pub(crate) const CONSTANTS: [(&str, u32); 15] = [
 
 /// The coarsest level of the voxels, at any resolution.
 pub(crate) const LAST_LEVEL: u32 = 6;
-
-/// What is drawn into before the background is put behind it: display values, which half floats hold to 1/2000.
-const DRAWN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// `VxctCone` of `uniform.wgsl`.
 #[repr(C)]
@@ -145,32 +132,6 @@ pub(crate) struct VxctFrame<'a> {
     pub(crate) view: &'a lumivox::View,
     pub(crate) shown: View,
     pub(crate) level: u32,
-}
-
-/// The layouts that the passes share.
-#[derive(Debug)]
-struct Layouts {
-    /// Settings, draws, lights.
-    look: wgpu::BindGroupLayout,
-    /// The buffers of a batch of triangles.
-    batch: wgpu::BindGroupLayout,
-}
-
-#[derive(Debug)]
-struct Passes {
-    layouts: Layouts,
-    settings: Buffer,
-    voxels: Voxels,
-    shader: Shader,
-    pipelines: HashMap<Sides, DrawPipeline>,
-    cones_layout: wgpu::BindGroupLayout,
-    cones: BindGroup,
-    finish: Kernel,
-    finish_layout: wgpu::BindGroupLayout,
-    cubes: Kernel,
-    cubes_layout: wgpu::BindGroupLayout,
-    /// What was drawn, of the last picture's size.
-    drawn: Option<TextureView>,
 }
 
 impl VxctLook {
@@ -336,178 +297,4 @@ fn uniform(
         shininess_falloff: settings.shininess_falloff,
         level: passes.voxels.level(frame.level) as f32,
     }
-}
-
-impl Passes {
-    fn new(gpu: &Gpu, gi: &Gi, scene: &GpuScene, resolution: u32) -> Result<Self, RenderError> {
-        let device = &gpu.pipelines;
-        let shaders = crate::shaders::library(gi.shaders());
-        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
-        let layouts = Layouts {
-            look: LayoutBuilder::new(stages)
-                .uniform()
-                .storage()
-                .storage()
-                .storage()
-                .build(device, "the look of VXCT"),
-            batch: LayoutBuilder::new(wgpu::ShaderStages::VERTEX)
-                .storage()
-                .storage()
-                .storage()
-                .storage()
-                .build(device, "triangles"),
-        };
-        let voxels = Voxels::new(gpu, &shaders, &layouts, scene, resolution)?;
-        let cones_layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT)
-            .texture_3d()
-            .sampler()
-            .build(device, "VXCT's cones");
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("VXCT's voxels"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        });
-        let cones = BindGroupBuilder::new(&cones_layout)
-            .view(&voxels.view)
-            .sampler(&sampler)
-            .build(device, "VXCT's cones");
-        let picture = |texture: LayoutBuilder, label: &str| {
-            texture
-                .storage_texture(wgpu::TextureViewDimension::D2, PICTURE_FORMAT)
-                .build(device, label)
-        };
-        let finish_layout = picture(LayoutBuilder::compute().texture_2d_unfilterable(), "finish");
-        let cubes_layout = picture(LayoutBuilder::compute().texture_3d(), "VXCT's cubes");
-        let kernel = |module: &str, own: &wgpu::BindGroupLayout| {
-            let groups = [&layouts.look, own, gi.lights_layout(), gi.gbuffer_layout()];
-            Kernel::new(device, &shaders, module, "main", &groups)
-        };
-        Ok(Self {
-            settings: uniform_buffer(device, "the look of VXCT", &VxctUniform::zeroed()),
-            voxels,
-            shader: shader(device, &shaders)?,
-            pipelines: HashMap::new(),
-            cones,
-            cones_layout,
-            finish: kernel("render::vxct::finish", &finish_layout)?,
-            finish_layout,
-            cubes: kernel("render::vxct::cubes", &cubes_layout)?,
-            cubes_layout,
-            drawn: None,
-            layouts,
-        })
-    }
-
-    /// Makes the pipeline for some sides, if it is not there.
-    fn prepare(
-        &mut self,
-        pipelines: &Pipelines,
-        scene: &GpuScene,
-        sides: Sides,
-    ) -> Result<(), RenderError> {
-        let Entry::Vacant(slot) = self.pipelines.entry(sides) else { return Ok(()) };
-        let over = |src_factor| wgpu::BlendComponent {
-            src_factor,
-            dst_factor: wgpu::BlendFactor::OneMinusSrcAlpha,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let target = wgpu::ColorTargetState {
-            format: DRAWN_FORMAT,
-            blend: Some(wgpu::BlendState {
-                color: over(wgpu::BlendFactor::SrcAlpha),
-                alpha: over(wgpu::BlendFactor::One),
-            }),
-            write_mask: wgpu::ColorWrites::ALL,
-        };
-        let (look, batch) = (&self.layouts.look, &self.layouts.batch);
-        slot.insert(
-            RasterPipeline {
-                shader: &self.shader,
-                vertex: "main",
-                fragment: Some("fragment"),
-                targets: &[Some(target), Some(NORMALS_FORMAT.into())],
-                vertex_buffers: &[],
-                groups: &[look, &scene.material_layout, batch, &self.cones_layout],
-                cull_mode: match sides {
-                    Sides::Front => Some(wgpu::Face::Back),
-                    Sides::Back => Some(wgpu::Face::Front),
-                    Sides::Both => None,
-                },
-                writes_depth: true,
-            }
-            .create(pipelines)?,
-        );
-        Ok(())
-    }
-
-    /// Draws surfaces, in the scene's order: what is not opaque shows what came before.
-    fn draw(
-        &mut self,
-        recorder: &mut Recorder,
-        frame: &VxctFrame<'_>,
-        records: &Records,
-        (look, batches): (&BindGroup, &[BindGroup]),
-    ) {
-        let (targets, scene, size) = (frame.targets, frame.scene, frame.view.size);
-        let fits = |view: &TextureView| {
-            let texture = view.texture();
-            (texture.width(), texture.height()) == (size.x, size.y)
-        };
-        if self.drawn.as_ref().is_some_and(|view| !fits(view)) {
-            self.drawn = None;
-        }
-        let device = recorder.device().clone();
-        let drawn = self.drawn.get_or_insert_with(|| {
-            ScreenTextures::new(&device, size).target("drawn", DRAWN_FORMAT)
-        });
-        // What is drawn over the picture asks for depths and normals.
-        let colors = [&*drawn, &targets.gbuffer_textures.normals].map(|view| {
-            Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })
-        });
-        let depth = raster::depth_attachment(&targets.gbuffer_textures.depth);
-        recorder.render("vxct::shade", &colors, Some(depth), |pass| {
-            pass.bind(0, look);
-            pass.bind(3, &self.cones);
-            for (number, draw) in scene.draws.iter().enumerate() {
-                let Some(pipeline) = self.pipelines.get(&records.sides(scene, number)) else {
-                    continue;
-                };
-                pass.set_pipeline(pipeline);
-                pass.bind(1, &scene.materials[draw.material].group);
-                pass.bind(2, &batches[draw.batch]);
-                let number = number as u32;
-                pass.draw(0..draw.indices.len() as u32, number..number + 1);
-            }
-        });
-        let own = BindGroupBuilder::new(&self.finish_layout)
-            .view(drawn)
-            .view(&targets.composite.picture)
-            .build(&device, "finish");
-        let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
-        self.finish.run(recorder, &groups, [size.x, size.y, 1]);
-    }
-
-    fn draw_cubes(&self, recorder: &mut Recorder, frame: &VxctFrame<'_>, look: &BindGroup) {
-        let own = BindGroupBuilder::new(&self.cubes_layout)
-            .view(&self.voxels.view)
-            .view(&frame.targets.composite.picture)
-            .build(recorder.device(), "VXCT's cubes");
-        let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
-        let size = frame.view.size;
-        self.cubes.run(recorder, &groups, [size.x, size.y, 1]);
-    }
-}
-
-fn shader(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Shader, RenderError> {
-    Ok(device.shader(shaders, "render::vxct::shade")?)
 }

@@ -185,10 +185,12 @@ impl Records {
 
     /// As a light from above.
     fn of_sky(&self, environment: &Environment) -> VxctLight {
+        let map = environment.map.as_ref();
+        let mean = environment.radiance * map.map_or(Vec3::ONE, |map| map.mean_radiance());
         VxctLight {
             position: Vec3::Y,
             is_parallel: 1,
-            color: mean_radiance(environment) / self.white,
+            color: mean / self.white,
             spot_scale: 0.0,
             spot_direction: Vec3::NEG_Y,
             spot_offset: 1.0,
@@ -196,23 +198,6 @@ impl Records {
             padding: 0,
         }
     }
-}
-
-/// Over all directions, cd/m².
-fn mean_radiance(environment: &Environment) -> Vec3 {
-    let Some(map) = &environment.map else { return environment.radiance };
-    let mut sum = [0.0_f64; 3];
-    let mut weights = 0.0;
-    for (row, texels) in map.rgb.chunks_exact(map.width as usize).enumerate() {
-        let weight = ((row as f64 + 0.5) / f64::from(map.height) * std::f64::consts::PI).sin();
-        for texel in texels {
-            for (sum, channel) in sum.iter_mut().zip(texel) {
-                *sum += weight * f64::from(*channel);
-            }
-        }
-        weights += weight * f64::from(map.width);
-    }
-    environment.radiance * Vec3::from_array(sum.map(|sum| (sum / weights.max(1e-30)) as f32))
 }
 
 fn of_material(material: &Material) -> VxctDraw {

@@ -6,7 +6,8 @@ use lumivox::gpu::{
     ShaderError, ShaderLibrary, Texture, TextureView, storage_buffer,
 };
 
-use super::{LAST_LEVEL, Layouts};
+use super::LAST_LEVEL;
+use super::passes::Layouts;
 use crate::upload::GpuScene;
 use crate::{Gpu, RenderError};
 
