@@ -10,7 +10,8 @@
 //
 // Across a wall of full coverage the filter is a tent, so what is felt tells how far its end is. The tent stands in the
 // middle of the wall's cells, and the wall anywhere in them: a start between the two is in front of the wall and beyond
-// the middle. Which way is out then the side tells on which the wall is seen.
+// the middle. Which way is out then the side tells on which the wall is seen, and of a wall that is seen on both the
+// surface below the start: a floor ends at the wall and goes on where the start is.
 
 import package::grid::grid_from_world;
 import package::trace::cone::ConeSettings;
@@ -22,15 +23,19 @@ fn main_axis(normal: vec3f) -> u32 {
     return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
 }
 
+// A share of a voxel's surface that is not chance.
+const NOTICEABLE: f32 = 0.25;
+
 // How far it is along an axis to where a wall is no longer felt, given what is felt of its positive and its negative
-// side, and how much more that is farther along.
-fn way_out(here: vec2f, rise: f32) -> f32 {
+// side, how much more that is farther along, and how much more of the start's own surface there is.
+fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     let felt = max(here.x, here.y);
-    let facing = here.x - here.y;
     let is_one_sided = 2.0 * min(here.x, here.y) < felt;
+    let continues = select(0.0, own_rise, abs(own_rise) > NOTICEABLE);
+    let outwards = sign(select(continues, here.x - here.y, is_one_sided));
     // A wall is within half a voxel of the middle of its cells; what is farther beyond stands behind it.
-    if is_one_sided && rise * facing >= 0.0 && felt > 0.5 {
-        return sign(facing) * (2.0 - felt);
+    if outwards != 0.0 && rise * outwards >= 0.0 && felt > 0.5 {
+        return outwards * (2.0 - felt);
     }
     // Away from where more is felt.
     return -sign(rise) * felt;
@@ -48,7 +53,10 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -
         half_voxel[axis] = 0.5;
         let above = wall_coverage(start + half_voxel, axis);
         let below = wall_coverage(start - half_voxel, axis);
-        beside[axis] = way_out(here, max(above.x, above.y) - max(below.x, below.y));
+        let own_above = wall_coverage(start + half_voxel, own_axis);
+        let own_below = wall_coverage(start - half_voxel, own_axis);
+        let own_rise = max(own_above.x, own_above.y) - max(own_below.x, own_below.y);
+        beside[axis] = way_out(here, max(above.x, above.y) - max(below.x, below.y), own_rise);
         let opposite = select(here.x, here.y, normal[axis] > 0.0);
         back = select(back, opposite, axis == own_axis);
     }

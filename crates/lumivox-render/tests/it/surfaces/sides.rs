@@ -71,6 +71,30 @@ fn a_wall_lit_from_behind_stays_dark_in_front() {
     }
 }
 
+/// Walls of two sides that end where they meet: whatever half of its voxels a wall stands in, cones along it start in
+/// the room and not outside, where it is dark.
+#[test]
+fn a_room_of_two_sided_walls_has_no_dark_edges() {
+    let mut room = scene();
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for side in [axis, -axis] {
+            let along = axis.any_orthonormal_vector();
+            let wall = quad(side, along, side.cross(along));
+            add(&mut room, wall, Material { double_sided: true, ..glowing(Vec3::ONE) });
+        }
+    }
+    room.cameras = vec![Camera::look_at(Vec3::ZERO, Vec3::new(-1.0, -1.0, 0.0), 0.2)];
+    for eighths in 0..8 {
+        let grid_offset = Vec3::splat(0.125 * eighths as f32);
+        let settings = RenderSettings { bounces: 1, grid_offset, ..settings(View::Diffuse) };
+        let picture = render(&room, settings);
+        let light = || picture.hdr.iter().map(|pixel| pixel[0]);
+        let (darkest, brightest) = (light().fold(f32::MAX, f32::min), light().fold(0.0, f32::max));
+        println!("{grid_offset}: {darkest} to {brightest}");
+        assert!(darkest > 0.9 && brightest < 1.1, "{grid_offset}: {darkest} to {brightest}");
+    }
+}
+
 #[test]
 fn both_sides_are_seen_in_the_light_that_falls_on_them() {
     let seen = |double_sided, lamp_x, from_x: f32| {
