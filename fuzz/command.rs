@@ -1,10 +1,10 @@
 //! Lines of the console: what is split, quoted and read as a value.
 //!
-//! The program's console is no library, so its parser is taken in as a file; it needs nothing else. The values of
+//! The console's parser is taken in as a file; it needs nothing else. The values of
 //! settings are read by another.
 
 #[allow(dead_code)]
-#[path = "../crates/lumivox-app/src/console/line.rs"]
+#[path = "../crates/lumivox-console/src/line.rs"]
 mod line;
 #[allow(dead_code)]
 #[path = "../crates/lumivox-render/src/parameters/value.rs"]

@@ -24,8 +24,21 @@ MAY_DEPEND_ON = {
     "lumivox": set(),
     "lumivox-render": {"lumivox", "lumivox-scene"},
     "lumivox-explorer": {"lumivox", "lumivox-render", "lumivox-scene"},
-    "lumivox-app": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
-    "lumivox-web": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
+    "lumivox-console": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
+    "lumivox-app": {
+        "lumivox",
+        "lumivox-console",
+        "lumivox-explorer",
+        "lumivox-render",
+        "lumivox-scene",
+    },
+    "lumivox-web": {
+        "lumivox",
+        "lumivox-console",
+        "lumivox-explorer",
+        "lumivox-render",
+        "lumivox-scene",
+    },
     "lumivox-serve": set(),
 }
 

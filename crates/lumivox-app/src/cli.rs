@@ -19,11 +19,12 @@ mod window;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
+use lumivox_console::SceneSource;
 
 pub use compare::CompareArgs;
 pub use explore::ExploreArgs;
-pub use light::{LightArgs, SourceArgs};
-pub use load::{LoadArgs, SceneArg};
+pub use light::LightArgs;
+pub use load::SceneArg;
 pub use motion::MotionArgs;
 pub use picture::PictureArgs;
 pub use quality::QualityArgs;
@@ -36,7 +37,6 @@ pub use window::WindowArgs;
 
 use crate::args::cones::ConeArgs;
 use crate::args::number;
-use crate::args::scene::SceneSource;
 use crate::exit;
 use crate::motion::{AnimationName, animation};
 use load::scene_source;
@@ -219,7 +219,7 @@ pub struct InfoArgs {
 
     /// How its file is read.
     #[command(flatten)]
-    pub load: LoadArgs,
+    pub load: lumivox_console::LoadArgs,
 
     /// The voxels whose memory is told.
     #[command(flatten)]

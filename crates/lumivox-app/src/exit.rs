@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use lumivox::GiError;
+use lumivox_console::{Blame, Failure, shown};
 use lumivox_explorer::ExplorerError;
 use lumivox_render::RenderError;
 use lumivox_render::compare::CompareError;
@@ -12,7 +13,6 @@ use lumivox_scene::SceneError;
 
 use crate::args::Refused;
 use crate::host::Host;
-use crate::shown;
 
 /// What the exit code says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,41 +50,22 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// An error that the program finds itself, with its exit code.
+/// Several errors that were told already, with the code of the first.
 #[derive(Debug)]
-pub struct Failure {
-    exit: Exit,
-    message: String,
+pub struct Told {
+    /// The code.
+    pub exit: Exit,
+    /// How many there were, in words.
+    pub message: String,
 }
 
-impl Failure {
-    /// Bad input.
-    pub fn input(message: impl Into<String>) -> Self {
-        Self { exit: Exit::Input, message: message.into() }
-    }
-
-    /// No display for a window.
-    pub fn display(message: impl Into<String>) -> Self {
-        Self { exit: Exit::Gpu, message: message.into() }
-    }
-
-    /// The user's wish to stop; the message says what is there.
-    pub fn stopped(message: impl Into<String>) -> Self {
-        Self { exit: Exit::Stopped, message: message.into() }
-    }
-
-    /// An output that cannot be written.
-    pub fn output(message: impl Into<String>) -> Self {
-        Self { exit: Exit::Output, message: message.into() }
+impl fmt::Display for Told {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
     }
 }
 
-impl Failure {
-    /// What ends with a code that is known.
-    pub fn with_code(exit: Exit, message: impl Into<String>) -> Self {
-        Self { exit, message: message.into() }
-    }
-}
+impl std::error::Error for Told {}
 
 /// An error of a line of a script.
 #[derive(Debug)]
@@ -116,19 +97,14 @@ impl std::error::Error for Located {
     }
 }
 
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for Failure {}
-
 /// The exit code for an error of a command.
 pub fn of_error(error: &anyhow::Error) -> Exit {
     for cause in error.chain() {
         if let Some(failure) = cause.downcast_ref::<Failure>() {
-            return failure.exit;
+            return of_blame(failure.blame);
+        }
+        if let Some(told) = cause.downcast_ref::<Told>() {
+            return told.exit;
         }
         if let Some(located) = cause.downcast_ref::<Located>() {
             return of_error(&located.error);
@@ -153,6 +129,15 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
         }
     }
     Exit::Internal
+}
+
+fn of_blame(blame: Blame) -> Exit {
+    match blame {
+        Blame::Input => Exit::Input,
+        Blame::Display => Exit::Gpu,
+        Blame::Stopped => Exit::Stopped,
+        Blame::Output => Exit::Output,
+    }
 }
 
 fn of_scene_error(error: &SceneError) -> Exit {

@@ -9,12 +9,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use indicatif::{MultiProgress, ProgressDrawTarget};
+use lumivox_console::{Failure, shown};
 use lumivox_render::{Gpu, GpuOptions, RenderError};
 use serde::Serialize;
 
 use crate::cli::GpuArgs;
-use crate::exit::{Exit, Failure};
-use crate::shown;
+
+use crate::exit::Exit;
 
 /// The streams, bars and GPU of a run. Clones share them.
 #[derive(Clone)]

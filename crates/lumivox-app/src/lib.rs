@@ -13,7 +13,7 @@
 //! | `prompt` | line editing, history and completion to `lumivox run` on a terminal, which reads plain lines without it |
 //! | `window` | `lumivox view`; and `prompt`, for the terminal beside the window |
 //!
-//! Each is asked for in one place: `commands/mod.rs` (`view`), `console/mod.rs` (`prompt`) and here (`window`).
+//! Each is asked for in one place: `commands/mod.rs` (`view`), here (`prompt`, `window`).
 
 #![allow(
     clippy::format_push_string,
@@ -35,7 +35,7 @@
 mod args;
 mod cli;
 mod commands;
-mod console;
+mod disk;
 mod exit;
 mod host;
 mod lock;
@@ -43,16 +43,20 @@ mod log;
 mod motion;
 mod opening;
 mod progress;
+#[cfg(feature = "prompt")]
+mod prompt;
+#[cfg(not(feature = "prompt"))]
+#[path = "prompt/plain.rs"]
+mod prompt;
 mod quality;
-mod report;
 mod sequence;
-mod shown;
 #[cfg(feature = "window")]
 mod window;
 
 use std::ffi::OsString;
 
 use clap::{CommandFactory as _, Parser as _};
+use lumivox_console::shown;
 
 use cli::{Cli, Command};
 pub use exit::{Exit, guard};

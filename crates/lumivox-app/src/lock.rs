@@ -7,7 +7,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::exit::Failure;
+use lumivox_console::Failure;
 
 /// A lock that is held until it is dropped.
 #[derive(Debug)]

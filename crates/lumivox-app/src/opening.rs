@@ -1,75 +1,50 @@
-//! Which scene the console and the window open, and how it is read.
+//! Scenes that the console and the window open: how the command line asks for them, and how they are read.
 
 use std::cell::OnceCell;
 
+use lumivox_console::values::camera::resolve_with;
+use lumivox_console::{Opening, Ready, SceneSource};
 use lumivox_explorer::Opened;
 use lumivox_scene::SightOptions;
 
-use crate::args::camera::{CameraChoice, resolve_with};
-use crate::args::scene::SceneSource;
-use crate::cli::{ExploreArgs, LoadArgs, SourceArgs};
+use crate::args::scene;
+use crate::cli::ExploreArgs;
 use crate::commands::light;
 use crate::progress::{Progress, words};
 
-/// Which scene, and how it is read and lit.
-#[derive(Clone, Debug)]
-pub struct Opening {
-    /// The scene.
-    pub source: SceneSource,
-    /// How its file is read.
-    pub load: LoadArgs,
-    /// What is added to its light.
-    pub light: SourceArgs,
-    /// Where it is seen from.
-    pub camera: Option<CameraChoice>,
-    /// Width by height of the picture that the camera is found for.
-    pub aspect: f32,
+/// Of the scene that the command line names, if it names one.
+pub fn of_args(args: &ExploreArgs) -> Option<Opening> {
+    let source = args.scene.clone()?;
+    Some(Opening { camera: args.picture.camera.clone(), ..of(args, source) })
 }
 
-/// A scene that was read, and how.
-#[derive(Debug)]
-pub struct Ready {
-    /// How.
-    pub opening: Opening,
-    /// The scene.
-    pub opened: Opened,
+/// Of another scene, read and lit as the command line asks for.
+pub fn of(args: &ExploreArgs, source: SceneSource) -> Opening {
+    Opening {
+        source,
+        load: args.load.clone(),
+        light: args.light.sources.clone(),
+        camera: None,
+        aspect: args.picture.aspect(),
+    }
 }
 
-impl Opening {
-    /// Of the scene that the command line names, if it names one.
-    pub fn of_args(args: &ExploreArgs) -> Option<Self> {
-        let source = args.scene.clone()?;
-        Some(Self { camera: args.picture.camera.clone(), ..Self::of(args, source) })
-    }
-
-    /// Of another scene, read and lit as the command line asks for.
-    pub fn of(args: &ExploreArgs, source: SceneSource) -> Self {
-        Self {
-            source,
-            load: args.load.clone(),
-            light: args.light.sources.clone(),
-            camera: None,
-            aspect: args.picture.aspect(),
-        }
-    }
-
-    /// Reads and lights the scene, and finds its camera.
-    ///
-    /// # Errors
-    /// When the scene or a panorama cannot be read, or there is no such camera.
-    pub fn load(self, progress: &Progress) -> anyhow::Result<Ready> {
-        self.source.check()?;
-        light::check(&self.light)?;
-        let mut scene = self.source.load(&self.load, progress)?;
-        light::add(&mut scene, &self.light, progress)?;
-        let (camera, framing) = (self.camera.as_ref(), OnceCell::new());
-        let camera = camera.map(|_| resolve_with(camera, &scene, self.aspect, &framing));
-        let camera = camera.transpose()?;
-        let options = SightOptions { camera, aspect: self.aspect, staging: self.light.staging() };
-        let opened = Opened::surveyed(scene, &options, &framing, &mut |step| {
-            progress.set(words(step.stage), step.done, step.total);
-        })?;
-        light::tell(opened.notes());
-        Ok(Ready { opening: self, opened })
-    }
+/// Reads and lights the scene, and finds its camera.
+///
+/// # Errors
+/// When the scene or a panorama cannot be read, or there is no such camera.
+pub fn load(opening: Opening, progress: &Progress) -> anyhow::Result<Ready> {
+    scene::check(&opening.source)?;
+    light::check(&opening.light)?;
+    let mut scene = scene::load(&opening.source, &opening.load, progress)?;
+    light::add(&mut scene, &opening.light, progress)?;
+    let (camera, framing) = (opening.camera.as_ref(), OnceCell::new());
+    let camera = camera.map(|_| resolve_with(camera, &scene, opening.aspect, &framing));
+    let camera = camera.transpose()?;
+    let options = SightOptions { camera, aspect: opening.aspect, staging: opening.light.staging() };
+    let opened = Opened::surveyed(scene, &options, &framing, &mut |step| {
+        progress.set(words(step.stage), step.done, step.total);
+    })?;
+    light::tell(opened.notes());
+    Ok(Ready { opening, opened })
 }

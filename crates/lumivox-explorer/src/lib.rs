@@ -90,6 +90,15 @@ pub enum Revoxelize {
     EveryFrame,
 }
 
+/// Settings that are asked for, and what they started from.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// The settings.
+    pub settings: RenderSettings,
+    preset: PresetChoice,
+    fitted: Option<Bounds>,
+}
+
 /// A scene at work.
 #[derive(Debug)]
 pub struct Explorer {
@@ -248,8 +257,7 @@ impl Explorer {
         Ok(())
     }
 
-    /// [`Self::choose_settings`], and makes them so at once: where the renderer refuses them, those of before this call are asked
-    /// for again, and nothing else is lost. Without a renderer they are only asked for.
+    /// [`Self::choose_settings`], and makes them so at once, as [`Self::confirm`] does.
     ///
     /// # Errors
     /// As [`Self::choose_settings`] and [`Self::update`].
@@ -259,14 +267,32 @@ impl Explorer {
         preset: PresetChoice,
         tell: &mut dyn FnMut(Progress),
     ) -> Result<(), ExplorerError> {
-        let before = (self.settings.clone(), self.preset, self.fitted);
+        let before = self.asked();
         self.choose_settings(settings, preset)?;
+        self.confirm(before, tell).await
+    }
+
+    /// What is asked for now, for [`Self::confirm`].
+    pub fn asked(&self) -> Asked {
+        Asked { settings: self.settings.clone(), preset: self.preset, fitted: self.fitted }
+    }
+
+    /// Makes the settings so at once that are asked for: where the renderer refuses them, those of before are asked for
+    /// again, and nothing else is lost. Without a renderer they stay asked for.
+    ///
+    /// # Errors
+    /// As [`Self::update`].
+    pub async fn confirm(
+        &mut self,
+        before: Asked,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<(), ExplorerError> {
         if self.renderer.is_none() {
             return Ok(());
         }
         let updated = self.update(tell).await;
         if updated.is_err() {
-            (self.settings, self.preset, self.fitted) = before;
+            Asked { settings: self.settings, preset: self.preset, fitted: self.fitted } = before;
         }
         updated
     }

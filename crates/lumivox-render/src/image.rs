@@ -1,7 +1,6 @@
 //! Finished pictures and their files.
 
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, Cursor, Seek, Write};
 use std::path::Path;
 
 use exr::prelude::{SpecificChannels, WritableImage as _};
@@ -59,17 +58,31 @@ impl Picture {
     /// nothing is left behind.
     pub fn write(&self, path: &Path) -> Result<(), RenderError> {
         let format = ImageFormat::from_path(path)?;
-        let written = write_atomically(path, |out| match format {
-            ImageFormat::Png => self.write_png(out),
-            ImageFormat::Exr => self.write_exr(out),
-        });
+        let written = write_atomically(path, |out| self.write_to(out, format));
         written.map_err(|error| RenderError::Write {
             file: path.to_owned(),
             reason: error.to_string(),
         })
     }
 
-    fn write_png(&self, out: &mut BufWriter<&File>) -> io::Result<()> {
+    /// The bytes of the picture's file.
+    ///
+    /// # Errors
+    /// When the picture is larger than the format allows.
+    pub fn encode(&self, format: ImageFormat) -> io::Result<Vec<u8>> {
+        let mut bytes = Cursor::new(Vec::new());
+        self.write_to(&mut bytes, format)?;
+        Ok(bytes.into_inner())
+    }
+
+    fn write_to(&self, out: &mut (impl Write + Seek), format: ImageFormat) -> io::Result<()> {
+        match format {
+            ImageFormat::Png => self.write_png(out),
+            ImageFormat::Exr => self.write_exr(out),
+        }
+    }
+
+    fn write_png(&self, out: &mut impl Write) -> io::Result<()> {
         // No alpha: a picture of a room with holes where the sky is would be a surprise.
         let rgb: Vec<u8> = self.ldr.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         image::codecs::png::PngEncoder::new(out)
@@ -77,7 +90,7 @@ impl Picture {
             .map_err(io::Error::other)
     }
 
-    fn write_exr(&self, out: &mut BufWriter<&File>) -> io::Result<()> {
+    fn write_exr(&self, out: &mut (impl Write + Seek)) -> io::Result<()> {
         let width = self.size.x as usize;
         let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
             let [r, g, b, _] = self.hdr[at.y() * width + at.x()];

@@ -4,12 +4,12 @@ use std::ops::RangeInclusive;
 
 use clap::Args;
 use lumivox::{TraceResolution, TraceSettings};
+use lumivox_console::Failure;
 use lumivox_render::parameters::{Group, PARAMETERS, Parameter, Value};
 use lumivox_render::{Look, PresetChoice, RenderSettings};
 
 use super::choices;
 use super::number::number;
-use crate::exit::Failure;
 
 /// What `TraceSettings::validate` allows; a test holds the two together.
 const VOXEL_PER_DIAMETER: RangeInclusive<f32> = 0.05..=1.0;

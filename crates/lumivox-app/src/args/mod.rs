@@ -5,34 +5,10 @@
 //! [`Refused`] keeps them apart, and the program's exit code says which it was: 2 or 3. A number out of
 //! range is 3 whichever option it stands behind, and so is one that a script or a file gives.
 
-pub mod camera;
 pub mod choices;
 pub mod cones;
-pub mod light;
-pub mod load;
-pub mod number;
 pub mod output;
 pub mod overlay;
 pub mod scene;
-pub mod size;
 
-use std::fmt;
-
-/// Why a value of the command line is refused.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Refused {
-    /// It does not have the form asked for.
-    Malformed(String),
-    /// It has, but lies where it must not.
-    OutOfRange(String),
-}
-
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Malformed(reason) | Self::OutOfRange(reason) => f.write_str(reason),
-        }
-    }
-}
-
-impl std::error::Error for Refused {}
+pub use lumivox_console::values::{Refused, camera, light, load, number, size};

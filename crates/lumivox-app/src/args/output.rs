@@ -4,9 +4,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use lumivox_console::Failure;
 use lumivox_render::ImageFormat;
-
-use crate::exit::Failure;
 
 /// Checks that a picture can be written to `file`: the format, the folder, and that files may be
 /// made in it.

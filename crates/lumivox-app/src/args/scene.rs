@@ -1,37 +1,24 @@
-//! Which scene.
+//! Which scene: where it is looked for, and how it is read.
 
 use std::ffi::OsString;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use glam::Vec3;
+use lumivox_console::{BUILTIN, Failure, LoadArgs, SceneSource};
 use lumivox_scene::{
     EXTENSIONS, LoadOptions, LoadProgress, Scene, SceneError, builtin, check_regular,
 };
 
-use crate::cli::LoadArgs;
-use crate::exit::Failure;
 use crate::progress::Progress;
 
 const RADIANS_PER_DEGREE: f32 = std::f32::consts::PI / 180.0;
-const PREFIX: &str = "builtin:";
 
-/// A scene, as the command line names it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum SceneSource {
-    /// One made in code.
-    Builtin(String),
-    /// A file.
-    File(PathBuf),
-}
-
-impl From<OsString> for SceneSource {
-    fn from(text: OsString) -> Self {
-        match text.to_str().and_then(|text| text.strip_prefix(PREFIX)) {
-            Some(name) => Self::Builtin(name.to_owned()),
-            None => Self::File(found(text.into())),
-        }
+/// The scene of a name on the command line; names of files are looked for in `scenes`, too.
+pub fn source(text: OsString) -> SceneSource {
+    match text.to_str().map(SceneSource::named) {
+        Some(builtin @ SceneSource::Builtin(_)) => builtin,
+        _ => SceneSource::File(found(text.into())),
     }
 }
 
@@ -57,90 +44,79 @@ pub fn within(folder: &Path, name: &Path) -> Option<PathBuf> {
     })
 }
 
-impl fmt::Display for SceneSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Builtin(name) => write!(f, "{PREFIX}{name}"),
-            Self::File(file) => file.display().fmt(f),
+/// Checks what is cheap to check: that there is such a scene at all.
+///
+/// # Errors
+/// When the name is unknown or the file is not there.
+pub fn check(source: &SceneSource) -> anyhow::Result<()> {
+    match source {
+        SceneSource::Builtin(name) if builtin::names().contains(&name.as_str()) => Ok(()),
+        SceneSource::Builtin(name) => {
+            let known = builtin::names().to_vec();
+            Err(SceneError::UnknownBuiltin { name: name.clone(), known }.into())
         }
+        SceneSource::File(file) => match check_regular(file) {
+            Ok(_) => Ok(()),
+            Err(_) if file.is_dir() => Err(Failure::input(format!(
+                "{}: is a folder; give a {} file",
+                file.display(),
+                lumivox_scene::extensions_in_words()
+            ))
+            .into()),
+            Err(_) if is_builtin_without_prefix(source) => {
+                let file = file.display();
+                Err(Failure::input(format!(
+                    "{file}: there is no such file; did you mean {BUILTIN}{file}?"
+                ))
+                .into())
+            }
+            Err(error) => Err(SceneError::Read { file: file.clone(), source: error }.into()),
+        },
     }
 }
 
-impl SceneSource {
-    /// Checks what is cheap to check: that there is such a scene at all.
-    ///
-    /// # Errors
-    /// When the name is unknown or the file is not there.
-    pub fn check(&self) -> anyhow::Result<()> {
-        match self {
-            Self::Builtin(name) if builtin::names().contains(&name.as_str()) => Ok(()),
-            Self::Builtin(name) => {
-                let known = builtin::names().to_vec();
-                Err(SceneError::UnknownBuiltin { name: name.clone(), known }.into())
-            }
-            Self::File(file) => match check_regular(file) {
-                Ok(_) => Ok(()),
-                Err(_) if file.is_dir() => Err(Failure::input(format!(
-                    "{}: is a folder; give a {} file",
-                    file.display(),
-                    lumivox_scene::extensions_in_words()
+/// Makes or reads the scene.
+///
+/// # Errors
+/// As [`Scene::load_with`] and [`builtin::scene`], and when options for files are given with a
+/// built-in scene.
+pub fn load(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
+    let mut scene = read(source, args, progress)?;
+    if args.rotate != Vec3::ZERO {
+        scene.rotate(args.rotate * RADIANS_PER_DEGREE);
+    }
+    Ok(scene)
+}
+
+fn read(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
+    let file = match source {
+        SceneSource::Builtin(name) => {
+            if let Some(option) = args.option_of_files() {
+                return Err(Failure::input(format!(
+                    "{source}: {option} is for scenes from files; leave it out"
                 ))
-                .into()),
-                Err(_) if self.is_builtin_without_prefix() => {
-                    let file = file.display();
-                    Err(Failure::input(format!(
-                        "{file}: there is no such file; did you mean {PREFIX}{file}?"
-                    ))
-                    .into())
-                }
-                Err(source) => Err(SceneError::Read { file: file.clone(), source }.into()),
-            },
-        }
-    }
-
-    /// Makes or reads the scene.
-    ///
-    /// # Errors
-    /// As [`Scene::load_with`] and [`builtin::scene`], and when options for files are given with a
-    /// built-in scene.
-    pub fn load(&self, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
-        let mut scene = self.read(args, progress)?;
-        if args.rotate != Vec3::ZERO {
-            scene.rotate(args.rotate * RADIANS_PER_DEGREE);
-        }
-        Ok(scene)
-    }
-
-    fn read(&self, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
-        let file = match self {
-            Self::Builtin(name) => {
-                if let Some(option) = args.option_of_files() {
-                    return Err(Failure::input(format!(
-                        "{self}: {option} is for scenes from files; leave it out"
-                    ))
-                    .into());
-                }
-                return Ok(builtin::scene(name)?);
+                .into());
             }
-            Self::File(file) => file,
-        };
-        let mut tell =
-            |step: LoadProgress| progress.set_share(words(step.stage), step.done, step.total);
-        let mut options = LoadOptions { progress: Some(&mut tell), ..args.options() };
-        Ok(Scene::load_with(file, &mut options)?)
-    }
+            return Ok(builtin::scene(name)?);
+        }
+        SceneSource::File(file) => file,
+    };
+    let mut tell =
+        |step: LoadProgress| progress.set_share(words(step.stage), step.done, step.total);
+    let mut options = LoadOptions { progress: Some(&mut tell), ..args.options() };
+    Ok(Scene::load_with(file, &mut options)?)
+}
 
-    /// What tells a file from an older one of the same name: its size in bytes, and when it was
-    /// changed, in milliseconds since 1970.
-    pub fn stamp(&self) -> Option<(u64, u64)> {
-        let Self::File(file) = self else { return None };
-        stamp(file)
-    }
+/// What tells a file from an older one of the same name: its size in bytes, and when it was
+/// changed, in milliseconds since 1970.
+pub fn stamp_of(source: &SceneSource) -> Option<(u64, u64)> {
+    let SceneSource::File(file) = source else { return None };
+    stamp(file)
+}
 
-    fn is_builtin_without_prefix(&self) -> bool {
-        matches!(self, Self::File(file)
-            if file.to_str().is_some_and(|name| builtin::names().contains(&name)))
-    }
+fn is_builtin_without_prefix(source: &SceneSource) -> bool {
+    matches!(source, SceneSource::File(file)
+        if file.to_str().is_some_and(|name| builtin::names().contains(&name)))
 }
 
 /// What tells a file from an older one of the same name.
@@ -163,7 +139,7 @@ mod tests {
     use super::*;
 
     fn source(text: &str) -> SceneSource {
-        OsString::from(text).into()
+        super::source(text.into())
     }
 
     #[test]
@@ -176,8 +152,8 @@ mod tests {
     #[test]
     fn every_builtin_scene_is_known() {
         for name in builtin::names() {
-            let source = source(&format!("{PREFIX}{name}"));
-            source.check().unwrap();
+            let source = source(&format!("{BUILTIN}{name}"));
+            check(&source).unwrap();
             let SceneSource::Builtin(known) = source else { panic!("a built-in scene") };
             assert_eq!(builtin::scene(&known).unwrap().name, *name);
         }
@@ -185,13 +161,13 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_named() {
-        let error = source("builtin:corn").check().unwrap_err().to_string();
+        let error = check(&source("builtin:corn")).unwrap_err().to_string();
         assert!(error.contains("\"corn\"") && error.contains("cornell"), "{error}");
-        let error = source("cornell").check().unwrap_err().to_string();
+        let error = check(&source("cornell")).unwrap_err().to_string();
         assert!(error.contains("did you mean builtin:cornell?"), "{error}");
-        let error = source("no/such.glb").check().unwrap_err().to_string();
+        let error = check(&source("no/such.glb")).unwrap_err().to_string();
         assert!(error.contains("no/such.glb"), "{error}");
-        let error = source("/").check().unwrap_err().to_string();
+        let error = check(&source("/")).unwrap_err().to_string();
         assert!(error.contains("is a folder"), "{error}");
     }
 }

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use glam::UVec2;
+use lumivox_console::{LoadArgs, SceneSource};
 
 use super::load::scene_source;
-use super::{GpuArgs, LightArgs, LoadArgs, ViewArgs, VoxelArgs};
+use super::{GpuArgs, LightArgs, ViewArgs, VoxelArgs};
 use crate::args::cones::ConeArgs;
-use crate::args::scene::SceneSource;
 use crate::args::{number, size};
 
 /// Examples for the help.

@@ -1,11 +1,11 @@
 //! What the window and scripts start from.
 
 use clap::Args;
+use lumivox_console::{LoadArgs, SceneSource};
 
 use super::load::scene_source;
-use super::{GpuArgs, LightArgs, LoadArgs, PictureArgs, VoxelArgs};
+use super::{GpuArgs, LightArgs, PictureArgs, VoxelArgs};
 use crate::args::cones::ConeArgs;
-use crate::args::scene::SceneSource;
 
 /// A scene, or none yet, and the settings that its first picture has.
 #[derive(Args, Debug)]

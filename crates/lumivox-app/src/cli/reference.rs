@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use glam::UVec2;
+use lumivox_console::SourceArgs;
 
-use super::{GpuArgs, SceneArg, SourceArgs, ViewArgs};
+use super::{GpuArgs, SceneArg, ViewArgs};
 use crate::args::{number, size};
 
 /// The arguments of `reference`.

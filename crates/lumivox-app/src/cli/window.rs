@@ -1,10 +1,10 @@
 //! The arguments of `view`, the window.
 
 use clap::Args;
+use lumivox_console::SceneSource;
 
 use super::ExploreArgs;
 use super::load::scene_source;
-use crate::args::scene::SceneSource;
 
 /// For the end of the help.
 pub const EXAMPLES: &str = "\

@@ -1,14 +1,15 @@
 //! `lumivox convert`: a scene as one GLB file.
 
+use lumivox_console::Failure;
+use lumivox_console::report::{SceneCounts, bytes, counted};
 use serde::Serialize;
 
 use crate::args::output;
+use crate::args::scene;
 use crate::cli::ConvertArgs;
-use crate::exit::Failure;
 use crate::host::Host;
 use crate::motion::choose;
 use crate::progress::Progress;
-use crate::report::{SceneCounts, bytes, counted};
 
 /// Reads, poses if asked to, writes.
 ///
@@ -16,7 +17,7 @@ use crate::report::{SceneCounts, bytes, counted};
 /// When the scene cannot be read or posed, or the file cannot be written; the message says what.
 pub fn run(args: &ConvertArgs, host: &Host) -> anyhow::Result<()> {
     output::check_kind(&args.output, "glb", "scenes are written as GLB")?;
-    args.scene.scene.check()?;
+    scene::check(&args.scene.scene)?;
     let progress = Progress::start(host, "loading");
     let mut scene = args.scene.load(&progress)?;
     if args.time.is_some() || args.animation.is_some() {

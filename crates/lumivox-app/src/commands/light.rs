@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use glam::Vec3;
+use lumivox_console::{SUN_OF_SKY, SourceArgs};
 use lumivox_scene::sky::{SkySettings, sky};
 use lumivox_scene::{
     Camera, Environment, EnvironmentMap, Framing, Light, LightKind, Note, Scene, SceneError, Sight,
@@ -13,11 +14,7 @@ use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
 use crate::args::scene::stamp;
-use crate::cli::SourceArgs;
 use crate::progress::Progress;
-
-/// The name of the light that is the sun of a computed sky.
-pub const SUN_OF_SKY: &str = "sun of the sky";
 
 /// The remedy for a picture with too little light, or too much.
 pub const REMEDY: &str = "light it otherwise with --surroundings studio or sky, --sun or --environment, or set --exposure";
@@ -39,33 +36,9 @@ pub fn check(args: &SourceArgs) -> Result<(), SceneError> {
 /// # Errors
 /// When a panorama cannot be read.
 pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<(), SceneError> {
-    scene.lights.extend(args.sun.clone());
-    match &args.environment {
-        Some(Surroundings::Uniform(radiance)) => {
-            scene.environment = Environment { radiance: *radiance, ..Environment::default() };
-        }
-        Some(Surroundings::File(file)) => {
-            progress.set("loading the surroundings", 0, 1);
-            let map = EnvironmentMap::load(file)?;
-            let map = Some(Arc::new(map));
-            scene.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
-        }
-        None => {}
-    }
-    if let Some(sun_direction) = args.sky {
-        progress.set("computing the sky", 0, 1);
-        let settings =
-            SkySettings { sun_direction, turbidity: args.turbidity, ..SkySettings::default() };
-        let sky = sky(&settings)?;
-        let map = Some(Arc::new(sky.map));
-        scene.environment = Environment { radiance: Vec3::ONE, map, rotation_rad: 0.0 };
-        scene.lights.extend(sky.sun.map(|sun| Light { name: SUN_OF_SKY.to_owned(), ..sun }));
-    }
-    scene.environment.radiance *= args.environment_intensity;
-    if let Some(degrees) = args.environment_rotation {
-        scene.environment.rotation_rad = degrees.to_radians();
-    }
-    Ok(())
+    progress.set("loading the surroundings", 0, 1);
+    let panorama = args.panorama().map(EnvironmentMap::load).transpose()?;
+    args.light(scene, panorama)
 }
 
 /// Decides how a scene is seen, adds the light that it needs, and tells the user what was chosen. For commands

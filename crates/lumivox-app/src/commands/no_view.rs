@@ -1,7 +1,8 @@
 //! `lumivox view` in a build without the window.
 
+use lumivox_console::Failure;
+
 use crate::cli::WindowArgs;
-use crate::exit::Failure;
 use crate::host::Host;
 
 /// Tells how a build with the window is made.

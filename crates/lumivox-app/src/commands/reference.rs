@@ -4,6 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use lumivox_console::Failure;
+use lumivox_console::report::{AdapterReport, SceneCounts};
 use lumivox_render::reference::{
     BATCH, PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
 };
@@ -14,12 +16,11 @@ use serde::Serialize;
 use super::light;
 use super::staged::stage;
 use crate::args::output;
+use crate::args::scene;
 use crate::cli::ReferenceArgs;
-use crate::exit::Failure;
 use crate::host::Host;
 use crate::lock::Lock;
 use crate::progress::Progress;
-use crate::report::{AdapterReport, SceneCounts};
 
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -33,7 +34,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(file) = &args.checkpoint {
         output::check_folder(file, &output::folder_of(file))?;
     }
-    args.scene.scene.check()?;
+    scene::check(&args.scene.scene)?;
     light::check(&args.sources)?;
     let checkpoint = args.checkpoint.as_deref();
     let _lock = checkpoint.map(|file| Lock::take(file, "keeps its sums there")).transpose()?;

@@ -4,17 +4,20 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use lumivox_console::{
+    Console, Effect, Failure, Opening, Queue, help, own_command, page, script, script_of_bytes,
+};
 use lumivox_explorer::Explorer;
 use lumivox_render::Progress as Step;
 
 use super::settings;
 use crate::cli::RunArgs;
-use crate::console::prompt::Prompt;
-use crate::console::{Console, Effect, Queue, help, own_command, page, program, script};
-use crate::exit::{self, Failure, Located};
+use crate::disk::{self, Disk};
+use crate::exit::{self, Located, Told};
 use crate::host::Host;
-use crate::opening::Opening;
+use crate::opening;
 use crate::progress::{Progress, words};
+use crate::prompt::Prompt;
 
 /// What a frame that a script waits for stands for, s.
 const FRAME_S: f32 = 1.0 / 30.0;
@@ -29,7 +32,7 @@ pub fn run(args: &RunArgs, host: &Host) -> anyhow::Result<()> {
     let is_prompt = args.script.is_none() && args.commands.is_empty() && is_terminal;
     let mut queue = Queue::default();
     if let Some(file) = args.script.as_ref().filter(|_| !is_stdin) {
-        queue.extend(program::read(file)?);
+        queue.extend(script_of_bytes(&disk::read(file)?, &file.display().to_string())?);
     } else if !args.commands.is_empty() {
         for (index, commands) in args.commands.iter().enumerate() {
             queue.extend(script(commands, &format!("-c {}", index + 1))?);
@@ -39,7 +42,7 @@ pub fn run(args: &RunArgs, host: &Host) -> anyhow::Result<()> {
         queue.extend(script(&read_stdin(host)?, "stdin")?);
     }
     let mut runner = Runner::new(args, host)?;
-    if let Some(opening) = Opening::of_args(&args.explore) {
+    if let Some(opening) = opening::of_args(&args.explore) {
         runner.open(opening)?;
     }
     if is_prompt { runner.prompt() } else { runner.run(queue, args.keep_going) }
@@ -91,7 +94,7 @@ impl Runner {
         settings.trace.validate()?;
         let gpu = host.open_gpu(&explore.gpu)?;
         let explorer = Explorer::new(gpu, settings.clone(), explore.cones.preset());
-        let mut console = Console::new(explorer)
+        let mut console = Console::new(explorer, Box::new(Disk))
             .with_defaults(explore.load.clone(), explore.light.sources.clone());
         console.explorer.set_settings(settings)?;
         let progress = Arc::new(Shown::new(None));
@@ -107,7 +110,7 @@ impl Runner {
     fn run(&mut self, mut queue: Queue, keeps_going: bool) -> anyhow::Result<()> {
         let mut first = None;
         let mut failed = 0_u32;
-        while let Some(line) = queue.next() {
+        while let Some(line) = queue.take() {
             let Err(error) = self.line(&line.text, &mut queue) else {
                 if self.is_over {
                     break;
@@ -125,11 +128,8 @@ impl Runner {
         let Some(code) = first else { return Ok(()) };
         let commands =
             if failed == 1 { "1 command".to_owned() } else { format!("{failed} commands") };
-        Err(Failure::with_code(
-            code,
-            format!("{commands} failed; the first one gives the exit code"),
-        )
-        .into())
+        let message = format!("{commands} failed; the first one gives the exit code");
+        Err(Told { exit: code, message }.into())
     }
 
     /// Does what a line says, and what it leaves to do.
@@ -139,7 +139,7 @@ impl Runner {
             return Ok(());
         }
         self.show(Some(Progress::start(&self.host, "working")));
-        let reply = self.console.run(line);
+        let reply = pollster::block_on(self.console.run(line));
         let done = reply.and_then(|reply| {
             if !reply.text.is_empty() {
                 self.host.print(&format!("{}\n", reply.text))?;
@@ -174,7 +174,7 @@ impl Runner {
 
     fn open(&mut self, opening: Opening) -> anyhow::Result<()> {
         let progress = Progress::start(&self.host, "loading");
-        let ready = opening.load(&progress)?;
+        let ready = opening::load(opening, &progress)?;
         drop(progress);
         self.console.open(ready);
         Ok(())
@@ -198,7 +198,7 @@ impl Runner {
             let Some(line) = terminal.read()? else { break };
             let mut queue = Queue::default();
             queue.add(line, "");
-            while let Some(line) = queue.next() {
+            while let Some(line) = queue.take() {
                 if let Err(error) = self.line(&line.text, &mut queue) {
                     exit::with_error(&Located::new(line.place, error).into(), &self.host);
                     queue.abandon();

@@ -3,13 +3,12 @@
 use std::cell::OnceCell;
 
 use glam::UVec2;
+use lumivox_console::{Failure, LoadArgs, SceneSource, SourceArgs};
 use lumivox_scene::{Camera, Scene};
 
 use super::light;
 use crate::args::camera::resolve_with;
-use crate::args::scene::SceneSource;
-use crate::cli::{LoadArgs, SourceArgs, ViewArgs};
-use crate::exit::Failure;
+use crate::cli::ViewArgs;
 use crate::motion::choose;
 use crate::progress::Progress;
 
@@ -26,7 +25,7 @@ pub fn stage(
     size: UVec2,
     progress: &Progress,
 ) -> anyhow::Result<(Scene, Camera)> {
-    let mut scene = source.load(load, progress)?;
+    let mut scene = crate::args::scene::load(source, load, progress)?;
     light::add(&mut scene, sources, progress)?;
     if view.time.is_some() || view.animation.is_some() {
         let Some(animation) = choose(view.animation.as_ref(), &scene)? else {

@@ -1,12 +1,13 @@
 //! `lumivox view`: the window.
 
+use lumivox_console::{Console, Opening};
 use lumivox_explorer::Explorer;
 
 use super::settings;
 use crate::cli::WindowArgs;
-use crate::console::Console;
+use crate::disk::Disk;
 use crate::host::Host;
-use crate::opening::Opening;
+use crate::opening;
 use crate::window::{self, Config, Restore, Start};
 
 /// Shows the window until it is closed.
@@ -17,7 +18,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     // Bars are for terminals that nobody types commands into.
     host.bars().set_draw_target(indicatif::ProgressDrawTarget::hidden());
     if let Some(source) = args.scene() {
-        source.check()?;
+        crate::args::scene::check(source)?;
     }
     // First what is cheap to fail.
     let event_loop = window::event_loop()?;
@@ -36,14 +37,14 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     config.apply(&mut explorer, std::env::args());
     let opening = args.scene().map(|source| Opening {
         camera: explore.picture.camera.clone(),
-        ..Opening::of(explore, source.clone())
+        ..opening::of(explore, source.clone())
     });
     let options = lumivox_render::GpuOptions {
         adapter: explore.gpu.adapter.clone(),
         portable: explore.gpu.portable,
     };
-    let console =
-        Console::new(explorer).with_defaults(explore.load.clone(), explore.light.sources.clone());
+    let console = Console::new(explorer, Box::new(Disk))
+        .with_defaults(explore.load.clone(), explore.light.sources.clone());
     let _terminal = Restore;
     window::run(event_loop, Start { console, opening, options, config })
 }

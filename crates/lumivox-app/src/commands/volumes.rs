@@ -8,20 +8,20 @@ use lumivox::{
     Directionality, Duplication, Grid, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats,
     VolumeKind, dense_volume_bytes,
 };
+use lumivox_console::report::{AdapterReport, SceneCounts, Table, bytes, count};
+use lumivox_console::{Failure, shown};
 use lumivox_render::{Gpu, RenderSettings, Renderer};
 use lumivox_scene::{Scene, Staging, write_atomically};
 use serde::Serialize;
 
 use super::light;
 use crate::args::camera::resolve_with;
+use crate::args::scene;
 use crate::args::{choices, output};
 use crate::cli::VolumesArgs;
-use crate::exit::Failure;
 use crate::host::Host;
 use crate::progress::Progress;
 use crate::quality::{MemoryPoint, memory_against_resolution};
-use crate::report::{AdapterReport, SceneCounts, Table, bytes, count};
-use crate::shown;
 
 /// Frames that are timed, after one that is not.
 const FRAMES: u32 = 2;
@@ -31,7 +31,7 @@ const FRAMES: u32 = 2;
 /// # Errors
 /// When the scene cannot be read, a file cannot be written, or the device fails.
 pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
-    args.scene.scene.check()?;
+    scene::check(&args.scene.scene)?;
     if let Some(file) = &args.output {
         output::check_kind(file, "svg", "a chart is written as SVG")?;
     }

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use lumivox_console::Failure;
+
 use crate::args::Refused;
-use crate::exit::Failure;
 
 use super::LATEST_S;
 

@@ -15,12 +15,12 @@ use std::io::Read as _;
 use std::path::{Path as FilePath, PathBuf};
 
 use glam::{DVec3, Vec3};
+use lumivox_console::Failure;
 use lumivox_scene::{Camera, Scene, check_regular};
 use serde::{Deserialize, Serialize};
 
 use super::spline::{Pace, Spline};
 use crate::args::camera::{CameraChoice, DEFAULT_FOV_DEG, fit_near, resolve};
-use crate::exit::Failure;
 
 /// Far above any path, far below what would be slow.
 const MOST_BYTES: u64 = 16 << 20;

@@ -3,13 +3,13 @@
 use std::cell::OnceCell;
 
 use glam::{Mat4, Vec3};
+use lumivox_console::Failure;
 use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Scene};
 
 use super::path::CameraPath;
 use super::{Moments, ORBIT_S, PathFile, TimeChoice};
 use crate::args::Refused;
 use crate::args::camera::{self, CameraChoice};
-use crate::exit::Failure;
 
 /// An animation, as the command line names it.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::path::Path;
 
 use glam::Vec3;
+use lumivox_console::Failure;
 use lumivox_render::compare::{
     Cost, LayerFigures, LinearPicture, RenderedLayers, leak_percent, render_layers,
 };
@@ -15,7 +16,6 @@ use lumivox_scene::{Camera, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::Row;
-use crate::exit::Failure;
 use crate::progress::{Progress, words};
 
 /// Cameras by these names are in two rooms between which light may leak.

@@ -1,10 +1,10 @@
 //! Strips of pictures to look at: the reference, ours, and where ours is too dark or too bright.
 
 use image::{Rgb, RgbImage, imageops};
+use lumivox_console::named_figures;
 use lumivox_render::compare::{CompareError, ErrorFigures, LinearPicture, relative_errors};
 
 use super::canvas::{Align, Canvas};
-use super::report::named_figures;
 
 /// The relative error at the ends of the colour scale; what is beyond has the colour of the end.
 const SCALE_END: f64 = 0.5;

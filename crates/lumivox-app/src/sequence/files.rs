@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use lumivox_console::Failure;
 use lumivox_render::ImageFormat;
 
 use crate::args::output;
-use crate::exit::Failure;
 use crate::lock::Lock;
 
 /// Digits of the numbers in a folder.

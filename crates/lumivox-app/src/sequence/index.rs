@@ -7,13 +7,13 @@
 use std::io::Write as _;
 use std::path::Path;
 
+use lumivox_console::Failure;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use lumivox_scene::{read_regular, write_atomically};
 
 use super::FrameFiles;
-use crate::exit::Failure;
 
 /// The index of a sequence.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]

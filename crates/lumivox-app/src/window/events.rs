@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use egui::ViewportId;
 use egui_winit::accesskit_winit;
+use lumivox_console::Failure;
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::{StartCause, WindowEvent};
@@ -15,7 +16,6 @@ use super::app::App;
 use super::surface::Surface;
 use super::worker::{self, Order, Wish};
 use super::{Start, theme};
-use crate::exit::Failure;
 
 /// What wakes the window.
 #[derive(Debug)]

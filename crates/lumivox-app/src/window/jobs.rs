@@ -7,13 +7,13 @@ use std::sync::mpsc::Sender;
 use std::time::Instant;
 
 use glam::UVec2;
+use lumivox_console::{Opening, Ready};
 use lumivox_render::reference::{PathTracer, ReferenceProgress, ReferenceSettings};
 use lumivox_render::{Gpu, RenderSettings, ToneMap};
 use lumivox_scene::{Camera, Environment, Instance, Light, Material, Scene};
 
 use super::reload::Watched;
 use super::worker::Order;
-use crate::opening::{Opening, Ready};
 use crate::progress::{Progress, Watch};
 
 /// A scene that is being read.
@@ -46,8 +46,9 @@ pub fn load(number: u64, opening: Opening, is_reload: bool, orders: Sender<Order
     let progress = Progress::silent("reading");
     let (watch, title) = (progress.watch(), opening.source.to_string());
     let work = move || {
-        let result =
-            std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| opening.load(&progress)));
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            crate::opening::load(opening, &progress)
+        }));
         let result =
             result.unwrap_or_else(|_| Err(anyhow::anyhow!("the loader failed; see the terminal")));
         // Nobody waits when the window is closed.

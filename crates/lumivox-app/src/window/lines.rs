@@ -1,9 +1,9 @@
 //! Lines on their way to the console: of several that set the same thing, the last counts.
 
+use lumivox_console::quote;
 use lumivox_render::parameters::Parameter;
 
-use crate::console::quote;
-pub use crate::console::words;
+pub use lumivox_console::words;
 
 /// Who wrote a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -44,16 +44,13 @@ mod worker;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use lumivox_console::{Console, Failure, Opening};
 use winit::event_loop::EventLoop;
 
 pub use config::Config;
 pub use events::{Wake, run};
 pub use priority::give_way;
 pub use terminal::Restore;
-
-use crate::console::Console;
-use crate::exit::Failure;
-use crate::opening::Opening;
 
 /// What the window starts with.
 #[derive(Debug)]

@@ -4,12 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
+use lumivox_console::{Console, Names};
 use lumivox_explorer::{Explorer, Placement, Playback, Revoxelize};
 use lumivox_render::{Histogram, MemoryUse, Photometry, PresetChoice, RenderSettings};
 use lumivox_scene::{Bounds, Camera, Light, Material};
-
-use crate::console::Console;
-use crate::console::Names;
 
 /// The stages whose times are shown, as the renderer names them; what is none of these is added to the last.
 pub const STAGES: [&str; 8] =

@@ -12,13 +12,13 @@ use anyhow::Context as _;
 use egui::epaint::textures::TexturesDelta;
 use egui::epaint::{ImageData, ImageDelta};
 use egui::{ClippedPrimitive, ColorImage, TextureId, TextureOptions};
+use lumivox_console::Failure;
 use wgpu::CurrentSurfaceTexture;
 use winit::event_loop::OwnedDisplayHandle;
 use winit::window::Window;
 
 use super::damage;
 use super::model::Shown;
-use crate::exit::Failure;
 
 /// Pictures on the screen: what is rendered, and what it is compared with.
 pub const PICTURES: usize = 2;

@@ -8,10 +8,10 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::console::Names;
-use crate::console::prompt::Prompt;
+use lumivox_console::{Names, shown};
+
 use crate::host::Host;
-use crate::shown;
+use crate::prompt::Prompt;
 
 /// A terminal whose lines come over a channel.
 #[derive(Debug)]

@@ -18,7 +18,7 @@ use glam::UVec2;
 use lumivox_scene::{check_regular, write_atomically};
 
 use super::ReferenceLayers;
-use crate::RenderError;
+use crate::{Exposure, Gpu, ImageFormat, Picture, RenderError, ToneMap};
 
 /// One attribute for all: several would be written in an order that changes from run to run.
 const ATTRIBUTE: &str = "lumivox.reference";
@@ -73,6 +73,37 @@ impl ReferenceLayers {
     /// # Errors
     /// [`RenderError::Write`] when the file cannot be written; then nothing is left behind.
     pub fn write_exr(&self, path: &Path) -> Result<(), RenderError> {
+        let written = write_atomically(path, |out| self.write_exr_to(out));
+        written.map_err(|error| RenderError::Write {
+            file: path.to_owned(),
+            reason: error.to_string(),
+        })
+    }
+
+    /// The bytes of a file: all layers as `OpenEXR`, or the picture as PNG, with the exposure that it asks for.
+    ///
+    /// # Errors
+    /// When the device fails, or the picture is larger than the format allows.
+    pub async fn encode(&self, gpu: &Gpu, format: ImageFormat) -> Result<Vec<u8>, RenderError> {
+        let encoded = match format {
+            ImageFormat::Exr => {
+                let mut bytes = io::Cursor::new(Vec::new());
+                self.write_exr_to(&mut bytes).map(|()| bytes.into_inner())
+            }
+            ImageFormat::Png => {
+                let (exposure, curve) = (Exposure::Auto, ToneMap::default());
+                let picture =
+                    Picture::develop(gpu, self.size, self.picture(), exposure, curve).await?;
+                picture.encode(format)
+            }
+        };
+        encoded.map_err(|error| RenderError::Write {
+            file: "picture".into(),
+            reason: error.to_string(),
+        })
+    }
+
+    fn write_exr_to(&self, out: &mut (impl io::Write + io::Seek)) -> io::Result<()> {
         let mut layers = self.clone();
         let mut channels: Vec<AnyChannel<FlatSamples>> = Vec::new();
         let mut add = |name: String, samples: Vec<f32>| {
@@ -94,14 +125,8 @@ impl ReferenceLayers {
         let channels = AnyChannels::sort(channels.into());
         let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, channels);
         let image = exr::image::Image::from_layer(layer);
-        let written = write_atomically(path, |out| {
-            // In one thread, so that the bytes are the same in every run.
-            image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
-        });
-        written.map_err(|error| RenderError::Write {
-            file: path.to_owned(),
-            reason: error.to_string(),
-        })
+        // In one thread, so that the bytes are the same in every run.
+        image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
     }
 
     /// Reads what [`ReferenceLayers::write_exr`] wrote.

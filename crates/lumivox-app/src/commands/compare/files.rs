@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use anyhow::Context as _;
+use lumivox_console::{Comparison, Failure};
 use lumivox_render::compare::{ErrorFigures, PictureFile};
 
 use super::write_strip;
 use crate::cli::CompareArgs;
-use crate::exit::Failure;
 use crate::host::Host;
-use crate::quality::{Comparison, Row, strip};
+use crate::quality::{Row, strip};
 
 /// Compares and reports.
 ///

@@ -8,11 +8,11 @@ use std::path::Path;
 
 use image::RgbImage;
 use image::codecs::png::PngEncoder;
+use lumivox_console::Failure;
 use lumivox_scene::write_atomically;
 
 use crate::args::output;
 use crate::cli::CompareArgs;
-use crate::exit::Failure;
 use crate::host::Host;
 
 /// Compares a scene with its reference, or two pictures, and reports.

@@ -2,21 +2,20 @@
 
 use std::time::Instant;
 
+use lumivox_console::report::AdapterReport;
+use lumivox_console::{Comparison, SceneSource, shown};
 use lumivox_render::reference::ReferenceSettings;
 use serde::Serialize;
 
 use super::write_strip;
 use crate::args::output;
-use crate::args::scene::SceneSource;
 use crate::cli::CompareArgs;
 use crate::commands::light;
 use crate::commands::settings::{SettingsReport, still};
 use crate::commands::staged::stage;
 use crate::host::Host;
 use crate::progress::Progress;
-use crate::quality::{Comparison, Measured, Subject, reference, strip};
-use crate::report::AdapterReport;
-use crate::shown;
+use crate::quality::{Measured, Subject, reference, strip};
 
 /// Renders, traces, compares, reports.
 ///
@@ -28,7 +27,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Res
     if let Some(file) = &args.reference {
         output::check_kind(file, "exr", "references are written as OpenEXR")?;
     }
-    source.check()?;
+    crate::args::scene::check(source)?;
     light::check(&args.light.sources)?;
     let start = Instant::now();
     let mut progress = Progress::start(host, "loading");

@@ -4,10 +4,9 @@
 //! only when it is asked for, since graphics APIs do not tell how much there is. So the report gives
 //! both: the largest resolution that the limits allow, and what the usual resolutions take.
 
+use lumivox_console::report::{AdapterReport, Table, bytes};
 use lumivox_render::{Gpu, GpuOptions, describe};
 use serde::Serialize;
-
-use crate::report::{AdapterReport, Table, bytes};
 
 /// What this machine can run.
 #[derive(Clone, Debug, Serialize)]

@@ -17,9 +17,12 @@ pub fn run(args: &InfoArgs, host: &Host) -> anyhow::Result<()> {
         let report = machine::Report::new();
         return if args.json { host.print_json(&report) } else { host.print(&report.text()) };
     };
-    source.check()?;
+    crate::args::scene::check(source)?;
     let progress = Progress::start(host, "loading");
-    let report = scene::Report::new(&source.load(&args.load, &progress)?, &args.voxels)?;
+    let report = scene::Report::new(
+        &crate::args::scene::load(source, &args.load, &progress)?,
+        &args.voxels,
+    )?;
     drop(progress);
     if args.json { host.print_json(&report) } else { host.print(&report.text()) }
 }

@@ -10,6 +10,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use lumivox::TraceSettings;
+use lumivox_console::Failure;
 use lumivox_render::reference::ReferenceSettings;
 use lumivox_render::{Companions, Gpu, PresetChoice, RenderSettings, describe};
 use lumivox_scene::{Scene, builtin};
@@ -17,7 +18,6 @@ use lumivox_scene::{Scene, builtin};
 use super::compare::write_strip;
 use crate::args::output;
 use crate::cli::QualityArgs;
-use crate::exit::Failure;
 use crate::host::Host;
 use crate::lock::Lock;
 use crate::progress::Progress;

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use lumivox_console::Failure;
 use lumivox_render::compare::{Cost, LayerFigures};
 use lumivox_scene::{read_regular, write_atomically};
 use serde::{Deserialize, Serialize};
 
 use super::cases::Case;
-use crate::exit::Failure;
 use crate::quality::Leak;
 
 /// The file in its folder.

@@ -11,13 +11,14 @@ mod still;
 use std::cell::OnceCell;
 
 use lumivox::gpu::Timing;
+use lumivox_console::Failure;
 use lumivox_render::{Gpu, RenderSettings};
 use lumivox_scene::{Note, Scene, Sight, SightOptions};
 
 use super::{light, settings};
 use crate::args::output;
+use crate::args::scene;
 use crate::cli::RenderArgs;
-use crate::exit::Failure;
 use crate::host::Host;
 use crate::motion::{Asked, PathFile, Schedule, TimeChoice, When};
 use crate::progress::Progress;
@@ -54,7 +55,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     args.cones.check()?;
     settings.trace.validate()?;
     let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
-    args.scene.scene.check()?;
+    scene::check(&args.scene.scene)?;
     light::check(&args.light.sources)?;
 
     let mut clock = Clock::start();

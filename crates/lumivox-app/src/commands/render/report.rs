@@ -2,6 +2,11 @@
 
 use std::path::Path;
 
+use lumivox_console::report::{
+    AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
+    memory_table, total_bytes,
+};
+use lumivox_console::shown;
 use lumivox_render::{ExposureWarning, Gpu, Picture, Renderer};
 use lumivox_scene::{Camera, Note, Scene};
 use serde::Serialize;
@@ -9,11 +14,6 @@ use serde::Serialize;
 use super::clock::Seconds;
 use crate::commands::light::REMEDY;
 use crate::commands::settings::SettingsReport;
-use crate::report::{
-    AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
-    memory_table, total_bytes,
-};
-use crate::shown;
 
 /// What was rendered, and what it cost.
 #[derive(Clone, Debug, Serialize)]

@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use lumivox_console::report::{AdapterReport, SceneCounts, bytes, count, counted, memory_table};
+use lumivox_console::{Failure, shown};
 use lumivox_render::{Exposure, Metering, Picture, Renderer};
 use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
@@ -13,13 +15,10 @@ use super::{Stage, light};
 use crate::args::number::ExposureChoice;
 use crate::cli::RenderArgs;
 use crate::commands::settings::{self, SettingsReport};
-use crate::exit::Failure;
 use crate::motion::{Moments, PathFile, When};
 use crate::progress::Progress;
 use crate::progress::words;
-use crate::report::{AdapterReport, SceneCounts, bytes, count, counted, memory_table};
 use crate::sequence::{Frame, FrameFiles, Index, Start};
-use crate::shown;
 
 /// How many pictures are looked at for the exposure of all.
 const METERED: u64 = 5;
@@ -248,7 +247,7 @@ fn scene_settings(args: &RenderArgs) -> Value {
     let load = &args.scene.load;
     json!({
         "name": args.scene.scene.to_string(),
-        "file": args.scene.scene.stamp(),
+        "file": crate::args::scene::stamp_of(&args.scene.scene),
         "scene_in_file": load.scene_in_file,
         "up": if load.up == lumivox_scene::UpAxis::Z { "z" } else { "y" },
         "unit": load.unit,

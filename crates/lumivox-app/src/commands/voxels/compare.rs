@@ -4,18 +4,19 @@ use std::time::Instant;
 
 use lumivox::gpu::Timing;
 use lumivox::{Geometry, GiError, Grid, VoxelizeMethod, Voxelizer};
+use lumivox_console::report::{AdapterReport, GridReport, SceneCounts, Table, count};
+use lumivox_console::shown;
 use lumivox_render::{Gpu, GpuScene, Lighting, VoxelSet, radiance_unit};
 use serde::Serialize;
 
 use super::picture::{Panel, picture};
 use crate::args::camera::resolve;
 use crate::args::output;
+use crate::args::scene;
 use crate::cli::VoxelsArgs;
 use crate::commands::compare::write_strip;
 use crate::host::Host;
 use crate::progress::Progress;
-use crate::report::{AdapterReport, GridReport, SceneCounts, Table, count};
-use crate::shown;
 
 /// Voxelizations whose fastest is the time told.
 const TIMED_RUNS: u32 = 3;
@@ -29,7 +30,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(file) = &comparison.output {
         output::check_kind(file, "png", "pictures of voxelizers are written as PNG")?;
     }
-    args.scene.scene.check()?;
+    scene::check(&args.scene.scene)?;
     let progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let scene = args.scene.load(&progress)?;

@@ -7,14 +7,16 @@ use std::time::Instant;
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Recorder, StageTime, Timing, read_buffer};
 use lumivox::{Geometry, Gi, GiConfig, Lights, TraceSettings};
+use lumivox_console::report::{
+    AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count,
+};
+use lumivox_console::shown;
 use lumivox_render::{Gpu, GpuScene, Lighting, global_illumination};
 use lumivox_scene::{Bounds, Mesh, Scene};
 use serde::Serialize;
 
 use crate::host::Host;
 use crate::progress::Progress;
-use crate::report::{AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count};
-use crate::shown;
 
 /// How far things move, in voxels.
 const REACH_VOXELS: f32 = 1.5;
@@ -325,7 +327,7 @@ impl Report {
             ("voxels", count(self.voxels.into())),
             ("cells that a move writes", format!("{:.1} %", self.changed_share * 100.0)),
             ("moves", self.moves.to_string()),
-            ("memory to keep what is static", crate::report::bytes(self.kept_bytes)),
+            ("memory to keep what is static", lumivox_console::report::bytes(self.kept_bytes)),
         ] {
             table.row([name.to_owned(), value]);
         }

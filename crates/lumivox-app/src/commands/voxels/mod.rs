@@ -8,18 +8,19 @@ use std::time::Instant;
 
 use lumivox::gpu::Timing;
 use lumivox::{Gi, Grid, VoxelizeStats};
+use lumivox_console::report::{
+    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, Times, count,
+    memory_table, total_bytes,
+};
+use lumivox_console::shown;
 use lumivox_render::{GpuScene, Lighting, RenderError, global_illumination, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
+use crate::args::scene;
 use crate::cli::VoxelsArgs;
 use crate::host::Host;
 use crate::progress::Progress;
-use crate::report::{
-    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, Times, count,
-    memory_table, total_bytes,
-};
-use crate::shown;
 
 /// Voxelizes and reports.
 ///
@@ -29,7 +30,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     if args.comparison.compare_voxelizers {
         return compare::run(args, host);
     }
-    args.scene.scene.check()?;
+    scene::check(&args.scene.scene)?;
     let progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;

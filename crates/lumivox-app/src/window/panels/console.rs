@@ -1,8 +1,8 @@
 //! The console: what was said, and a line to type into.
 
 use egui::{Event, EventFilter, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
+use lumivox_console::complete::complete;
 
-use crate::console::complete::{complete, files};
 use crate::window::app::App;
 use crate::window::model::{LogKind, Model};
 use crate::window::theme;
@@ -96,7 +96,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         }
         if pressed(Key::Tab) {
             let text = &app.console.text;
-            let found = complete(&model.names, &files, text, text.len());
+            let found = complete(&model.names, &crate::disk::files, text, text.len());
             app.console.complete(found.start, found.candidates);
             focus = true;
         }

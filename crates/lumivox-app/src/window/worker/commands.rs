@@ -2,12 +2,11 @@
 
 use anyhow::bail;
 use glam::Vec2;
+use lumivox_console::{Failure, suggest};
 use lumivox_render::{RenderSettings, View};
 use lumivox_scene::Picker;
 
 use super::{Wish, Worker};
-use crate::console::suggest;
-use crate::exit::Failure;
 use crate::window::lines::{self, quoted};
 use crate::window::model::{Comparand, LogKind, Selected};
 
@@ -200,7 +199,7 @@ impl Worker {
     /// The command line that reproduces the picture, from the console's `script`.
     pub(super) fn tell_command_line(&mut self) {
         self.set_size(self.full_size);
-        let script = match self.console.run("script") {
+        let script = match pollster::block_on(self.console.run("script")) {
             Ok(reply) => reply.text,
             Err(error) => return self.fail(&error),
         };

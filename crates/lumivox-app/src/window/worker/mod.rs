@@ -20,6 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glam::{UVec2, Vec2};
+use lumivox_console::{Console, Names, Opening, Queue};
 use lumivox_explorer::Revoxelize;
 use lumivox_render::GpuOptions;
 use lumivox_scene::{Bounds, Camera, Picker};
@@ -32,8 +33,6 @@ use super::model::{
 use super::priority::give_way;
 use super::reload::Watched;
 use super::terminal::{self, Terminal};
-use crate::console::{Console, Names, Queue};
-use crate::opening::Opening;
 use model::Log;
 use pace::Pace;
 use pictures::Turn;

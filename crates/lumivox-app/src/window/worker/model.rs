@@ -7,8 +7,9 @@ use std::sync::mpsc::{self, Sender};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use lumivox_console::Names;
+
 use super::Worker;
-use crate::console::Names;
 use crate::window::lines::{self, Line, Origin};
 use crate::window::model::{
     LogKind, LogLine, Model, SceneModel, Selected, scene_model, voxel_model,

@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use lumivox_console::{Effect, Hear, Queue, Reply};
 use lumivox_render::Progress;
 
 use super::{Shared, Wake, Worker};
-use crate::console::{Effect, Hear, Queue, Reply};
 use crate::window::lines::{self, Line, Origin};
 use crate::window::model::{Doing, Job, JobModel, LogKind};
 
@@ -68,7 +68,7 @@ impl Worker {
                 self.is_prepared = true;
                 return Some(line);
             }
-            if let Some(line) = self.script.next() {
+            if let Some(line) = self.script.take() {
                 self.script_goes_on = true;
                 return Some(Line {
                     text: line.text,
@@ -125,7 +125,7 @@ impl Worker {
         self.begin(format!("doing `{}`", shortened(&line.text)));
         let reply = match self.run_own(&line.text) {
             Some(done) => done.map(Reply::say),
-            None => self.console.run_on(&line.text),
+            None => pollster::block_on(self.console.run_on(&line.text)),
         };
         match reply {
             Ok(reply) => {
@@ -230,7 +230,7 @@ impl Worker {
     }
 
     /// Hears how far long commands are, tells it to the window, and breaks them off when somebody wants that.
-    pub(super) fn hear(&self) -> Hear {
+    pub(super) fn hear(&self) -> Box<dyn Hear> {
         let (shared, wake) = (self.shared.clone(), self.wake.clone());
         let mut told = Instant::now();
         Box::new(move |step: Progress| {

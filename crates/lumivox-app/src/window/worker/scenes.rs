@@ -1,10 +1,9 @@
 //! Scenes that come and go, devices that are lost, and what is under way.
 
+use lumivox_console::{Opening, SceneSource};
 use lumivox_render::Gpu;
 
 use super::Worker;
-use crate::args::scene::SceneSource;
-use crate::opening::Opening;
 use crate::window::jobs::{self, Loaded};
 use crate::window::model::{Comparand, Job, JobModel, LogKind, mesh_bounds};
 use crate::window::reload;

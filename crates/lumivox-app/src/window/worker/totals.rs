@@ -3,9 +3,8 @@
 use std::time::Duration;
 
 use lumivox::gpu::StageTime;
-
-use crate::exit::Failure;
-use crate::report::Times;
+use lumivox_console::Failure;
+use lumivox_console::report::Times;
 
 /// Sums of the times of passes, with how many frames had them.
 #[derive(Debug, Default)]

@@ -186,7 +186,7 @@ fn scripts_that_cannot_be_read_run_nothing() {
     for (line, code, needle) in [
         ("run open.txt", INPUT, "open.txt:2: the quotation mark \" at column 6"),
         ("run bytes.txt", INPUT, "bytes.txt:2: this is no text in UTF-8"),
-        ("run missing.txt", INPUT, "missing.txt: cannot read the script"),
+        ("run missing.txt", INPUT, "missing.txt: cannot be read"),
         ("run missing.txt -c quit", USAGE, "cannot be used with"),
     ] {
         let run = lumivox(folder.path(), line);

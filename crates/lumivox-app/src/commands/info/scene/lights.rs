@@ -1,10 +1,10 @@
 //! What shines in a scene, and the cameras.
 
+use lumivox_console::report::Table;
 use lumivox_scene::{Camera, Environment, Light, LightKind};
 use serde::Serialize;
 
 use super::point;
-use crate::report::Table;
 
 /// A light.
 #[derive(Clone, Debug, Serialize)]

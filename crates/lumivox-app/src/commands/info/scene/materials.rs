@@ -1,9 +1,8 @@
 //! The materials of a scene, and the textures with what they are used for.
 
+use lumivox_console::report::{Table, bytes};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, Texture, TextureRef};
 use serde::Serialize;
-
-use crate::report::{Table, bytes};
 
 /// A material.
 #[derive(Clone, Debug, Serialize)]

@@ -8,16 +8,16 @@ mod tests;
 use std::cell::OnceCell;
 
 use glam::Vec3;
+use lumivox_console::report::{
+    MemoryReport, SceneCounts, Table, bytes, count, counted, memory_table, total_bytes,
+};
+use lumivox_console::shown;
 use lumivox_render::{MemoryEstimate, RenderSettings};
 use lumivox_scene::{AlphaMode, Material, Mesh, Scene, Sight, SightOptions};
 use serde::Serialize;
 
 use crate::args::choices::VolumeChoice;
 use crate::cli::VoxelArgs;
-use crate::report::{
-    MemoryReport, SceneCounts, Table, bytes, count, counted, memory_table, total_bytes,
-};
-use crate::shown;
 use lights::{CameraReport, LightReport, PanoramaReport, camera_table, light_table};
 use materials::{MaterialReport, TextureReport, material_table, texture_table};
 
@@ -198,7 +198,7 @@ impl Report {
             camera_table(&self.cameras),
             animations,
         ] {
-            if table.len() > 0 {
+            if table.row_count() > 0 {
                 text.push('\n');
                 text += &table.text_of(MOST_ROWS);
             }

@@ -1,0 +1,172 @@
+//! What stands behind a command's name, read by kind. Each error names what was expected.
+
+use std::ops::RangeInclusive;
+
+use glam::{Vec3, Vec4};
+
+use super::suggest;
+use crate::Failure;
+use crate::values::Refused;
+
+/// The largest coordinate, m: differences of two still tell a kilometre.
+pub const FARTHEST_M: f32 = 1e9;
+
+/// A place in the world, m, or something as large.
+pub const PLACE: RangeInclusive<f32> = -FARTHEST_M..=FARTHEST_M;
+
+/// An error about the value of something.
+pub fn wrong(what: &str, expected: &str, got: &str) -> Failure {
+    Failure::input(format!("{what} is {expected}; got \"{got}\""))
+}
+
+/// What a parser of the command line refuses.
+pub fn refused(what: &str, got: &str) -> impl Fn(Refused) -> Failure {
+    move |refused| Failure::input(format!("{what}: {refused}; got \"{got}\""))
+}
+
+/// A finite number in a range.
+pub fn number(text: &str, what: &str, range: RangeInclusive<f32>) -> Result<f32, Failure> {
+    let number = text.parse::<f32>().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| {
+        let (low, high) = (bound(*range.start()), bound(*range.end()));
+        wrong(what, &format!("a number from {low} to {high}"), text)
+    })
+}
+
+/// An end of a range for people: with an exponent where digits would have to be counted.
+fn bound(number: f32) -> String {
+    let is_plain = number == 0.0 || (1e-4..1e7).contains(&number.abs());
+    if is_plain { number.to_string() } else { format!("{number:e}") }
+}
+
+/// A whole number in a range.
+pub fn whole(text: &str, what: &str, range: RangeInclusive<u32>) -> Result<u32, Failure> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| {
+        let (low, high) = (range.start(), range.end());
+        wrong(what, &format!("a whole number from {low} to {high}"), text)
+    })
+}
+
+/// An angle in degrees, as radians: read in f64, so that every `f32` of radians can be written.
+pub fn angle(text: &str, what: &str, range_deg: RangeInclusive<f64>) -> Result<f32, Failure> {
+    let angle = text.parse::<f64>().ok().filter(|angle| range_deg.contains(angle));
+    let angle = angle.ok_or_else(|| {
+        let (low, high) = (range_deg.start(), range_deg.end());
+        wrong(what, &format!("an angle from {low} to {high} degrees"), text)
+    })?;
+    Ok(angle.to_radians() as f32)
+}
+
+/// An angle in radians as degrees, in the fewest digits that [`angle`] reads as it was.
+pub fn degrees(angle_rad: f32) -> String {
+    let exact = f64::from(angle_rad).to_degrees();
+    let is_exact = |text: &String| {
+        let read = text.parse::<f64>().map(|degrees| degrees.to_radians() as f32);
+        read.is_ok_and(|read| read.to_bits() == angle_rad.to_bits())
+    };
+    let short = (0..=12).map(|digits| format!("{exact:.digits$}"));
+    short.chain([exact.to_string()]).find(is_exact).unwrap_or_else(|| exact.to_string())
+}
+
+/// Three numbers, in three words or in one with commas.
+pub fn vector(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<Vec3, Failure> {
+    let parts: Vec<&str> = words.iter().flat_map(|word| word.split(',')).collect();
+    let &[x, y, z] = parts.as_slice() else {
+        return Err(wrong(what, "three numbers X Y Z", &words.join(" ")));
+    };
+    let part = |text: &str| number(text.trim(), what, range.clone());
+    Ok(Vec3::new(part(x)?, part(y)?, part(z)?))
+}
+
+/// A direction, as long as 1: what is that but for rounding stays as it is, for scripts keep every bit.
+pub fn direction(words: &[&str], what: &str) -> Result<Vec3, Failure> {
+    let along = vector(words, what, -1e6..=1e6)?;
+    let is_unit = (along.as_dvec3().length() - 1.0).abs() <= 1e-5;
+    let unit = if is_unit { Some(along) } else { along.try_normalize() };
+    unit.ok_or_else(|| {
+        Failure::input(format!("{what} has no direction; got \"{}\"", words.join(" ")))
+    })
+}
+
+/// A colour of three linear parts, and alpha where there is a fourth word.
+pub fn color(words: &[&str], what: &str, alpha: f32) -> Result<Vec4, Failure> {
+    let parts: Vec<&str> = words.iter().flat_map(|word| word.split(',')).collect();
+    match *parts.as_slice() {
+        [r, g, b] => Ok(vector(&[r, g, b], what, 0.0..=1.0)?.extend(alpha)),
+        [r, g, b, a] => {
+            Ok(vector(&[r, g, b], what, 0.0..=1.0)?.extend(number(a, what, 0.0..=1.0)?))
+        }
+        _ => Err(wrong(what, "three numbers R G B from 0 to 1", &words.join(" "))),
+    }
+}
+
+/// On or off.
+pub fn switch(text: &str, what: &str) -> Result<bool, Failure> {
+    match text {
+        "on" | "true" | "yes" | "1" => Ok(true),
+        "off" | "false" | "no" | "0" => Ok(false),
+        _ => Err(wrong(what, "on or off", text)),
+    }
+}
+
+/// What a switch becomes: what is asked for, or else the other.
+pub fn toggled(arguments: &[&str], what: &str, is_on: bool) -> Result<bool, Failure> {
+    arguments.first().map_or(Ok(!is_on), |text| switch(text, what))
+}
+
+/// `on` or `off`.
+pub fn on_or_off(is_on: bool) -> &'static str {
+    if is_on { "on" } else { "off" }
+}
+
+/// One of several names.
+pub fn choice<'a>(text: &str, what: &str, names: &[&'a str]) -> Result<&'a str, Failure> {
+    names.iter().find(|name| **name == text).copied().ok_or_else(|| {
+        let expected = in_words(names);
+        let like = suggest::like(text, names.iter().copied());
+        let like = like.map(|like| format!("; did you mean \"{like}\"?")).unwrap_or_default();
+        Failure::input(format!("{what} is {expected}; got \"{text}\"{like}"))
+    })
+}
+
+/// `a, b or c`.
+pub fn in_words(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [most @ .., last] => format!("{} or {last}", most.join(", ")),
+    }
+}
+
+/// Three numbers with commas, read back to the same bits.
+pub fn commas(v: Vec3) -> String {
+    format!("{},{},{}", v.x, v.y, v.z)
+}
+
+/// Three numbers in three words, read back to the same bits.
+pub fn spaces(v: Vec3) -> String {
+    format!("{} {} {}", v.x, v.y, v.z)
+}
+
+/// Three numbers with commas for people, to a millionth.
+pub fn rounded(v: Vec3) -> String {
+    commas(v.map(|x| (x * 1e6).round() / 1e6 + 0.0))
+}
+
+/// Three numbers for people, to a thousandth.
+pub fn short(v: Vec3) -> String {
+    // Rounded first: what is next to zero has no sign.
+    v.to_array().map(|x| format!("{:.3}", (x * 1e3).round() / 1e3 + 0.0)).join(" ")
+}
+
+/// One word that is a number in a range.
+///
+/// # Errors
+/// When there are more or less, or it is none.
+pub fn number_of(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<f32, Failure> {
+    match words {
+        [word] => number(word, what, range),
+        _ => Err(Failure::input(format!("{what} is one number; got {}", words.len()))),
+    }
+}

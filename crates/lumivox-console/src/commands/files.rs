@@ -1,0 +1,256 @@
+//! Scenes: opening, closing, listing.
+
+use clap::Parser;
+
+use crate::command::Run::Now;
+use crate::command::{Command, Group, MANY, PLAIN, Takes};
+use crate::values::camera::{self, CameraChoice};
+use crate::{Console, Effect, Failure, LoadArgs, Opening, Reply, SourceArgs, shown};
+
+const FILES: Command = Command { group: Group::Files, ..PLAIN };
+
+pub const TABLE: &[Command] = &[
+    Command {
+        name: "load",
+        usage: "[SCENE [OPTIONS...]]",
+        count: (0, MANY),
+        takes: &[Takes::Scene, Takes::Word(&OPTIONS)],
+        summary: "Open a scene, or print which is open",
+        details: "SCENE is a file, a name in the folder `scenes` (of the working folder, beside the open scene or beside \
+                  its folder; with any extension that loads), or builtin:NAME. Options are those of `lumivox render` for \
+                  files, turns, sun, sky and surroundings, such as `--up z --sky 30,120`; without any, those of the \
+                  program's command line hold. Settings stay as they are; changes of objects, materials and lights go.",
+        example: "load builtin:atrium --sky 40,120",
+        vxct: Some("any format that loads; what VXCT passes over in scene files is reported"),
+        run: Now(load),
+        ..FILES
+    },
+    Command {
+        name: "reload",
+        summary: "Open the present scene again, as its file is now, without the changes made to it",
+        example: "reload",
+        run: Now(|console, _| {
+            let opening = console.opening().cloned();
+            let opening = opening
+                .ok_or_else(|| Failure::input("no scene is open; `load SCENE` opens one"))?;
+            Ok(Reply::ask(Effect::Open(Box::new(opening))))
+        }),
+        ..FILES
+    },
+    Command {
+        name: "close",
+        summary: "Close the scene",
+        example: "close",
+        run: Now(|console, _| {
+            console.explorer.close();
+            Ok(Reply::default())
+        }),
+        ..FILES
+    },
+    Command {
+        name: "scenes",
+        summary: "List the scenes that `load` finds by name",
+        example: "scenes",
+        run: Now(|console, _| {
+            let names = console.names().scenes;
+            let lines: Vec<_> = names.iter().map(|name| shown::line(name)).collect();
+            Ok(Reply::say(lines.join("\n")))
+        }),
+        ..FILES
+    },
+];
+
+/// Options that are completed.
+const OPTIONS: [&str; 18] = [
+    "--scene-in-file",
+    "--up",
+    "--unit",
+    "--crease",
+    "--rotate",
+    "--allow-outside",
+    "--ignore-required",
+    "--texture-memory",
+    "--geometry-memory",
+    "--sun",
+    "--sky",
+    "--turbidity",
+    "--environment",
+    "--environment-rotation",
+    "--environment-intensity",
+    "--surroundings",
+    "--no-default-light",
+    "--camera",
+];
+
+/// What stands behind `load`.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct LoadLine {
+    scene: String,
+    #[command(flatten)]
+    load: LoadArgs,
+    #[command(flatten)]
+    light: SourceArgs,
+    #[arg(long, value_parser = camera::camera, allow_hyphen_values = true)]
+    camera: Option<CameraChoice>,
+    /// Width by height of the picture that a camera and lamps are found for; the present one's by default.
+    #[arg(long, value_parser = crate::values::number::number(1e-3..=1e3), allow_negative_numbers = true)]
+    aspect: Option<f32>,
+}
+
+fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    if arguments.is_empty() {
+        return Ok(Reply::say(match console.opening() {
+            Some(opening) => format!("load {}", line(opening, None)),
+            None => "no scene is open; `scenes` lists those that `load` finds by name".to_owned(),
+        }));
+    }
+    let read = LoadLine::try_parse_from(arguments).map_err(|error| told(&error))?;
+    let (load, light) = match &console.defaults {
+        Some(defaults) if arguments.len() == 1 => defaults.clone(),
+        _ => (read.load, read.light),
+    };
+    let size = console.explorer.size();
+    let opening = Opening {
+        source: console.outside.find(&read.scene, console.opening())?,
+        load,
+        light,
+        camera: read.camera,
+        aspect: read.aspect.unwrap_or(size.x as f32 / size.y as f32),
+    };
+    console.outside.check(&opening)?;
+    Ok(Reply::ask(Effect::Open(Box::new(opening))))
+}
+
+/// What is wrong with options, in a line.
+fn told(error: &clap::Error) -> Failure {
+    let text = error.render().to_string();
+    let said: Vec<&str> = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage"))
+        .map(str::trim)
+        .filter(|line| !line.is_empty() && !line.starts_with("For more"))
+        .collect();
+    let said = said.join("; ");
+    Failure::input(format!("load: {}", said.trim_start_matches("error: ")))
+}
+
+/// What stands behind `load` to open a scene like this. `aspect` is that of the picture, if it is known.
+pub fn line(opening: &Opening, aspect: Option<f32>) -> String {
+    use crate::line::quote;
+    let mut words = vec![quote(&opening.source.to_string())];
+    let mut option = |name: &str, value: String| words.push(format!("{name} {}", quote(&value)));
+    let LoadArgs {
+        scene_in_file,
+        up,
+        unit,
+        crease,
+        rotate,
+        allow_outside,
+        ignore_required,
+        texture_memory,
+        geometry_memory,
+    } = &opening.load;
+    if let Some(name) = scene_in_file {
+        option("--scene-in-file", name.clone());
+    }
+    if *up != lumivox_scene::UpAxis::Y {
+        option("--up", "z".to_owned());
+    }
+    if unit.to_bits() != 1.0_f32.to_bits() {
+        option("--unit", unit.to_string());
+    }
+    if let Some(degrees) = crease {
+        option("--crease", degrees.to_string());
+    }
+    if *rotate != glam::Vec3::ZERO {
+        option("--rotate", crate::arguments::commas(*rotate));
+    }
+    if *texture_memory != 4 << 30 {
+        option("--texture-memory", format!("{}KiB", texture_memory >> 10));
+    }
+    if *geometry_memory != 8 << 30 {
+        option("--geometry-memory", format!("{}KiB", geometry_memory >> 10));
+    }
+    light_options(&opening.light, &mut option);
+    if let Some(camera) = &opening.camera {
+        option("--camera", camera_words(camera));
+    }
+    if let Some(aspect) = aspect
+        && aspect.to_bits() != opening.aspect.to_bits()
+    {
+        option("--aspect", opening.aspect.to_string());
+    }
+    if *allow_outside {
+        words.push("--allow-outside".to_owned());
+    }
+    if *ignore_required {
+        words.push("--ignore-required".to_owned());
+    }
+    if opening.light.no_default_light {
+        words.push("--no-default-light".to_owned());
+    }
+    words.join(" ")
+}
+
+fn light_options(light: &SourceArgs, option: &mut impl FnMut(&str, String)) {
+    use crate::arguments::commas;
+    let SourceArgs {
+        sun,
+        environment,
+        environment_rotation,
+        environment_intensity,
+        sky,
+        turbidity,
+        surroundings,
+        no_default_light: _,
+    } = light;
+    if let Some(staging) = surroundings {
+        option("--surroundings", staging.name().to_owned());
+    }
+    if let Some(sun) = sun {
+        let lux = match sun.kind {
+            lumivox_scene::LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
+            _ => 0.0,
+        };
+        option("--sun", format!("{},{lux}", commas(-sun.direction)));
+    }
+    match environment {
+        Some(crate::values::light::Surroundings::Uniform(radiance)) => {
+            option("--environment", commas(*radiance));
+        }
+        Some(crate::values::light::Surroundings::File(file)) => {
+            option("--environment", file.display().to_string());
+        }
+        None => {}
+    }
+    if let Some(degrees) = environment_rotation {
+        option("--environment-rotation", degrees.to_string());
+    }
+    if environment_intensity.to_bits() != 1.0_f32.to_bits() {
+        option("--environment-intensity", environment_intensity.to_string());
+    }
+    if let Some(towards) = sky {
+        option("--sky", commas(*towards));
+        option("--turbidity", turbidity.to_string());
+    }
+}
+
+fn camera_words(camera: &CameraChoice) -> String {
+    let CameraChoice::LookAt { position, target, vertical_fov_rad } = camera else {
+        return camera.to_string();
+    };
+    // The command line reads degrees in f32: one of the numbers about this one gives the same radians.
+    let near = vertical_fov_rad.to_degrees();
+    let numbers = [
+        near,
+        near.next_up(),
+        near.next_down(),
+        near.next_up().next_up(),
+        near.next_down().next_down(),
+    ];
+    let exact =
+        numbers.into_iter().find(|n| n.to_radians().to_bits() == vertical_fov_rad.to_bits());
+    let commas = crate::arguments::commas;
+    format!("{},{},{}", commas(*position), commas(*target), exact.unwrap_or(near))
+}

@@ -1,0 +1,234 @@
+//! Frames, and how long they take.
+
+use std::time::Duration;
+
+use lumivox_render::Progress;
+use web_time::Instant;
+
+use crate::arguments::{on_or_off, toggled, whole};
+use crate::command::Run::{Now, Waits};
+use crate::command::{Command, Group, PLAIN, Takes};
+use crate::report::Times;
+use crate::{Console, Effect, Failure, Reply};
+
+/// How long `avgf` takes to find times that are not there.
+const LONGEST_MEASUREMENT: Duration = Duration::from_secs(1);
+
+/// The most frames that a script may wait for at once.
+const LONGEST_WAIT: u32 = 65_536;
+
+const FRAMES: Command = Command { group: Group::Frames, ..PLAIN };
+
+pub const TABLE: &[Command] = &[
+    Command {
+        name: "wait",
+        usage: "FRAMES",
+        count: (1, 1),
+        takes: &[Takes::Anything],
+        summary: "Render a number of frames before the next command",
+        details: "From 0 to 65536. Each frame of a script stands for 1/30 s of what plays, and of the time between \
+                  voxelizations. A picture that is complete takes no more frames.",
+        example: "wait 4",
+        run: Now(|_, arguments| {
+            let text = arguments.first().copied().unwrap_or_default();
+            Ok(Reply::ask(Effect::Wait(whole(text, "frames", 0..=LONGEST_WAIT)?)))
+        }),
+        ..FRAMES
+    },
+    Command {
+        name: "sfMode",
+        aliases: &["sfmode"],
+        usage: "[on|off]",
+        count: (0, 1),
+        takes: &[Takes::Switch],
+        summary: "Render frames one by one, on demand, or go on by itself",
+        details: "Without a value it toggles, and prints what it is. In scripts frames come on demand in any case.",
+        example: "sfMode on",
+        vxct: Some(""),
+        run: Now(|console, arguments| {
+            let is_on = toggled(arguments, "sfMode", console.explorer.is_single_frame)?;
+            console.explorer.is_single_frame = is_on;
+            Ok(Reply::say(format!("sfMode {}", on_or_off(is_on))))
+        }),
+        ..FRAMES
+    },
+    Command {
+        name: "sf",
+        usage: "[FALLOFF]",
+        count: (0, 1),
+        takes: &[Takes::Anything],
+        summary: "Render one frame; with a value, set the shininess falloff",
+        details: "Alone it renders one frame into the mean and prints which it is and how long it took. With a value it is \
+                  `shininess_falloff`.",
+        example: "sf",
+        vxct: Some("prints the frame and its time"),
+        run: Waits(|console, arguments| Box::pin(step(console, arguments))),
+        ..FRAMES
+    },
+    Command {
+        name: "avgf",
+        summary: "Print the mean time of the last 100 frames in milliseconds",
+        details: "`clearf` starts anew. Where there are fewer, as of a picture that is complete, others are rendered for \
+                  their times alone, for a second at most.",
+        example: "avgf",
+        vxct: Some("milliseconds, where VXCT prints seconds under that label"),
+        run: Waits(|console, _| Box::pin(average(console))),
+        ..FRAMES
+    },
+    Command {
+        name: "clearf",
+        summary: "Forget the times of the frames so far",
+        example: "clearf",
+        vxct: Some(""),
+        run: Now(|console, _| {
+            console.explorer.clear_times();
+            Ok(Reply::default())
+        }),
+        ..FRAMES
+    },
+    Command {
+        name: "lastframes",
+        usage: "FRAMES",
+        count: (1, 1),
+        takes: &[Takes::Anything],
+        summary: "Print the times of the last frames in milliseconds, the newest last",
+        details: "From 1 to 4096; fewer where there are fewer.",
+        example: "lastframes 8",
+        vxct: Some("milliseconds"),
+        run: Now(|console, arguments| {
+            let text = arguments.first().copied().unwrap_or_default();
+            let count = whole(text, "frames", 1..=4096)? as usize;
+            let times: Vec<String> = console.explorer.times().last(count).map(ms).collect();
+            Ok(Reply::say(match times.as_slice() {
+                [] => "no frame has been rendered yet".to_owned(),
+                times => times.join("\n"),
+            }))
+        }),
+        ..FRAMES
+    },
+    Command {
+        name: "draw_block",
+        usage: "[on|off]",
+        count: (0, 1),
+        takes: &[Takes::Switch],
+        summary: "Wait for the GPU at the end of each frame, or at the beginning of the next one",
+        details: "On, a frame's time is that of the frame; off, the CPU goes on meanwhile, and times are those from frame to \
+                  frame. Without a value it toggles, and prints what it is.",
+        example: "draw_block on",
+        vxct: Some("on at first"),
+        run: Now(|console, arguments| {
+            let is_on = toggled(arguments, "draw_block", console.explorer.waits_for_gpu)?;
+            console.explorer.waits_for_gpu = is_on;
+            Ok(Reply::say(format!("draw_block {}", on_or_off(is_on))))
+        }),
+        ..FRAMES
+    },
+    Command {
+        name: "timing",
+        usage: "[on|off]",
+        count: (0, 1),
+        takes: &[Takes::Switch],
+        summary: "Take the times of all stages from now on, for `times`",
+        details: "It costs time itself where the GPU has no timestamps: every pass is then waited for. Without a value it \
+                  toggles.",
+        example: "timing on",
+        run: Now(timing),
+        ..FRAMES
+    },
+    Command {
+        name: "times",
+        usage: "[passes]",
+        count: (0, 1),
+        takes: &[Takes::Word(&["passes"])],
+        summary: "Print the time of each stage in milliseconds, of a frame the mean",
+        details: "After `timing on`. With `passes`, each pass of a stage as well.",
+        example: "times",
+        run: Now(times),
+        ..FRAMES
+    },
+];
+
+fn ms(time: Duration) -> String {
+    format!("{:.2}", time.as_secs_f64() * 1e3)
+}
+
+fn frames(count: usize) -> String {
+    crate::report::counted(count, "frame", "frames")
+}
+
+async fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    if !arguments.is_empty() {
+        return super::look::shininess_falloff(console, arguments);
+    }
+    console.update().await?;
+    let Console { explorer, hear, .. } = console;
+    let is_new = explorer
+        .frame(&mut |progress| {
+            let _ = hear.hear(progress);
+        })
+        .await?;
+    let total = explorer.settings().frames;
+    let done = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
+    let time = explorer.times().last(1).next().unwrap_or_default();
+    Ok(Reply::say(if is_new {
+        format!("frame {done} of {total}, {} ms", ms(time))
+    } else {
+        format!("frame {done} of {total}: the picture is complete")
+    }))
+}
+
+/// Frames that `avgf` tells the mean of.
+const MEASURED: usize = 100;
+
+async fn average(console: &mut Console) -> anyhow::Result<Reply> {
+    console.update().await?;
+    let Console { explorer, hear, .. } = console;
+    let start = Instant::now();
+    while explorer.times().count() < MEASURED {
+        explorer.rehearse().await?;
+        let done = explorer.times().count() as u32;
+        let progress = Progress { stage: "render", done, total: MEASURED as u32 };
+        if hear.hear(progress).is_break() || start.elapsed() > LONGEST_MEASUREMENT {
+            break;
+        }
+    }
+    let times: Vec<Duration> = explorer.times().last(MEASURED).collect();
+    let mean = times.iter().sum::<Duration>() / (times.len() as u32).max(1);
+    Ok(Reply::say(format!("{} ms, mean of {}", ms(mean), frames(times.len()))))
+}
+
+fn timing(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    use lumivox::gpu::Timing;
+    let was_on = console.explorer.settings().timing != Timing::Off;
+    let is_on = toggled(arguments, "timing", was_on)?;
+    let device = &console.explorer.gpu().device;
+    let timing = if is_on { Timing::for_device(device) } else { Timing::Off };
+    console.change(|settings| settings.timing = timing)?;
+    Ok(Reply::say(format!("timing {}", on_or_off(is_on))))
+}
+
+fn times(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let has_passes = match arguments {
+        [] => false,
+        ["passes", ..] => true,
+        [other, ..] => {
+            return Err(
+                Failure::input(format!("times takes passes or nothing; got \"{other}\"")).into()
+            );
+        }
+    };
+    if console.explorer.settings().timing == lumivox::gpu::Timing::Off {
+        return Err(
+            Failure::input("no times are taken; `timing on` takes them from then on").into()
+        );
+    }
+    let times = console.explorer.renderer().map(lumivox_render::Renderer::times);
+    let mut times = Times::new(&times.unwrap_or_default());
+    if times.stages.is_empty() {
+        return Ok(Reply::say("no frame has been rendered yet"));
+    }
+    if !has_passes {
+        times.passes.clear();
+    }
+    Ok(Reply::say(times.table("stage").trim_end()))
+}

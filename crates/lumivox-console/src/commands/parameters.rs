@@ -1,0 +1,243 @@
+//! Settings by their names.
+
+use lumivox::VolumeKind;
+use lumivox_render::parameters::{Group as Of, PARAMETERS, Parameter};
+use lumivox_render::{Look, PresetChoice, RenderSettings};
+
+use crate::arguments::{choice, in_words, refused};
+use crate::command::Run::Now;
+use crate::command::{Command, Group, PLAIN, Takes};
+use crate::report::Table;
+use crate::{COMMANDS, Console, Failure, Reply, suggest};
+
+pub const TABLE: &[Command] = &[
+    Command {
+        name: "parameters",
+        group: Group::Program,
+        usage: "[GROUP]",
+        count: (0, 1),
+        takes: &[Takes::Word(&GROUPS)],
+        summary: "List the settings with their values and ranges",
+        details: "Each setting is a command, too: its name alone prints it, with a value it is set; switches of the look vxct toggle \
+                  without one.",
+        example: "parameters cones",
+        run: Now(list),
+        ..PLAIN
+    },
+    Command {
+        name: "reset",
+        group: Group::Program,
+        usage: "[SETTING|all]",
+        count: (0, 1),
+        takes: &[Takes::Parameter],
+        summary: "Give a setting, or all of them, the value of the preset",
+        details: "Alone it lists what differs from the preset. The size of the picture stays.",
+        example: "reset bounces",
+        run: Now(reset),
+        ..PLAIN
+    },
+    Command {
+        name: "preset",
+        group: Group::Look,
+        usage: "[NAME]",
+        count: (0, 1),
+        takes: &[Takes::Word(&PRESETS)],
+        summary: "Take the settings of a preset, or print its name",
+        details: "As `--preset` of the command line, with what it brings along; picture, view and resolution stay.",
+        example: "preset high",
+        run: Now(preset),
+        ..PLAIN
+    },
+];
+
+const GROUPS: [&str; Of::ALL.len()] = {
+    let mut names = [""; Of::ALL.len()];
+    let mut index = 0;
+    while index < names.len() {
+        names[index] = Of::ALL[index].name();
+        index += 1;
+    }
+    names
+};
+
+const PRESETS: [&str; PresetChoice::ALL.len()] = {
+    let mut names = [""; PresetChoice::ALL.len()];
+    let mut index = 0;
+    while index < names.len() {
+        names[index] = PresetChoice::ALL[index].name();
+        index += 1;
+    }
+    names
+};
+
+/// `SETTING [VALUE]`: prints or sets it.
+pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let Some(parameter) = Parameter::find(name) else { return Err(unknown(name).into()) };
+    if super::look::is_of_vxct(parameter) {
+        super::look::check(console.explorer.settings(), name)?;
+    }
+    match arguments {
+        [] => {
+            let value = parameter.get(console.explorer.settings());
+            Ok(Reply::say(format!("{name} {value}")))
+        }
+        words => {
+            // Vectors may be written with blanks, too.
+            let text = words.join(",");
+            let value = parameter.parse(&text).map_err(|error| {
+                let known = crate::complete::values(parameter);
+                let like = suggest::like(&text, known.iter().map(String::as_str));
+                let like = like.map(|like| format!("; did you mean \"{like}\"?"));
+                Failure::input(format!("{error}{}", like.unwrap_or_default()))
+            })?;
+            console.change(|settings| {
+                let _ = parameter.set(settings, value);
+            })?;
+            Ok(Reply::default())
+        }
+    }
+}
+
+/// The settings of the present preset, and else the defaults.
+pub fn of_preset(console: &Console) -> RenderSettings {
+    of_preset_at(console, console.explorer.settings().resolution)
+}
+
+/// The same, with cones as they are at a resolution.
+fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
+    let preset = console.explorer.preset();
+    let defaults = RenderSettings { resolution, ..RenderSettings::default() };
+    let scene = console.explorer.scene();
+    let settings = defaults.with_preset(preset, scene);
+    RenderSettings { resolution: RenderSettings::default().resolution, ..settings }
+}
+
+/// The parameters in which settings differ.
+pub fn differing<'a>(
+    settings: &'a RenderSettings,
+    from: &'a RenderSettings,
+) -> impl Iterator<Item = &'static Parameter> + 'a {
+    PARAMETERS.iter().filter(|parameter| {
+        let has_meaning = match () {
+            () if parameter.name.starts_with("octree_") => settings.volume != VolumeKind::Dense,
+            () if super::look::is_of_vxct(parameter) => settings.look != Look::Physical,
+            () => true,
+        };
+        has_meaning && parameter.get(settings) != parameter.get(from)
+    })
+}
+
+fn unknown(name: &str) -> Failure {
+    let commands = COMMANDS.iter().flat_map(Command::names);
+    let known = commands.chain(PARAMETERS.iter().map(|parameter| parameter.name));
+    let remedy = suggest::remedy(name, known, "help");
+    Failure::input(format!("there is no command \"{name}\"{remedy}"))
+}
+
+/// `parameters [GROUP]`
+fn list(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let group = arguments.first().map(|name| choice(name, "the group", &GROUPS)).transpose()?;
+    let mut table = Table::left(&["setting", "value", "is"]);
+    for parameter in PARAMETERS {
+        if group.is_none_or(|group| group == parameter.group.name()) {
+            let value = parameter.get(console.explorer.settings()).to_string();
+            let unit = if parameter.unit.is_empty() {
+                String::new()
+            } else {
+                format!(" ({})", parameter.unit)
+            };
+            table.row([parameter.name.to_owned(), value, parameter.kind.in_words() + &unit]);
+        }
+    }
+    Ok(Reply::say(table.text().trim_end()))
+}
+
+/// `reset [SETTING|all]`
+fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let preset = of_preset(console);
+    match arguments {
+        [] => {
+            let settings = console.explorer.settings();
+            let differs = differing(settings, &preset);
+            let lines: Vec<String> = differs
+                .map(|p| format!("{} {} (preset: {})", p.name, p.get(settings), p.get(&preset)))
+                .collect();
+            let name = console.explorer.preset().name();
+            Ok(Reply::say(match lines.as_slice() {
+                [] => format!("all settings are those of the preset {name}"),
+                _ => lines.join("\n"),
+            }))
+        }
+        ["all"] => {
+            // The resolution goes back as well, and the cones of VXCT's look with it.
+            let preset = of_preset_at(console, RenderSettings::default().resolution);
+            console.change(|settings| set_all(settings, &preset))?;
+            Ok(Reply::default())
+        }
+        [name, ..] => {
+            let Some(parameter) = Parameter::find(name) else {
+                let known = PARAMETERS.iter().map(|parameter| parameter.name).chain(["all"]);
+                let remedy = suggest::remedy(name, known, "parameters");
+                return Err(
+                    Failure::input(format!("there is no setting \"{name}\"{remedy}")).into()
+                );
+            };
+            let value = parameter.get(&preset);
+            console.change(|settings| {
+                if is_free(parameter, settings, &preset) {
+                    let _ = parameter.set(settings, value);
+                }
+            })?;
+            Ok(Reply::say(format!("{name} {}", parameter.get(console.explorer.settings()))))
+        }
+    }
+}
+
+/// Whether a setting can be taken from others without more than it changing: the options of an octree ask for one, and
+/// those of VXCT's look for that.
+fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettings) -> bool {
+    let is_vxct = |settings: &RenderSettings| settings.look != Look::Physical;
+    if parameter.name.starts_with("octree_") {
+        settings.volume != VolumeKind::Dense && from.volume != VolumeKind::Dense
+    } else if super::look::is_of_vxct(parameter) {
+        is_vxct(settings) && is_vxct(from)
+    } else {
+        true
+    }
+}
+
+/// Takes all parameters of other settings.
+fn set_all(settings: &mut RenderSettings, from: &RenderSettings) {
+    (settings.volume, settings.look) = (from.volume, from.look);
+    for parameter in PARAMETERS {
+        if is_free(parameter, settings, from) {
+            let _ = parameter.set(settings, parameter.get(from));
+        }
+    }
+}
+
+/// `preset [NAME]`
+fn preset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let Some(name) = arguments.first() else {
+        return Ok(Reply::say(format!("preset {}", console.explorer.preset().name())));
+    };
+    let preset = PresetChoice::named(name);
+    let Some(preset) = preset else {
+        let like = suggest::remedy(name, PRESETS, "help preset");
+        let known = in_words(&PRESETS);
+        return Err(Failure::input(format!("a preset is {known}; got \"{name}\"{like}")).into());
+    };
+    console.set(console.explorer.settings_of(preset), preset)?;
+    Ok(Reply::default())
+}
+
+/// `size [WIDTHxHEIGHT]`
+pub fn size(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let Some(text) = arguments.first() else {
+        let size = console.explorer.size();
+        return Ok(Reply::say(format!("size {}x{}", size.x, size.y)));
+    };
+    let size = crate::values::size::size(text).map_err(refused("size", text))?;
+    console.change(|settings| settings.size = size)?;
+    Ok(Reply::default())
+}

@@ -1,0 +1,151 @@
+//! What lies around the scene: skies, panoramas, plain light.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use lumivox_scene::sky::{SkySettings, sky as make_sky};
+use lumivox_scene::{Environment, EnvironmentMap};
+
+use crate::arguments::{angle, commas, degrees, number, refused, vector};
+use crate::command::Run::{Now, Waits};
+use crate::command::{Command, Group, PLAIN, Takes};
+use crate::line::quote;
+use crate::values::light::{self, Surroundings};
+use crate::{Console, Reply, nothing_to_show, shown};
+
+/// The name of the light that is the sun of a computed sky.
+pub const SUN: &str = "sun of the sky";
+
+const LIGHT: Command = Command { group: Group::Light, takes: &[Takes::Anything], ..PLAIN };
+
+pub const TABLE: &[Command] = &[
+    Command {
+        name: "sky",
+        usage: "ELEVATION,AZIMUTH|X,Y,Z [TURBIDITY]",
+        count: (1, 2),
+        summary: "Put a clear sky and its sun around the scene",
+        details: "Where the sun stands: degrees above the horizon and from -z over +x, or a vector. The turbidity is from 1 \
+                  (the clearest) to 10, 2 where none is given. In cd/m2 and lux. A sky that was there goes, its sun too.",
+        example: "sky 30,120",
+        run: Now(sky),
+        ..LIGHT
+    },
+    Command {
+        name: "environment",
+        usage: "[R,G,B|FILE]",
+        count: (0, 1),
+        takes: &[Takes::File],
+        summary: "Surround the scene with the same light from everywhere, or with a panorama, or print what surrounds it",
+        details: "R,G,B in cd/m2, from 0 to 1e10; a panorama is an .hdr or .exr file (.png and .jpg are read, too).",
+        example: "environment 2000,2600,3600",
+        run: Waits(|console, arguments| Box::pin(environment(console, arguments))),
+        ..LIGHT
+    },
+    Command {
+        name: "environment_intensity",
+        usage: "[FACTOR|R,G,B]",
+        count: (0, 1),
+        summary: "Multiply what surrounds the scene: the texels of a panorama or a sky, or set plain light; or print it",
+        details: "From 0 to 1e10; for colours three numbers.",
+        example: "environment_intensity 0.5",
+        run: Now(intensity),
+        ..LIGHT
+    },
+    Command {
+        name: "environment_rotation",
+        usage: "[DEGREES]",
+        count: (0, 1),
+        summary: "Turn the panorama about the vertical, counter-clockwise seen from above, or print its turn",
+        details: "From -360 to 360 degrees. The sun of a sky does not turn along.",
+        example: "environment_rotation 90",
+        run: Now(rotation),
+        ..LIGHT
+    },
+];
+
+fn sky(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    if console.explorer.scene().is_none() {
+        return Err(nothing_to_show().into());
+    }
+    let text = arguments.first().copied().unwrap_or_default();
+    let sun_direction = light::sky(text).map_err(refused("sky", text))?;
+    let turbidity = arguments.get(1).map(|text| number(text, "the turbidity", 1.0..=10.0));
+    let turbidity = turbidity.transpose()?.unwrap_or(SkySettings::default().turbidity);
+    let settings = SkySettings { sun_direction, turbidity, ..SkySettings::default() };
+    let made = make_sky(&settings)?;
+    let map = Arc::new(made.map);
+    console.remember_map(&map, format!("sky {} {turbidity}", commas(sun_direction)));
+    console.explorer.edit_lights(|scene| {
+        scene.environment = Environment { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 };
+        scene.lights.retain(|light| light.name != SUN);
+        scene
+            .lights
+            .extend(made.sun.map(|sun| lumivox_scene::Light { name: SUN.to_owned(), ..sun }));
+    });
+    Ok(Reply::default())
+}
+
+async fn environment(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let scene = console.explorer.scene().ok_or_else(nothing_to_show)?;
+    let Some(text) = arguments.first() else {
+        let Environment { radiance, map, rotation_rad } = &scene.environment;
+        return Ok(Reply::say(match map {
+            None => format!("environment {} cd/m2", commas(*radiance)),
+            Some(map) => {
+                let turn = degrees(*rotation_rad);
+                format!(
+                    "environment \"{}\", times {}, turned by {turn} degrees",
+                    shown::line(&map.name),
+                    commas(*radiance)
+                )
+            }
+        }));
+    };
+    let environment = match light::environment(text).map_err(refused("environment", text))? {
+        Surroundings::Uniform(radiance) => Environment { radiance, ..Environment::default() },
+        Surroundings::File(file) => panorama(console, &file.to_string_lossy()).await?,
+    };
+    console.explorer.edit_lights(|scene| {
+        scene.environment = environment;
+        scene.lights.retain(|light| light.name != SUN);
+    });
+    Ok(Reply::default())
+}
+
+async fn panorama(console: &mut Console, file: &str) -> anyhow::Result<Environment> {
+    let bytes = console.outside.read(file).await?;
+    let mut map = EnvironmentMap::from_memory(file, &bytes)?;
+    for warning in std::mem::take(&mut map.warnings) {
+        tracing::warn!("{file}: {warning}");
+    }
+    let map = Arc::new(map);
+    console.remember_map(&map, format!("environment {}", quote(file)));
+    Ok(Environment { radiance: Vec3::ONE, map: Some(map), rotation_rad: 0.0 })
+}
+
+fn intensity(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let scene = console.explorer.scene().ok_or_else(nothing_to_show)?;
+    let Some(text) = arguments.first() else {
+        let radiance = commas(scene.environment.radiance);
+        return Ok(Reply::say(format!("environment_intensity {radiance}")));
+    };
+    let what = "the intensity";
+    let radiance = if text.contains(',') {
+        vector(&[text], what, 0.0..=1e10)?
+    } else {
+        Vec3::splat(number(text, what, 0.0..=1e10)?)
+    };
+    console.explorer.edit_lights(|scene| scene.environment.radiance = radiance);
+    Ok(Reply::default())
+}
+
+fn rotation(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let scene = console.explorer.scene().ok_or_else(nothing_to_show)?;
+    let Some(text) = arguments.first() else {
+        let turn = degrees(scene.environment.rotation_rad);
+        return Ok(Reply::say(format!("environment_rotation {turn}")));
+    };
+    let turn = angle(text, "the turn", -360.0..=360.0)?;
+    console.explorer.edit_lights(|scene| scene.environment.rotation_rad = turn);
+    Ok(Reply::default())
+}

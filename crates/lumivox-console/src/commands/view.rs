@@ -1,0 +1,261 @@
+//! What is shown: surfaces, voxels, wires.
+
+use lumivox_render::parameters::Parameter;
+use lumivox_render::{Look, Overlay, View, Wireframe};
+
+use crate::arguments::{on_or_off, toggled};
+use crate::command::Run::Now;
+use crate::command::{Command, Group, PLAIN, Takes};
+use crate::{Console, Reply};
+
+const VIEW: Command = Command {
+    group: Group::View,
+    usage: "[on|off]",
+    count: (0, 1),
+    takes: &[Takes::Switch],
+    ..PLAIN
+};
+
+pub const TABLE: &[Command] = &[
+    Command {
+        name: "objs",
+        summary: "Show the objects' surfaces, or leave them out",
+        details: "Left out, a plain background stands in for the picture, and overlays are seen alone. Without a value it \
+                  toggles, and prints what it is.",
+        example: "objs off",
+        vxct: Some(""),
+        run: Now(|console, arguments| {
+            flip_objects(console, arguments, "objs", |now| &mut now.surfaces)
+        }),
+        ..VIEW
+    },
+    Command {
+        name: "objsW",
+        aliases: &["objsw"],
+        summary: "Show the objects as wires instead of surfaces, or as surfaces again",
+        details: "All edges of all triangles. Without a value it toggles, and prints what it is.",
+        example: "objsW on",
+        vxct: Some(""),
+        run: Now(|console, arguments| {
+            flip_objects(console, arguments, "objsW", |now| &mut now.wires)
+        }),
+        ..VIEW
+    },
+    Command {
+        name: "overlayW",
+        aliases: &["overlayw"],
+        summary: "Draw the edges of triangles over the shaded surfaces, or no more",
+        details: "Hidden edges are left out; `wireframe through` shows those, too. Without a value it toggles, and prints what \
+                  it is.",
+        example: "overlayW on",
+        vxct: Some(""),
+        run: Now(|console, arguments| {
+            flip_objects(console, arguments, "overlayW", |now| &mut now.overlay)
+        }),
+        ..VIEW
+    },
+    Command {
+        name: "voxs",
+        summary: "Show the voxels as cubes, or what was shown before",
+        details: "Of the level that `lod` sets. The view `voxels`, or `wire-voxels` while `voxsW` is on. Without a value it \
+                  toggles, and prints what it is.",
+        example: "voxs on",
+        vxct: Some(""),
+        run: Now(|console, arguments| flip_view(console, arguments, "voxs", |now| &mut now.voxels)),
+        ..VIEW
+    },
+    Command {
+        name: "voxsW",
+        aliases: &["voxsw"],
+        summary: "Let `voxs` show wire cubes, or solid ones",
+        details: "While `voxs` is on it changes the picture. `wire_voxels over` draws wire cubes over surfaces. Without a value \
+                  it toggles, and prints what it is.",
+        example: "voxsW on",
+        vxct: Some(""),
+        run: Now(|console, arguments| flip_view(console, arguments, "voxsW", |now| &mut now.wires)),
+        ..VIEW
+    },
+    Command {
+        name: "loclod",
+        summary: "Show what the voxels of a level hold on the surfaces, or what was shown before",
+        details: "Of the level that `lod` sets. The view `lod`; it overrides `iLight`, which keeps its state. Without a value it \
+                  toggles, and prints what it is.",
+        example: "loclod on",
+        vxct: Some(""),
+        run: Now(|console, arguments| flip_view(console, arguments, "loclod", |now| &mut now.lod)),
+        ..VIEW
+    },
+    Command {
+        name: "lod",
+        usage: "[LEVEL]",
+        takes: &[Takes::Anything],
+        summary: "Set the level of the voxels that are shown, or print it",
+        details: "0 is the finest; the setting `level`. Look vxct: 0 to 6.",
+        example: "lod 2",
+        vxct: Some(""),
+        run: Now(|console, arguments| super::parameters::run(console, "level", arguments)),
+        ..VIEW
+    },
+    Command {
+        name: "iLight",
+        aliases: &["ilight"],
+        summary: "Show indirect light, or direct light alone",
+        details: "Physical look: off is the view `direct`, on `final`. Look vxct: off is Phong's shader, with highlights and \
+                  without shadows. Without a value it toggles, and prints what it is.",
+        example: "iLight off",
+        vxct: Some("on at first"),
+        run: Now(indirect),
+        ..VIEW
+    },
+    Command {
+        name: "views",
+        usage: "",
+        count: (0, 0),
+        takes: &[],
+        summary: "List what the setting `view` can show",
+        example: "views",
+        run: Now(|_, _| {
+            let kind = Parameter::find("view").map(|parameter| parameter.kind.in_words());
+            Ok(Reply::say(format!("view is {}", kind.unwrap_or_default())))
+        }),
+        ..VIEW
+    },
+];
+
+/// The states of VXCT's switches of voxels: each is on or off by itself, whatever the others are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shown {
+    /// The view where no switch is on.
+    base: View,
+    /// `voxs`
+    voxels: bool,
+    /// `voxsW`
+    wires: bool,
+    /// `loclod`
+    lod: bool,
+}
+
+impl Shown {
+    /// The states that go with a view; `before` are those after the last flip.
+    fn of(view: View, before: Self) -> Self {
+        match view {
+            _ if before.view() == view => before,
+            View::Voxels => Self { voxels: true, wires: false, ..before },
+            View::WireVoxels => Self { voxels: true, wires: true, ..before },
+            View::Lod => Self { voxels: false, lod: true, ..before },
+            base => Self { base, voxels: false, lod: false, ..before },
+        }
+    }
+
+    fn view(self) -> View {
+        match self {
+            Self { voxels: true, wires: true, .. } => View::WireVoxels,
+            Self { voxels: true, .. } => View::Voxels,
+            Self { lod: true, .. } => View::Lod,
+            Self { base, .. } => base,
+        }
+    }
+}
+
+/// Flips one of the switches.
+fn flip_view(
+    console: &mut Console,
+    arguments: &[&str],
+    name: &str,
+    switch: fn(&mut Shown) -> &mut bool,
+) -> anyhow::Result<Reply> {
+    let mut shown = Shown::of(console.explorer.settings().view, console.shown);
+    let is_on = toggled(arguments, name, *switch(&mut shown))?;
+    *switch(&mut shown) = is_on;
+    console.change(|settings| settings.view = shown.view())?;
+    console.shown = shown;
+    Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
+}
+
+/// Chooses what is shown where neither voxels nor their levels are.
+pub fn show(console: &mut Console, view: View) -> anyhow::Result<()> {
+    let shown = Shown { base: view, ..Shown::of(console.explorer.settings().view, console.shown) };
+    console.change(|settings| settings.view = shown.view())?;
+    console.shown = shown;
+    Ok(())
+}
+
+/// The view where no switch is on.
+pub fn base(console: &Console) -> View {
+    Shown::of(console.explorer.settings().view, console.shown).base
+}
+
+/// The states of VXCT's switches of objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Objects {
+    /// `objs`
+    surfaces: bool,
+    /// `objsW`
+    wires: bool,
+    /// `overlayW`
+    overlay: bool,
+}
+
+impl Default for Objects {
+    fn default() -> Self {
+        Self { surfaces: true, wires: false, overlay: false }
+    }
+}
+
+impl Objects {
+    fn set(self, overlay: &mut Overlay) {
+        overlay.hides_surfaces = !self.surfaces || self.wires;
+        overlay.wireframe = match self {
+            Self { surfaces: true, wires: true, .. } => Wireframe::Through,
+            Self { overlay: true, .. } => Wireframe::Over,
+            _ => Wireframe::Off,
+        };
+    }
+}
+
+/// Flips one of the switches. They are told apart by what was set last: settings of overlays that no switch makes start
+/// anew.
+fn flip_objects(
+    console: &mut Console,
+    arguments: &[&str],
+    name: &str,
+    switch: fn(&mut Objects) -> &mut bool,
+) -> anyhow::Result<Reply> {
+    let now = &console.explorer.settings().overlay;
+    let mut made = Overlay::default();
+    console.objects.set(&mut made);
+    let is_known = (made.hides_surfaces, made.wireframe) == (now.hides_surfaces, now.wireframe);
+    let mut objects = if is_known {
+        console.objects
+    } else {
+        let wires = now.hides_surfaces && now.wireframe == Wireframe::Through;
+        Objects {
+            surfaces: !now.hides_surfaces || wires,
+            wires,
+            overlay: !wires && now.wireframe != Wireframe::Off,
+        }
+    };
+    let is_on = toggled(arguments, name, *switch(&mut objects))?;
+    *switch(&mut objects) = is_on;
+    console.change(|settings| objects.set(&mut settings.overlay))?;
+    console.objects = objects;
+    Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
+}
+
+fn indirect(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
+    let was_on = match &console.explorer.settings().look {
+        Look::Vxct(vxct) => vxct.indirect_light,
+        Look::Physical => base(console) != View::Direct,
+    };
+    let is_on = toggled(arguments, "iLight", was_on)?;
+    if console.explorer.settings().vxct().is_some() {
+        console.change(|settings| {
+            if let Look::Vxct(vxct) = &mut settings.look {
+                vxct.indirect_light = is_on;
+            }
+        })?;
+    } else if is_on != was_on {
+        show(console, if is_on { View::Final } else { View::Direct })?;
+    }
+    Ok(Reply::say(format!("iLight {}", on_or_off(is_on))))
+}

@@ -1,0 +1,59 @@
+//! Errors that are told to people, by what is to blame.
+
+use std::fmt;
+
+/// What is to blame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blame {
+    /// Bad input.
+    Input,
+    /// No display for a window.
+    Display,
+    /// The user's wish to stop.
+    Stopped,
+    /// An output that cannot be written.
+    Output,
+}
+
+/// An error that is found before anything fails by itself. Its message says what stands in the way, and what would be
+/// right.
+#[derive(Debug)]
+pub struct Failure {
+    /// What is to blame.
+    pub blame: Blame,
+    message: String,
+}
+
+impl Failure {
+    fn new(blame: Blame, message: impl Into<String>) -> Self {
+        Self { blame, message: message.into() }
+    }
+
+    /// Bad input.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self::new(Blame::Input, message)
+    }
+
+    /// No display for a window.
+    pub fn display(message: impl Into<String>) -> Self {
+        Self::new(Blame::Display, message)
+    }
+
+    /// The user's wish to stop; the message says what is there.
+    pub fn stopped(message: impl Into<String>) -> Self {
+        Self::new(Blame::Stopped, message)
+    }
+
+    /// An output that cannot be written.
+    pub fn output(message: impl Into<String>) -> Self {
+        Self::new(Blame::Output, message)
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Failure {}

@@ -1,0 +1,106 @@
+//! What the help says.
+
+use lumivox_render::parameters::{Group as Of, PARAMETERS, Parameter};
+
+use super::arguments::in_words;
+use super::{COMMANDS, Command, Group, Reply, suggest};
+use crate::Failure;
+
+/// Letters of a line of the overview.
+const WIDTH: usize = 100;
+
+/// `help [NAME]`
+pub(crate) fn tell(name: Option<&str>) -> anyhow::Result<Reply> {
+    let Some(name) = name else { return Ok(Reply::say(overview())) };
+    let command = Command::find(name);
+    let parameter = Parameter::find(name);
+    let parts: Vec<String> =
+        command.map(of_command).into_iter().chain(parameter.map(of_parameter)).collect();
+    if parts.is_empty() {
+        let commands = COMMANDS.iter().flat_map(Command::names);
+        let known = commands.chain(PARAMETERS.iter().map(|parameter| parameter.name));
+        let remedy = suggest::remedy(name, known, "help");
+        return Err(Failure::input(format!("there is no command \"{name}\"{remedy}")).into());
+    }
+    Ok(Reply::say(parts.join("\n")))
+}
+
+/// All about a command.
+fn of_command(command: &Command) -> String {
+    let mut text = format!("{}\n  {}.", command.form(), command.summary);
+    if !command.details.is_empty() {
+        text += &format!("\n  {}", command.details);
+    }
+    if !command.aliases.is_empty() {
+        text += &format!("\n  Also: {}.", command.aliases.join(", "));
+    }
+    if let Some(difference) = command.vxct {
+        let same = if difference.is_empty() { "as in VXCT" } else { difference };
+        text += &format!("\n  VXCT has it: {same}.");
+    }
+    text + &format!("\n  Example: {}", command.example)
+}
+
+/// All about a setting.
+fn of_parameter(parameter: &Parameter) -> String {
+    let unit =
+        if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };
+    format!(
+        "{} [VALUE]\n  {}: {}{unit}.",
+        parameter.name,
+        parameter.summary,
+        parameter.kind.in_words()
+    )
+}
+
+/// The names of all commands and settings.
+fn overview() -> String {
+    let mut text = String::new();
+    for group in Group::ALL {
+        let names =
+            COMMANDS.iter().filter(|command| command.group == group).map(|command| command.name);
+        text += &wrapped(group.title(), names);
+    }
+    for group in Of::ALL {
+        let names = PARAMETERS.iter().filter(|p| p.group == group).map(|parameter| parameter.name);
+        text += &wrapped(&format!("Settings: {}", group.name()), names);
+    }
+    text + "`help NAME` tells about one, `commands` lists all with a line on each. TAB completes."
+}
+
+/// Names below a heading.
+fn wrapped<'a>(heading: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let mut text = format!("{heading}\n ");
+    let mut length = 1;
+    for name in names {
+        if length + 1 + name.len() > WIDTH {
+            text += "\n ";
+            length = 1;
+        }
+        text += " ";
+        text += name;
+        length += 1 + name.len();
+    }
+    text + "\n"
+}
+
+/// The commands with a line on each, those alone that a text occurs in.
+pub fn list(text: Option<&str>) -> String {
+    let wanted = text.map(str::to_lowercase);
+    let fits = |command: &&Command| {
+        let all = format!("{} {} {}", command.name, command.summary, command.aliases.join(" "));
+        wanted.as_ref().is_none_or(|wanted| all.to_lowercase().contains(wanted))
+    };
+    let line = |command: &Command| {
+        let aliases = match command.aliases {
+            [] => String::new(),
+            aliases => format!(" ({})", in_words(aliases)),
+        };
+        format!("{}{aliases}: {}", command.form(), command.summary)
+    };
+    let lines: Vec<String> = COMMANDS.iter().filter(fits).map(line).collect();
+    match lines.as_slice() {
+        [] => format!("no command has \"{}\" in its name or its line", text.unwrap_or_default()),
+        _ => lines.join("\n"),
+    }
+}

@@ -1,0 +1,125 @@
+//! What shines, besides what the scene brings.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use clap::Args;
+use glam::Vec3;
+use lumivox_scene::sky::{SkySettings, sky};
+use lumivox_scene::{Environment, EnvironmentMap, Light, Scene, SceneError, Staging};
+
+use crate::SUN_OF_SKY;
+use crate::values::light::{self, Surroundings};
+use crate::values::{choices, number};
+
+/// What shines.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Light")]
+pub struct SourceArgs {
+    /// Add a sun that stands in the direction X,Y,Z, with LUX lux [default: none; LUX: 100000]
+    ///
+    /// The vector points from the scene to the sun (y is up), at any length: 0,1,0 is noon. LUX is
+    /// the illuminance of a surface that faces it, 0 to 1e10. It has the size of ours.
+    #[arg(long, value_name = "X,Y,Z[,LUX]", value_parser = light::sun)]
+    #[arg(allow_hyphen_values = true)]
+    pub sun: Option<Light>,
+
+    /// The surroundings: radiance in cd/m2, each from 0 to 1e10, or a panorama's file, .hdr or .exr
+    /// [default: the scene's]
+    ///
+    /// It replaces the scene's own. A clear blue sky has about 2000,2600,3600. A panorama is
+    /// equirectangular, twice as wide as high; its middle lies towards -z. One unit of it is 1 cd/m2
+    /// unless it says otherwise, see --environment-intensity. PNG and JPEG are read, too.
+    #[arg(long, value_name = "R,G,B|FILE", value_parser = light::environment)]
+    #[arg(allow_hyphen_values = true, conflicts_with = "sky")]
+    pub environment: Option<Surroundings>,
+
+    /// Turn of the panorama about the vertical in degrees, -360 to 360, counter-clockwise seen from
+    /// above [default: the scene's, mostly 0]
+    #[arg(long, value_name = "DEGREES", value_parser = number::number(-360.0..=360.0))]
+    #[arg(allow_negative_numbers = true, conflicts_with = "sky")]
+    pub environment_rotation: Option<f32>,
+
+    /// Number that the radiance of the surroundings is multiplied by, 0 to 1e10
+    #[arg(long, value_name = "FACTOR", value_parser = number::number(0.0..=1e10))]
+    #[arg(default_value = "1", allow_negative_numbers = true)]
+    pub environment_intensity: f32,
+
+    /// A clear sky and its sun, which stands towards X,Y,Z, or ELEVATION,AZIMUTH in degrees [default:
+    /// none]
+    ///
+    /// It replaces the scene's surroundings, computed in cd/m2 and lux. The elevation is from -90 to
+    /// 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards -z, 90 towards +x.
+    #[arg(long, value_name = "X,Y,Z|ELEVATION,AZIMUTH", value_parser = light::sky)]
+    #[arg(allow_hyphen_values = true)]
+    pub sky: Option<Vec3>,
+
+    /// Haze of the sky, a number from 1 (the clearest) to 10
+    ///
+    /// Higher: paler, brighter round the sun, a weaker sun.
+    #[arg(long, value_name = "NUMBER", value_parser = number::number(1.0..=10.0))]
+    #[arg(default_value = "2", allow_negative_numbers = true, requires = "sky")]
+    pub turbidity: f32,
+
+    /// What is put around a scene of which the file sees to too little light [default: auto; none with
+    /// --sun, --sky or --environment]
+    ///
+    /// auto measures what the scene's own light does where it is seen. Where that is not enough, lamps
+    /// of 300 lux light a closed room, sun and sky an open place or a landscape, and a studio of 1536
+    /// lux, turned to the camera, everything else. The note under the picture tells what was chosen.
+    #[arg(long, value_name = "WHAT", value_parser = choices::staging())]
+    pub surroundings: Option<Staging>,
+
+    /// The same as --surroundings none
+    #[arg(long, conflicts_with = "surroundings")]
+    pub no_default_light: bool,
+}
+
+impl SourceArgs {
+    /// The surroundings that the scene gets: none where the user lights it.
+    pub fn staging(&self) -> Staging {
+        let is_lit = self.sun.is_some() || self.sky.is_some() || self.environment.is_some();
+        let is_left = self.no_default_light || is_lit;
+        self.surroundings.unwrap_or(if is_left { Staging::None } else { Staging::Auto })
+    }
+
+    /// The file of the panorama that is asked for.
+    pub fn panorama(&self) -> Option<&Path> {
+        match &self.environment {
+            Some(Surroundings::File(file)) => Some(file),
+            Some(Surroundings::Uniform(_)) | None => None,
+        }
+    }
+
+    /// Adds to a scene's light what is asked for, with the panorama of that file.
+    ///
+    /// # Errors
+    /// When the sky cannot be computed.
+    pub fn light(
+        &self,
+        scene: &mut Scene,
+        panorama: Option<EnvironmentMap>,
+    ) -> Result<(), SceneError> {
+        scene.lights.extend(self.sun.clone());
+        let around =
+            |map| Environment { radiance: Vec3::ONE, map: Some(Arc::new(map)), rotation_rad: 0.0 };
+        if let Some(Surroundings::Uniform(radiance)) = self.environment {
+            scene.environment = Environment { radiance, ..Environment::default() };
+        }
+        if let Some(map) = panorama {
+            scene.environment = around(map);
+        }
+        if let Some(sun_direction) = self.sky {
+            let turbidity = self.turbidity;
+            let settings = SkySettings { sun_direction, turbidity, ..SkySettings::default() };
+            let sky = sky(&settings)?;
+            scene.environment = around(sky.map);
+            scene.lights.extend(sky.sun.map(|sun| Light { name: SUN_OF_SKY.to_owned(), ..sun }));
+        }
+        scene.environment.radiance *= self.environment_intensity;
+        if let Some(degrees) = self.environment_rotation {
+            scene.environment.rotation_rad = degrees.to_radians();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,110 @@
+//! How a scene's file is read.
+
+use clap::Args;
+use glam::Vec3;
+use lumivox_scene::{LoadOptions, MemoryBudget, UpAxis};
+
+use crate::values::{choices, load, number};
+
+/// How a scene's file is read.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "File")]
+pub struct LoadArgs {
+    /// Which of the file's scenes (glTF, VXCT), by name or number [default: the one that the file marks,
+    /// else the first]
+    ///
+    /// Numbers count from 0; `lumivox info SCENE` lists them.
+    #[arg(long, value_name = "NAME|NUMBER")]
+    pub scene_in_file: Option<String>,
+
+    /// Axis of the file that points up
+    ///
+    /// Ask for z where a model of CAD or a scan lies on its back.
+    #[arg(long, value_name = "AXIS", value_parser = choices::up(), default_value = "y")]
+    pub up: UpAxis,
+
+    /// The file's unit of length: mm, cm, m, km, in, ft, or a number of metres, 1e-9 to 1e9
+    ///
+    /// Lengths are multiplied by it, strengths of lights are not. STL and OBJ do not tell theirs.
+    #[arg(long, value_name = "UNIT", value_parser = load::unit, default_value = "m")]
+    #[arg(allow_negative_numbers = true)]
+    pub unit: f32,
+
+    /// Angle in degrees, 0 to 180, above which an edge of a surface without normals stays sharp (OBJ,
+    /// PLY, STL) [default: as each format means it]
+    ///
+    /// 0 keeps all edges sharp, 180 none. Without it, PLY is smooth, STL is flat, OBJ is flat outside
+    /// of its smoothing groups.
+    #[arg(long, value_name = "DEGREES", value_parser = number::number(0.0..=180.0))]
+    #[arg(allow_negative_numbers = true)]
+    pub crease: Option<f32>,
+
+    /// Turn the scene about the centre of its bounds: degrees about x, y and z, each -360 to 360
+    ///
+    /// About z first, then y, then x. Its lights and cameras turn with it, so their pictures stay the
+    /// same; the surroundings and what other options place do not. Errors of voxels depend on how
+    /// walls lie in the grid; measurements try several angles.
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::angles, help_heading = "Scene")]
+    #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
+    pub rotate: Vec3,
+
+    /// Let the scene's file name files outside of its own folder [default: off]
+    ///
+    /// Only for files that you trust: they may then name any file that you may read.
+    #[arg(long)]
+    pub allow_outside: bool,
+
+    /// Show a glTF file as far as it goes whose required extensions are not supported [default: off]
+    ///
+    /// What they would change is told in a warning, and may be anything. Extensions that only refine
+    /// the picture, such as variants of materials, need no leave.
+    #[arg(long)]
+    pub ignore_required: bool,
+
+    /// Memory for all textures, finest levels, as a number with MiB, GiB, MB or GB
+    ///
+    /// Textures that need more are shrunk by halves until they fit, with a warning. 1 KiB and up.
+    #[arg(long, value_name = "SIZE", value_parser = load::bytes, default_value = "4GiB")]
+    #[arg(allow_hyphen_values = true)]
+    pub texture_memory: u64,
+
+    /// Memory for all vertices and indices, as a number with MiB, GiB, MB or GB
+    ///
+    /// What needs more is refused before it is allocated. 1 KiB and up.
+    #[arg(long, value_name = "SIZE", value_parser = load::bytes, default_value = "8GiB")]
+    #[arg(allow_hyphen_values = true)]
+    pub geometry_memory: u64,
+}
+
+impl LoadArgs {
+    /// The library's words for it.
+    pub fn options(&self) -> LoadOptions<'static> {
+        LoadOptions {
+            allow_outside: self.allow_outside,
+            ignore_required: self.ignore_required,
+            scene: self.scene_in_file.clone(),
+            up: self.up,
+            unit_m: self.unit,
+            crease_rad: self.crease.map(f32::to_radians),
+            budget: MemoryBudget {
+                texture_bytes: self.texture_memory,
+                geometry_bytes: self.geometry_memory,
+            },
+            progress: None,
+            ..LoadOptions::default()
+        }
+    }
+
+    /// An option that is given and has a meaning for files alone.
+    pub fn option_of_files(&self) -> Option<&'static str> {
+        let given = [
+            (self.scene_in_file.is_some(), "--scene-in-file"),
+            (self.allow_outside, "--allow-outside"),
+            (self.ignore_required, "--ignore-required"),
+            (self.up != UpAxis::Y, "--up"),
+            (self.unit.to_bits() != 1.0_f32.to_bits(), "--unit"),
+            (self.crease.is_some(), "--crease"),
+        ];
+        given.iter().find(|(is_given, _)| *is_given).map(|(_, option)| *option)
+    }
+}

@@ -1,0 +1,240 @@
+//! Which camera to look through.
+
+use std::cell::OnceCell;
+use std::fmt;
+
+use anyhow::bail;
+use glam::Vec3;
+use lumivox_scene::{Camera, Framing, Scene};
+
+use super::Refused;
+use super::number::{in_range, some};
+use crate::Failure;
+
+/// The name of the view that every scene has, whatever its cameras: see
+/// [`Scene::default_camera`].
+pub const FRAMING: &str = "framing";
+/// The same from outside.
+pub const OUTSIDE: &str = "outside";
+/// The same from within.
+pub const INSIDE: &str = "inside";
+
+const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
+/// Vertical field of view of cameras that do not tell theirs, degrees.
+pub const DEFAULT_FOV_DEG: f32 = 45.0;
+
+/// A camera, as the command line names it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraChoice {
+    /// One of the scene's, by its name.
+    Name(String),
+    /// One of the scene's, by its place.
+    Index(usize),
+    /// One that the scene does not have.
+    LookAt {
+        /// The eye in the world, m.
+        position: Vec3,
+        /// A point in the middle of the picture, m.
+        target: Vec3,
+        /// The angle between the bottom and the top of the picture.
+        vertical_fov_rad: f32,
+    },
+}
+
+impl fmt::Display for CameraChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Name(name) => f.write_str(name),
+            Self::Index(index) => index.fmt(f),
+            Self::LookAt { position: p, target: t, vertical_fov_rad } => {
+                let fov_deg = vertical_fov_rad.to_degrees();
+                write!(f, "{},{},{},{},{},{},{fov_deg}", p.x, p.y, p.z, t.x, t.y, t.z)
+            }
+        }
+    }
+}
+
+/// A name, an index, or `PX,PY,PZ,TX,TY,TZ[,FOV_DEG]`.
+pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
+    let text = text.trim();
+    if text.is_empty() {
+        return Err(Refused::Malformed("expected a name, an index or a position".to_owned()));
+    }
+    if let Ok(index) = text.parse() {
+        return Ok(CameraChoice::Index(index));
+    }
+    let first = text.split(',').next().unwrap_or_default();
+    if !text.contains(',') || first.trim().parse::<f32>().is_err() {
+        return Ok(CameraChoice::Name(text.to_owned()));
+    }
+    let numbers = some(text, FORM)?;
+    let (&[px, py, pz, tx, ty, tz], rest) = numbers.split_first_chunk().ok_or_else(|| {
+        Refused::Malformed(format!("expected {FORM}, but there are {}", numbers.len()))
+    })?;
+    let fov_deg = match rest {
+        [] => DEFAULT_FOV_DEG,
+        [fov_deg] => in_range(*fov_deg, &(1.0..=170.0), "the field of view in degrees")?,
+        _ => {
+            let count = numbers.len();
+            return Err(Refused::Malformed(format!("expected {FORM}, but there are {count}")));
+        }
+    };
+    let (position, target) = (Vec3::new(px, py, pz), Vec3::new(tx, ty, tz));
+    // Also where the distance is too small or too large for f32.
+    if (target - position).try_normalize().is_none() {
+        return Err(Refused::OutOfRange(
+            "the position and the target must be different points, not too far apart".to_owned(),
+        ));
+    }
+    Ok(CameraChoice::LookAt { position, target, vertical_fov_rad: fov_deg.to_radians() })
+}
+
+/// The camera chosen, or without a choice the scene's first, or where it has none the one that
+/// shows it best in a picture of this aspect (width over height).
+///
+/// # Errors
+/// When the scene has no such camera; the message lists those that it has.
+pub fn resolve(
+    choice: Option<&CameraChoice>,
+    scene: &Scene,
+    aspect: f32,
+) -> anyhow::Result<Camera> {
+    resolve_with(choice, scene, aspect, &OnceCell::new())
+}
+
+/// The same for a scene that may have been surveyed before, and is here if it has to be.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_with(
+    choice: Option<&CameraChoice>,
+    scene: &Scene,
+    aspect: f32,
+    framing: &OnceCell<Framing>,
+) -> anyhow::Result<Camera> {
+    let survey = || framing.get_or_init(|| Framing::of(scene));
+    let framing = || survey().camera(aspect);
+    let found = match choice {
+        None => return Ok(scene.cameras.first().cloned().unwrap_or_else(framing)),
+        Some(CameraChoice::LookAt { position, target, vertical_fov_rad }) => {
+            let mut camera = Camera::look_at(*position, *target, *vertical_fov_rad);
+            "command line".clone_into(&mut camera.name);
+            fit_near(&mut camera, scene.bounds().radius_m());
+            return Ok(camera);
+        }
+        Some(CameraChoice::Index(index)) => scene.cameras.get(*index).cloned(),
+        Some(CameraChoice::Name(name)) => {
+            let known = scene.cameras.iter().find(|camera| camera.name == *name).cloned();
+            match (known, name.as_str()) {
+                (Some(known), _) => Some(known),
+                (None, FRAMING) => Some(framing()),
+                (None, OUTSIDE) => Some(survey().outside(aspect)),
+                (None, INSIDE) => return survey().inside(aspect).ok_or_else(|| no_inside(scene)),
+                (None, _) => None,
+            }
+        }
+    };
+    if let Some(camera) = found {
+        return Ok(camera);
+    }
+    let wanted = match choice {
+        Some(CameraChoice::Index(index)) => format!("camera number {index}"),
+        Some(CameraChoice::Name(name)) => format!("camera called \"{name}\""),
+        _ => "such camera".to_owned(),
+    };
+    let known: Vec<String> = scene
+        .cameras
+        .iter()
+        .enumerate()
+        .map(|(index, camera)| format!("{index} \"{}\"", camera.name))
+        .chain([format!("\"{FRAMING}\" (the view that shows it best)")])
+        .chain([OUTSIDE, INSIDE].map(|name| format!("\"{name}\"")))
+        .collect();
+    bail!(Failure::input(format!(
+        "the scene \"{}\" has no {wanted}; there are: {}; or give a position and a target",
+        scene.name,
+        known.join(", ")
+    )))
+}
+
+fn no_inside(scene: &Scene) -> anyhow::Error {
+    let name = &scene.name;
+    let reason = format!("the scene \"{name}\" has no room inside for a camera");
+    Failure::input(format!("{reason}; look at it from outside, or give a position and a target"))
+        .into()
+}
+
+/// Keeps small things from being cut off by a near plane made for rooms.
+pub fn fit_near(camera: &mut Camera, scene_radius_m: f32) {
+    camera.near_m = camera.near_m.min(scene_radius_m * 1e-3).max(1e-6);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_indices_and_positions_are_told_apart() {
+        assert_eq!(camera("front"), Ok(CameraChoice::Name("front".to_owned())));
+        assert_eq!(camera("left, upper"), Ok(CameraChoice::Name("left, upper".to_owned())));
+        assert_eq!(camera("2"), Ok(CameraChoice::Index(2)));
+        let Ok(CameraChoice::LookAt { position, target, vertical_fov_rad }) =
+            camera("1,2,3,-4,5e-1,6,90")
+        else {
+            panic!("seven numbers are a view")
+        };
+        assert_eq!(position, Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(target, Vec3::new(-4.0, 0.5, 6.0));
+        assert!((vertical_fov_rad - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+        assert!(matches!(camera("-1,2,3,4,5,6"), Ok(CameraChoice::LookAt { .. })));
+    }
+
+    #[test]
+    fn impossible_views_are_refused() {
+        for text in ["1,2,3,4,5,6,0", "1,2,3,4,5,6,180", "1,2,3,1,2,3", "nan,0,0,1,1,1"] {
+            assert!(matches!(camera(text), Err(Refused::OutOfRange(_))), "{text}");
+        }
+        assert!(matches!(camera("3e38,0,0,-3e38,0,0"), Err(Refused::OutOfRange(_))));
+        for text in ["", " ", "1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7,8", "1,2,3,4,5,x"] {
+            assert!(matches!(camera(text), Err(Refused::Malformed(_))), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_first_camera_is_the_default() {
+        let scene = lumivox_scene::builtin::scene("cornell").unwrap();
+        assert_eq!(resolve(None, &scene, 1.5).unwrap(), scene.cameras[0]);
+        let bare = Scene { cameras: Vec::new(), ..scene.clone() };
+        assert_eq!(resolve(None, &bare, 1.5).unwrap().name, FRAMING);
+        let framing = CameraChoice::Name(FRAMING.to_owned());
+        assert_eq!(resolve(Some(&framing), &scene, 1.5).unwrap().name, FRAMING);
+    }
+
+    #[test]
+    fn outside_and_inside_are_where_they_say() {
+        let named = |name: &str, scene: &Scene| {
+            resolve(Some(&CameraChoice::Name(name.to_owned())), scene, 1.5)
+        };
+        let hall = lumivox_scene::builtin::scene("atrium").unwrap();
+        assert!(hall.bounds().contains(named(INSIDE, &hall).unwrap().position));
+        assert!(!hall.bounds().contains(named(OUTSIDE, &hall).unwrap().position));
+        // A camera of the file goes first.
+        let mut own = hall.clone();
+        INSIDE.clone_into(&mut own.cameras[0].name);
+        assert_eq!(named(INSIDE, &own).unwrap(), own.cameras[0]);
+        let mut panel = lumivox_scene::builtin::scene("panel").unwrap();
+        panel.instances.truncate(1);
+        let error = named(INSIDE, &panel).unwrap_err().to_string();
+        assert!(error.contains("no room inside") && error.contains("outside"), "{error}");
+    }
+
+    #[test]
+    fn unknown_cameras_list_the_known_ones() {
+        let scene = lumivox_scene::builtin::scene("cornell").unwrap();
+        for choice in [CameraChoice::Index(99), CameraChoice::Name("nowhere".to_owned())] {
+            let error = resolve(Some(&choice), &scene, 1.5).unwrap_err().to_string();
+            assert!(error.contains(&scene.cameras[0].name), "{error}");
+            assert!(error.contains("cornell"), "{error}");
+        }
+    }
+}

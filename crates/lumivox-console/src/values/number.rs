@@ -1,0 +1,262 @@
+//! Numbers and lists of numbers.
+
+use std::fmt;
+use std::ops::RangeInclusive;
+
+use lumivox_render::Exposure;
+
+use super::Refused;
+
+/// A parser of finite numbers within `range`.
+pub fn number(
+    range: RangeInclusive<f32>,
+) -> impl Fn(&str) -> Result<f32, Refused> + Clone + Send + Sync + 'static {
+    move |text| in_range(one(text)?, &range, "it")
+}
+
+/// A parser of whole numbers within `range`.
+pub fn whole(
+    range: RangeInclusive<u32>,
+) -> impl Fn(&str) -> Result<u32, Refused> + Clone + Send + Sync + 'static {
+    move |text| {
+        let value = digits(text)?;
+        let (low, high) = (*range.start(), *range.end());
+        u32::try_from(value)
+            .ok()
+            .filter(|value| range.contains(value))
+            .ok_or_else(|| Refused::OutOfRange(format!("it must be from {low} to {high}")))
+    }
+}
+
+/// The resolution of the voxel grid: a multiple of 8 within the library's range.
+pub fn resolution(text: &str) -> Result<u32, Refused> {
+    let (low, high) = (lumivox::MIN_RESOLUTION, lumivox::MAX_RESOLUTION);
+    let value = digits(text)?;
+    u32::try_from(value)
+        .ok()
+        .filter(|value| (low..=high).contains(value) && value.is_multiple_of(8))
+        .ok_or_else(|| {
+            Refused::OutOfRange(format!("it must be a multiple of 8 from {low} to {high}"))
+        })
+}
+
+/// The shift of the voxel grid: three numbers, each at least 0 and below 1.
+pub fn grid_offset(text: &str) -> Result<glam::Vec3, Refused> {
+    let offset = list::<3>(text, "X,Y,Z, such as 0.5,0,0.25")?;
+    if offset.iter().all(|shift| (0.0..1.0).contains(shift)) {
+        return Ok(offset.into());
+    }
+    Err(Refused::OutOfRange("each of the three must be at least 0 and below 1 voxel".to_owned()))
+}
+
+/// Three angles in degrees, each from -360 to 360.
+pub fn angles(text: &str) -> Result<glam::Vec3, Refused> {
+    let angles = list::<3>(text, "X,Y,Z in degrees, such as 0,30,0")?;
+    for angle in angles {
+        in_range(angle, &(-360.0..=360.0), "each angle")?;
+    }
+    Ok(angles.into())
+}
+
+/// How pictures are exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureChoice {
+    /// By this many stops.
+    Stops(f32),
+    /// By what the picture asks for; in a sequence, all by the median of what some ask for.
+    Auto,
+    /// Each picture by what it asks for itself.
+    AutoEach,
+}
+
+impl ExposureChoice {
+    /// The exposure of the first picture.
+    pub fn first(self) -> Exposure {
+        match self {
+            Self::Stops(stops) => Exposure::Stops(stops),
+            Self::Auto | Self::AutoEach => Exposure::Auto,
+        }
+    }
+}
+
+impl From<Exposure> for ExposureChoice {
+    fn from(exposure: Exposure) -> Self {
+        match exposure {
+            Exposure::Stops(stops) => Self::Stops(stops),
+            Exposure::Auto => Self::Auto,
+        }
+    }
+}
+
+impl fmt::Display for ExposureChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stops(stops) => stops.fmt(f),
+            Self::Auto => f.write_str("auto"),
+            Self::AutoEach => f.write_str("auto-each"),
+        }
+    }
+}
+
+/// Stops of exposure, `auto` or `auto-each`.
+pub fn exposure(text: &str) -> Result<ExposureChoice, Refused> {
+    match text.to_ascii_lowercase().as_str() {
+        "auto" => return Ok(ExposureChoice::Auto),
+        "auto-each" => return Ok(ExposureChoice::AutoEach),
+        _ => {}
+    }
+    let stops = one(text).map_err(|refused| match refused {
+        Refused::Malformed(_) => Refused::Malformed(
+            "expected a number of stops, such as -2.5, or auto, or auto-each".to_owned(),
+        ),
+        Refused::OutOfRange(_) => refused,
+    })?;
+    in_range(stops, &(-64.0..=64.0), "it").map(ExposureChoice::Stops)
+}
+
+/// One finite number.
+pub fn one(text: &str) -> Result<f32, Refused> {
+    let value: f32 = text
+        .trim()
+        .parse()
+        .map_err(|_| Refused::Malformed("expected a number, such as 0.5".to_owned()))?;
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(Refused::OutOfRange("it must be a finite number".to_owned()))
+}
+
+/// Exactly `N` finite numbers between commas; `form` says what they are, with an example.
+pub fn list<const N: usize>(text: &str, form: &str) -> Result<[f32; N], Refused> {
+    let values = some(text, form)?;
+    values.try_into().map_err(|values: Vec<f32>| {
+        Refused::Malformed(format!("expected {form}, but there are {} numbers", values.len()))
+    })
+}
+
+/// Any number of finite numbers between commas.
+pub fn some(text: &str, form: &str) -> Result<Vec<f32>, Refused> {
+    text.split(',')
+        .map(|part| {
+            one(part).map_err(|refused| match refused {
+                Refused::Malformed(_) => {
+                    Refused::Malformed(format!("expected {form}, but \"{part}\" is no number"))
+                }
+                Refused::OutOfRange(_) => {
+                    Refused::OutOfRange(format!("\"{part}\" is not a finite number"))
+                }
+            })
+        })
+        .collect()
+}
+
+/// `value` if it lies in `range`; `name` starts the message otherwise.
+pub fn in_range(value: f32, range: &RangeInclusive<f32>, name: &str) -> Result<f32, Refused> {
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    let (low, high) = (range.start(), range.end());
+    Err(Refused::OutOfRange(format!("{name} must be from {low} to {high}")))
+}
+
+/// A whole number of any size.
+fn digits(text: &str) -> Result<i128, Refused> {
+    let text = text.trim();
+    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
+    if unsigned.is_empty() || !unsigned.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(Refused::Malformed("expected a whole number, such as 16".to_owned()));
+    }
+    // Too long even for 128 bits is out of every range.
+    Ok(text.parse().unwrap_or(i128::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_out_of_range<T: fmt::Debug>(result: Result<T, Refused>, needle: &str) {
+        match result {
+            Err(Refused::OutOfRange(reason)) => assert!(reason.contains(needle), "{reason}"),
+            other => panic!("expected an error of range, got {other:?}"),
+        }
+    }
+
+    fn is_malformed<T: fmt::Debug>(result: &Result<T, Refused>) {
+        assert!(matches!(result, Err(Refused::Malformed(_))), "{result:?}");
+    }
+
+    #[test]
+    fn numbers_have_a_range() {
+        let share = number(0.05..=1.0);
+        assert_eq!(share("0.05"), Ok(0.05));
+        assert_eq!(share(" 1 "), Ok(1.0));
+        is_out_of_range(share("1.01"), "from 0.05 to 1");
+        is_out_of_range(share("-1"), "from 0.05 to 1");
+        for text in ["nan", "inf", "-inf", "1e400", "NaN"] {
+            is_out_of_range(share(text), "finite");
+        }
+        for text in ["", "a", "0,5", "1 2", "0x10"] {
+            is_malformed(&share(text));
+        }
+    }
+
+    #[test]
+    fn whole_numbers_have_a_range() {
+        let frames = whole(1..=65_536);
+        assert_eq!(frames("65536"), Ok(65_536));
+        for text in ["0", "-3", "65537", "4294967297", "99999999999999999999999999999999999999999"]
+        {
+            is_out_of_range(frames(text), "from 1 to 65536");
+        }
+        for text in ["", "-", "1.5", "ten", "1e3"] {
+            is_malformed(&frames(text));
+        }
+    }
+
+    #[test]
+    fn resolutions_are_those_of_the_grid() {
+        assert_eq!(resolution("16"), Ok(16));
+        assert_eq!(resolution("1024"), Ok(1024));
+        for text in ["7", "0", "100000", "130", "1032", "-128"] {
+            is_out_of_range(resolution(text), "a multiple of 8 from 16 to 1024");
+        }
+        is_malformed(&resolution("128.0"));
+        for text in ["16", "1024", "7", "130"] {
+            let fits = lumivox::Grid::fit(
+                glam::Vec3::ZERO,
+                glam::Vec3::ONE,
+                text.parse().unwrap(),
+                glam::Vec3::ZERO,
+            );
+            assert_eq!(fits.is_ok(), resolution(text).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn offsets_are_below_a_voxel() {
+        assert_eq!(grid_offset("0,0.5,0.999"), Ok(glam::Vec3::new(0.0, 0.5, 0.999)));
+        is_out_of_range(grid_offset("0,1,0"), "below 1");
+        is_out_of_range(grid_offset("-0.1,0,0"), "at least 0");
+        is_out_of_range(grid_offset("nan,0,0"), "finite");
+        is_malformed(&grid_offset("0,0"));
+        is_malformed(&grid_offset("0,0,0,0"));
+        is_malformed(&grid_offset("0,,0"));
+    }
+
+    #[test]
+    fn angles_are_three_within_a_turn() {
+        assert_eq!(angles("-30,0,360"), Ok(glam::Vec3::new(-30.0, 0.0, 360.0)));
+        is_out_of_range(angles("0,361,0"), "from -360 to 360");
+        is_malformed(&angles("30"));
+    }
+
+    #[test]
+    fn exposure_is_stops_or_auto() {
+        assert_eq!(exposure("auto"), Ok(ExposureChoice::Auto));
+        assert_eq!(exposure("auto-each"), Ok(ExposureChoice::AutoEach));
+        assert_eq!(exposure("-3.5"), Ok(ExposureChoice::Stops(-3.5)));
+        is_out_of_range(exposure("65"), "from -64 to 64");
+        is_out_of_range(exposure("inf"), "finite");
+        is_malformed(&exposure("bright"));
+    }
+}
