@@ -8,7 +8,8 @@ const HEAD: &str = "\
 # The console
 
 Commands in words look at and change everything at run time: in the console pane of the window, in the terminal that
-started it, and in scripts without a window (`lumivox run`). This page is printed by `lumivox commands --markdown`; a test
+started it, in scripts without a window (`lumivox run`), and in the page. There names of files are addresses, and files that
+are written are downloads. This page is printed by `lumivox commands --markdown`; a test
 holds it to the program.
 
 A line is a command and its arguments, separated by blanks. `'...'` and `\"...\"` keep blanks together; `\\\"` and `\\\\` within

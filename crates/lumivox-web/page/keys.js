@@ -8,7 +8,7 @@ import { closeNewest, say } from "./messages.js";
 const TYPED = `input:not([type="range"], [type="checkbox"], [type="radio"], [type="color"])`;
 
 /** Letters that press a button. */
-const SHORTCUTS = /** @type {Record<string, string>} */ ({ o: "open", p: "picture", l: "link", "?": "help" });
+const SHORTCUTS = /** @type {Record<string, string>} */ ({ c: "console-toggle", o: "open", p: "picture", l: "link", "?": "help" });
 
 /** @param {boolean} isOpen */
 export function showPanel(isOpen) {
@@ -43,7 +43,7 @@ export function showSteps({ undo, redo }) {
 }
 
 /** Listens to the buttons, and to their keys while no field has the focus.
- * @param {{ picture: () => void, link: () => void, undo: () => void, redo: () => void }} actions */
+ * @param {{ picture: () => void, link: () => void, undo: () => void, redo: () => void, "console-toggle": () => void }} actions */
 export function listenToTools(actions) {
     const keys = byId("keys", HTMLDialogElement);
     let hadPanel = true;

@@ -4,6 +4,7 @@
 import { fitted, frame, lookAt } from "./camera.js";
 import { CameraList } from "./cameras.js";
 import { Client, WorkerError } from "./client.js";
+import { Console } from "./console.js";
 import { Controls } from "./controls.js";
 import { byId, plain } from "./dom.js";
 import { listenForFiles } from "./drop.js";
@@ -16,7 +17,7 @@ import { announce, loading, say, showUnsupported } from "./messages.js";
 import { Parameters, radios, same } from "./parameters.js";
 import { Probe } from "./probe.js";
 import { showChosen, showFacts, showScene, showTime } from "./scene.js";
-import { copyLink, download, linkState, showLink } from "./share.js";
+import { copyLink, download, linkState, save, showLink } from "./share.js";
 import { isPanorama, nameOf } from "./source.js";
 import { SplitLine } from "./split.js";
 import { EVERY_MS, statusText } from "./status.js";
@@ -34,6 +35,7 @@ import { addReport, clearReports, showMemory } from "./timing.js";
 /** @typedef {import("./types.js").Opened} Opened */
 /** @typedef {import("./types.js").Picked} Picked */
 /** @typedef {import("./types.js").Progress} Progress */
+/** @typedef {import("./types.js").Ran} Ran */
 /** @typedef {import("./types.js").Settings} Settings */
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Stepped} Stepped */
@@ -52,6 +54,10 @@ let catalogue;
 let fields;
 /** @type {SplitLine} */
 let split;
+/** @type {Console} */
+let lines;
+/** @type {{ show: (name: string) => void }} */
+let presetList;
 /** @type {Opened | null} */
 let opened = null;
 /** @type {Source | null} */
@@ -163,20 +169,61 @@ async function open(from, place, around) {
     /** @type {Opened | undefined} */
     const now = await opening(nameOf(from), (onProgress) => ask("load", data, onProgress));
     if (!now) return;
-    [opened, source, panorama, chosen] = [now, from, null, undefined];
     if (around !== undefined) panorama = { source: around, name: now.scene.environment.panorama };
+    else panorama = null;
     surroundings.value = options.surroundings;
-    camera = place ?? now.scene.camera;
+    showOpened(now, from, place ?? now.scene.camera);
+    if (!place && aspect < 1) sendCamera(false);
+}
+
+/** Shows what is known of another scene.
+ * @param {Opened} now @param {Source} from @param {Camera} place */
+function showOpened(now, from, place) {
+    [opened, source, chosen, camera] = [now, from, undefined, place];
     clearReports();
     showScene(now.scene, typeof from === "string" ? from : "", (call, data) => void attempt(ask(call, data)));
-    showAllObjects();
     cameras.open(now.scene, typeof from === "string" ? from : now.scene.name);
-    showAllLights(now.scene.lights);
-    showSurroundings(now.scene.environment);
-    showAllMaterials();
-    showSettings(now.settings);
-    if (!place && aspect < 1) sendCamera(false);
+    showAll(now);
     announce(`${now.scene.name} is loaded: ${byId("facts").textContent}`);
+}
+
+/** Shows all that may have changed of the scene that is open.
+ * @param {{ scene: Opened["scene"], materials: Opened["materials"], settings: Settings }} now */
+function showAll({ scene, materials, settings }) {
+    if (!opened) return;
+    Object.assign(opened, { materials });
+    Object.assign(opened.scene, { lights: scene.lights, objects: scene.objects, voxels: scene.voxels });
+    showFacts(opened.scene);
+    showAllObjects();
+    showAllLights(scene.lights);
+    showSurroundings(scene.environment);
+    showAllMaterials();
+    showSettings(settings);
+}
+
+/** Does what lines of the console say.
+ * @param {string} line */
+async function run(line) {
+    const busy = loading(`Doing ${line}`, () => void client.call("cancel"));
+    /** @type {Ran | undefined} */
+    const ran = await attempt(ask("run", line, busy.progress));
+    busy.end();
+    if (!ran) return;
+    lines.print(ran.text);
+    lines.print(ran.failed ?? "", "failed");
+    for (const file of ran.files) save(file, file.name);
+    const { scene, opened: from } = ran;
+    for (const name of Object.keys(ran.settings)) if (!same(ran.settings[name], settings[name])) touched.add(name);
+    if (ran.preset !== preset) showPreset(ran.preset, ran.settings);
+    if (!scene) return showSettings(ran.settings);
+    if (from === undefined) {
+        showAll({ ...ran, scene });
+        camera = ran.camera ?? camera;
+    } else {
+        panorama = null;
+        if (state() === "empty") state("rendering");
+        showOpened({ ...ran, scene }, from, ran.camera ?? scene.camera);
+    }
 }
 
 /** Puts a panorama around the scene.
@@ -214,14 +261,7 @@ async function step(way) {
     /** @type {Stepped | undefined} */
     const now = await attempt(ask(way, null));
     if (!now) return;
-    Object.assign(opened, { materials: now.materials });
-    Object.assign(opened.scene, { lights: now.scene.lights, objects: now.scene.objects, voxels: now.scene.voxels });
-    showFacts(opened.scene);
-    showAllObjects();
-    showAllLights(now.scene.lights);
-    showSurroundings(now.scene.environment);
-    showAllMaterials();
-    showSettings(now.settings);
+    showAll(now);
     announce(`${way === "undo" ? "Taken back" : "Done again"}: ${now.words}`);
 }
 
@@ -325,12 +365,19 @@ async function set(changes) {
 async function setPreset(name) {
     const before = settings;
     if (!(await change("preset", name))) return false;
-    preset = name;
-    fields.usual = Object.fromEntries(
-        catalogue.parameters.map(({ name, default: first }) => [name, same(settings[name], before[name]) ? first : settings[name]]),
-    );
-    fields.show(settings);
+    showPreset(name, settings, before);
     return true;
+}
+
+/** Shows a preset; what it has changed is usual in it.
+ * @param {string} name @param {Settings} now @param {Settings} [before] */
+function showPreset(name, now, before = settings) {
+    preset = name;
+    presetList.show(name);
+    fields.usual = Object.fromEntries(
+        catalogue.parameters.map(({ name, default: first }) => [name, same(now[name], before[name]) ? first : now[name]]),
+    );
+    fields.show(now);
 }
 
 /** What a link to this has to carry. */
@@ -422,10 +469,11 @@ function fillPanel() {
     fields = new Parameters(catalogue.parameters, (name, value) => void set({ [name]: value }));
     const views = catalogue.parameters.find(({ name }) => name === "view")?.choices ?? [];
     split = new SplitLine(views, (now) => void attempt(ask("split", now)), (view) => void set({ view }));
-    const list = radios("preset", "Preset", catalogue.presets, async (name) => {
-        if (!(await setPreset(name))) list.show(preset);
+    presetList = radios("preset", "Preset", catalogue.presets, async (name) => {
+        if (!(await setPreset(name))) presetList.show(preset);
     }, byId("presets"));
-    list.show(preset);
+    presetList.show(preset);
+    lines = new Console(run, (line) => client.call("complete", line));
     showSettings(catalogue.settings);
     const scenes = byId("scene", HTMLSelectElement);
     scenes.append(new Option("a file or an address", ""), ...catalogue.scenes.map(({ name, title }) => new Option(title, `builtin:${name}`)));
@@ -440,7 +488,6 @@ function fillPanel() {
         button.addEventListener("click", () => void addLight(button.getAttribute("data-add")));
     }
     for (const id of ["scale", "coarser"]) byId(id).addEventListener("input", resize);
-    return list;
 }
 
 /** Strength and turn of a panorama, as a link has them. @param {LinkState} linked */
@@ -470,20 +517,20 @@ async function start() {
     } finally {
         busy.end();
     }
-    const presets = fillPanel();
+    fillPanel();
     const { state: linked, problems } = decode(location.hash, catalogue);
     if (problems.length > 0) say(`The link has an error: ${problems.join("; ")}. What could be read is shown.`);
     if (linked.scale !== undefined) byId("scale", HTMLInputElement).value = String(linked.scale);
     new ResizeObserver(resize).observe(canvas);
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", resize);
     listenForCamera();
-    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), undo: () => void step("undo"), redo: () => void step("redo") });
+    listenToTools({ picture: () => void savePicture(), link: () => void copyLink(link()), undo: () => void step("undo"), redo: () => void step("redo"), "console-toggle": () => lines.show() });
     // A slider that is let go of, a number that was typed: what comes next is a change of its own.
     addEventListener("change", () => void client.call("endGesture"), true);
     listenForFiles((files) => void open(files), (text) => say(text));
     addEventListener("hashchange", () => location.reload());
     resize();
-    if (linked.preset !== undefined && (await setPreset(linked.preset))) presets.show(preset);
+    if (linked.preset !== undefined && (await setPreset(linked.preset))) presetList.show(preset);
     // One by one, so that one that is refused is told of by name: the worker sets them together.
     await Promise.all(Object.entries(linked.settings).map(([name, value]) => set({ [name]: value })));
     if (linked.split) {

@@ -62,9 +62,15 @@ export async function copyLink(state) {
 /** Hands a picture to the browser's downloads.
  * @param {Blob} picture @param {string} name of the scene */
 export function download(picture, name) {
+    save(picture, `${name.replace(/[^\w.-]+/g, "-") || "picture"}.png`);
+}
+
+/** Hands a file to the browser's downloads.
+ * @param {Blob} file @param {string} name */
+export function save(file, name) {
     const anchor = document.createElement("a");
-    anchor.href = URL.createObjectURL(picture);
-    anchor.download = `${name.replace(/[^\w.-]+/g, "-") || "picture"}.png`;
+    anchor.href = URL.createObjectURL(file);
+    anchor.download = name;
     anchor.click();
     // The download has begun long before.
     setTimeout(() => URL.revokeObjectURL(anchor.href), 60_000);

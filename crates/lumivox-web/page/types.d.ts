@@ -53,6 +53,23 @@ export interface Opened { scene: SceneInfo; materials: Material[]; settings: Set
 /** All that may be another after a step back, and what was taken back. */
 export interface Stepped { words: string; scene: SceneInfo; materials: Material[]; settings: Settings }
 
+/** What lines of the console have printed and written, and all that may be another after them. */
+export interface Ran {
+    text: string;
+    files: File[];
+    /** The scene that they opened last. */
+    opened?: string;
+    /** Why the lines after were not done. */
+    failed?: string;
+    scene?: SceneInfo;
+    materials: Material[];
+    settings: Settings;
+    preset: string;
+    /** Where the camera is now, if it has moved. */
+    camera?: Camera;
+    number: number;
+}
+
 /** What a change of settings leads to. */
 export interface Changed { settings: Settings; voxels?: number }
 

@@ -14,6 +14,7 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").MaterialChange} MaterialChange */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").Ran} Ran */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {import("./types.js").SceneOptions} SceneOptions */
 /** @typedef {import("./types.js").Settings} Settings */
@@ -155,13 +156,18 @@ function another() {
     return loading.signal;
 }
 
+/** All that a change may have changed. */
+const everything = async () => {
+    const scene = /** @type {SceneInfo} */ (await renderer.scene());
+    return { scene, materials: scene ? await renderer.materials() : [], settings: await renderer.settings() };
+};
+
 /** Takes a step back or does it again; gives all that may be another now.
  * @param {"undo" | "redo"} way @returns {Promise<Stepped>} */
 async function step(way) {
     await last.settled();
     const words = await renderer[way]();
-    const scene = /** @type {SceneInfo} */ (await renderer.scene());
-    return { words, scene, materials: await renderer.materials(), settings: await renderer.settings() };
+    return { words, ...(await everything()) };
 }
 
 const outcome = async () => ({ settings: await renderer.settings(), voxels: (await renderer.scene())?.voxels });
@@ -273,6 +279,32 @@ const calls = {
     async histogram() {
         return renderer.histogram();
     },
+    /** Lines of the console. @param {string} line @param {OnProgress} onProgress @returns {Promise<Ran>} */
+    async run(line, onProgress) {
+        await last.settled();
+        const signal = another();
+        const before = JSON.stringify(await renderer.camera());
+        /** @type {{ text: string, files: File[], opened?: string, failed?: string }} */
+        let ran;
+        try {
+            ran = await renderer.run(line, onProgress, { signal });
+        } catch (error) {
+            // What went before it has been done.
+            const { printed = "" } = /** @type {{ printed?: string }} */ (error ?? {});
+            if (error instanceof WebAssembly.RuntimeError) throw error;
+            ran = { text: printed, files: [], failed: failure(error).message };
+        }
+        if (ran.opened !== undefined) number += 1;
+        const now = await everything();
+        isReady = now.scene !== undefined;
+        const place = /** @type {Camera} */ (await renderer.camera());
+        const moved = ran.opened !== undefined || JSON.stringify(place) !== before;
+        return { ...ran, ...now, number, preset: await renderer.preset(), camera: moved ? place : undefined };
+    },
+    /** @param {string} line up to the cursor */
+    async complete(line) {
+        return renderer.complete(line);
+    },
     undo: () => step("undo"),
     redo: () => step("redo"),
     /** What comes after is a step of its own. */
@@ -299,7 +331,7 @@ const calls = {
 };
 
 /** Calls that change nothing. */
-const LOOKS = new Set(["picture", "memory", "pick", "cancel", "probe", "histogram", "endGesture"]);
+const LOOKS = new Set(["picture", "complete", "memory", "pick", "cancel", "probe", "histogram", "endGesture"]);
 
 /** @param {unknown} error @returns {Failure} */
 function failure(error) {

@@ -20,9 +20,9 @@ impl Session {
         &mut self,
         edit: impl FnOnce(&mut Vec<lumivox_scene::Light>) -> Result<T, WebError>,
     ) -> Result<T, WebError> {
-        let mut lights = self.explorer.scene().ok_or_else(no_scene)?.lights.clone();
+        let mut lights = self.console.explorer.scene().ok_or_else(no_scene)?.lights.clone();
         let result = edit(&mut lights)?;
-        self.explorer.edit_lights(|scene| scene.lights = lights);
+        self.console.explorer.edit_lights(|scene| scene.lights = lights);
         self.note();
         Ok(result)
     }
@@ -60,11 +60,11 @@ impl Session {
     /// # Errors
     /// When there is none of that number.
     pub fn set_hidden(&mut self, object: usize, is_hidden: bool) -> Result<(), WebError> {
-        let count = self.explorer.scene().ok_or_else(no_scene)?.instances.len();
+        let count = self.console.explorer.scene().ok_or_else(no_scene)?.instances.len();
         if object >= count {
             return Err(out_of_range("object", object, count));
         }
-        self.explorer.set_hidden(object, is_hidden);
+        self.console.explorer.set_hidden(object, is_hidden);
         self.note();
         Ok(())
     }
@@ -74,7 +74,7 @@ impl Session {
     /// # Errors
     /// Without a scene.
     pub fn materials(&self) -> Result<Vec<Material>, WebError> {
-        let scene = self.explorer.scene().ok_or_else(no_scene)?;
+        let scene = self.console.explorer.scene().ok_or_else(no_scene)?;
         Ok(scene.materials.iter().map(Material::from).collect())
     }
 
@@ -83,12 +83,12 @@ impl Session {
     /// # Errors
     /// When there is none of that number, or it cannot be so.
     pub fn set_material(&mut self, number: usize, change: &MaterialChange) -> Result<(), WebError> {
-        let materials = &self.explorer.scene().ok_or_else(no_scene)?.materials;
+        let materials = &self.console.explorer.scene().ok_or_else(no_scene)?.materials;
         let present = materials
             .get(number)
             .ok_or_else(|| out_of_range("material", number, materials.len()))?;
         let changed = change.of(present)?;
-        self.explorer.edit_material(number, |material| *material = changed);
+        self.console.explorer.edit_material(number, |material| *material = changed);
         self.note();
         Ok(())
     }
@@ -98,7 +98,7 @@ impl Session {
     /// # Errors
     /// Without a scene.
     pub fn environment(&self) -> Result<EnvironmentInfo, WebError> {
-        Ok((&self.explorer.scene().ok_or_else(no_scene)?.environment).into())
+        Ok((&self.console.explorer.scene().ok_or_else(no_scene)?.environment).into())
     }
 
     /// Changes it.
@@ -106,8 +106,9 @@ impl Session {
     /// # Errors
     /// When it cannot be so.
     pub fn set_environment(&mut self, change: &EnvironmentChange) -> Result<(), WebError> {
-        let changed = change.of(&self.explorer.scene().ok_or_else(no_scene)?.environment)?;
-        self.explorer.edit_lights(|scene| scene.environment = changed);
+        let changed =
+            change.of(&self.console.explorer.scene().ok_or_else(no_scene)?.environment)?;
+        self.console.explorer.edit_lights(|scene| scene.environment = changed);
         self.note();
         Ok(())
     }
@@ -117,12 +118,12 @@ impl Session {
     /// # Errors
     /// Without a scene.
     pub fn surround(&mut self, map: Arc<EnvironmentMap>) -> Result<EnvironmentInfo, WebError> {
-        self.explorer.scene().ok_or_else(no_scene)?;
+        self.console.explorer.scene().ok_or_else(no_scene)?;
         let staged = self.staged.clone();
         for object in staged.objects() {
-            self.explorer.set_hidden(object, true);
+            self.console.explorer.set_hidden(object, true);
         }
-        self.explorer.edit_lights(|scene| {
+        self.console.explorer.edit_lights(|scene| {
             scene.environment = of_panorama(map);
             scene.lights.retain(|light| !staged.has_light(light));
         });
@@ -136,8 +137,9 @@ impl Session {
     /// When there is none, or the device refuses.
     pub async fn step(&mut self, is_back: bool) -> Result<String, WebError> {
         self.show_view_of_left()?;
-        let words = if is_back { self.explorer.undo()? } else { self.explorer.redo()? };
-        self.view = self.explorer.settings().view;
+        let words =
+            if is_back { self.console.explorer.undo()? } else { self.console.explorer.redo()? };
+        self.view = self.console.explorer.settings().view;
         self.picker = None;
         self.follow_light();
         self.change();
@@ -147,12 +149,12 @@ impl Session {
 
     /// What is changed from now on is a step of its own.
     pub fn end_gesture(&mut self) {
-        self.explorer.end_gesture();
+        self.console.explorer.end_gesture();
     }
 
     /// Makes a step of what was changed.
     fn note(&mut self) {
-        self.explorer.note_change();
+        self.console.explorer.note_change();
         self.picker = None;
         self.follow_light();
         self.change();

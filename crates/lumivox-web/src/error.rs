@@ -1,6 +1,7 @@
 //! Errors as a page gets them: exceptions with the renderer's own messages, and a code to tell them by.
 
 use lumivox::GiError;
+use lumivox_console::Failure;
 use lumivox_explorer::ExplorerError;
 use lumivox_render::RenderError;
 use lumivox_render::parameters::ParameterError;
@@ -59,6 +60,15 @@ impl WebError {
         Self { code, message: in_words_of_a_page(&message.into()) }
     }
 
+    /// The same in a line of a script; of what is typed the place is empty.
+    #[must_use]
+    pub fn at(self, place: &str) -> Self {
+        if place.is_empty() {
+            return self;
+        }
+        Self { message: format!("{place}: {}", self.message), ..self }
+    }
+
     /// For what is not allowed.
     pub fn value(message: impl Into<String>) -> Self {
         Self::new(Code::Value, message)
@@ -86,6 +96,35 @@ impl From<ExplorerError> for WebError {
             ExplorerError::Render(error) => error.into(),
             ExplorerError::Scene(error) => error.into(),
             other => Self::value(other.to_string()),
+        }
+    }
+}
+
+impl From<Failure> for WebError {
+    fn from(failure: Failure) -> Self {
+        // A line of the console has options, as a command line has them.
+        Self { code: Code::Value, message: failure.to_string() }
+    }
+}
+
+/// Of a line of the console.
+impl From<anyhow::Error> for WebError {
+    fn from(error: anyhow::Error) -> Self {
+        let error = match error.downcast::<ExplorerError>() {
+            Ok(error) => return error.into(),
+            Err(error) => error,
+        };
+        let error = match error.downcast::<RenderError>() {
+            Ok(error) => return error.into(),
+            Err(error) => error,
+        };
+        let error = match error.downcast::<SceneError>() {
+            Ok(error) => return error.into(),
+            Err(error) => error,
+        };
+        match error.downcast::<Self>() {
+            Ok(error) => error,
+            Err(error) => Self { code: Code::Value, message: format!("{error:#}") },
         }
     }
 }

@@ -61,3 +61,9 @@ export function isAborted(signal) {
 export function breathe() {
   return new Promise((resolve) => setTimeout(resolve, 0));
 }
+
+/** A file in memory.
+ * @param {string} path @param {Uint8Array} bytes a view of WASM's memory */
+export function fileOf(path, bytes) {
+  return new File([bytes.slice()], path.split("/").pop() ?? path);
+}

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use js_sys::{Array, Uint8Array};
+use lumivox_console::{LoadArgs, Opening, SceneSource};
 use lumivox_scene::{EnvironmentMap, LoadOptions, MemoryBudget, Scene, builtin};
 use wasm_bindgen::prelude::*;
 
@@ -33,6 +34,8 @@ extern "C" {
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
+    /// Its address, or the name of its file.
+    pub name: String,
     /// What is to be around it.
     pub panorama: Option<Arc<EnvironmentMap>>,
     /// Sentences on what was passed over.
@@ -78,9 +81,9 @@ pub async fn load(
         Source::Address(text) => {
             let scene = match text.strip_prefix(BUILTIN) {
                 Some(name) => builtin::scene(name)?,
-                None => fetch(&text, listener).await?,
+                None => fetch(&text, None, listener).await?,
             };
-            Loaded { scene, panorama: None, notes: Vec::new() }
+            Loaded { scene, name: text, panorama: None, notes: Vec::new() }
         }
     };
     if !panorama.is_undefined() && !panorama.is_null() {
@@ -91,6 +94,35 @@ pub async fn load(
     }
     listener.check().await?;
     Ok(loaded)
+}
+
+/// Loads and lights the scene that a line of the console asks for.
+///
+/// # Errors
+/// As [`load`].
+pub async fn load_as(opening: &Opening, listener: &Listener) -> Result<Scene, WebError> {
+    opening.load.check(&opening.source)?;
+    let mut scene = match &opening.source {
+        SceneSource::Builtin(name) => builtin::scene(name)?,
+        SceneSource::File(address) => {
+            fetch(&address.to_string_lossy(), Some(&opening.load), listener).await?
+        }
+    };
+    opening.load.turn(&mut scene);
+    let panorama = match opening.light.panorama().map(|file| file.to_string_lossy()) {
+        None => None,
+        Some(file) => Some(EnvironmentMap::from_memory(&file, &bytes_at(&file, listener).await?)?),
+    };
+    opening.light.light(&mut scene, panorama)?;
+    Ok(scene)
+}
+
+/// What is at an address.
+///
+/// # Errors
+/// When it is none, or nothing is there.
+pub async fn bytes_at(address: &str, listener: &Listener) -> Result<Vec<u8>, WebError> {
+    fetch_there(&address_of(address)?, listener).await
 }
 
 /// Loads a panorama.
@@ -121,7 +153,8 @@ pub async fn load_panorama(
 
 async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebError> {
     let files = read_files(list, listener).await?;
-    let scene = parse(&files, files.scene()?, listener)?;
+    let file = files.scene()?.to_owned();
+    let scene = parse(&files, &file, None, listener)?;
     // Of several none is chosen: which one is meant nobody knows, and the scene needs none.
     let (name, notes) = match files.panorama() {
         Ok(name) => (name, Vec::new()),
@@ -131,7 +164,7 @@ async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebErro
         EnvironmentMap::from_memory(name, files.get(name).unwrap_or_default()).map(Arc::new)
     };
     let panorama = name.map(read).transpose()?;
-    Ok(Loaded { scene, panorama, notes })
+    Ok(Loaded { scene, name: file, panorama, notes })
 }
 
 async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError> {
@@ -156,7 +189,11 @@ async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError
 }
 
 /// Fetches a scene, and what it names: loaders ask for files, and are asked again when these are there.
-async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
+async fn fetch(
+    address: &str,
+    asked: Option<&LoadArgs>,
+    listener: &Listener,
+) -> Result<Scene, WebError> {
     let address = address_of(address)?;
     let (name, url) = place_of(&address);
     let mut files = Files::default();
@@ -166,7 +203,8 @@ async fn fetch(address: &str, listener: &Listener) -> Result<Scene, WebError> {
         listener.check().await?;
         // What is missing in this round may be there in the next: only the last one's warnings are true.
         let nobody = tracing::subscriber::NoSubscriber::default();
-        let loaded = tracing::subscriber::with_default(nobody, || parse(&files, &name, listener));
+        let loaded =
+            tracing::subscriber::with_default(nobody, || parse(&files, &name, asked, listener));
         let mut has_more = false;
         for missing in files.take_missing() {
             if !tried.insert(missing.clone()) {
@@ -259,17 +297,26 @@ fn unreadable(what: &str, error: &JsValue, listener: &Listener) -> WebError {
 }
 
 /// Makes the scene of files that are all there, or tells which is missing.
-fn parse(files: &Files, name: &str, listener: &Listener) -> Result<Scene, WebError> {
+fn parse(
+    files: &Files,
+    name: &str,
+    asked: Option<&LoadArgs>,
+    listener: &Listener,
+) -> Result<Scene, WebError> {
     let mut tell = |step: lumivox_scene::LoadProgress| {
         listener.tell(step.stage, step.done as f64, step.total as f64);
     };
+    // Nobody who drops a file on a page can set options; its notes say what may be wrong.
+    let of_page =
+        || LoadOptions { ignore_required: true, budget: BUDGET, ..LoadOptions::default() };
     let mut options = LoadOptions {
         files: Some(files),
-        budget: BUDGET,
-        // Nobody who drops a file on a page can set options; its notes say what may be wrong.
-        ignore_required: true,
         progress: Some(&mut tell),
-        ..LoadOptions::default()
+        ..asked.map_or_else(of_page, LoadArgs::options)
+    };
+    options.budget = MemoryBudget {
+        texture_bytes: options.budget.texture_bytes.min(BUDGET.texture_bytes),
+        geometry_bytes: options.budget.geometry_bytes.min(BUDGET.geometry_bytes),
     };
     Ok(Scene::load_with(name, &mut options)?)
 }

@@ -14,10 +14,10 @@ impl Session {
     /// When the place is outside, or there is no scene.
     pub fn pick(&mut self, at: Vec2) -> Result<Option<Picked>, WebError> {
         check(at)?;
-        let scene = self.explorer.scene().ok_or_else(no_scene)?;
+        let scene = self.console.explorer.scene().ok_or_else(no_scene)?;
         let picker = self.picker.get_or_insert_with(|| Picker::new(scene));
-        let size = self.explorer.size();
-        let (eye, direction) = self.explorer.camera().ray(at * size.as_vec2(), size);
+        let size = self.console.explorer.size();
+        let (eye, direction) = self.console.explorer.camera().ray(at * size.as_vec2(), size);
         let Some(pick) = picker.pick(eye, direction) else { return Ok(None) };
         let Some(instance) = scene.instances.get(pick.instance) else { return Ok(None) };
         let mesh = scene.meshes.get(instance.mesh);
@@ -43,9 +43,9 @@ impl Session {
         if self.beside.is_some() {
             return Ok(None);
         }
-        let size = self.explorer.size();
+        let size = self.console.explorer.size();
         let pixel = (at * size.as_vec2()).as_uvec2().min(size.saturating_sub(UVec2::ONE));
-        Ok(self.explorer.probe(pixel).await?.map(LightHere::from))
+        Ok(self.console.explorer.probe(pixel).await?.map(LightHere::from))
     }
 
     /// How bright the picture's pixels were when it was exposed last.

@@ -3,9 +3,11 @@
 use std::cell::OnceCell;
 
 use glam::UVec2;
+use lumivox_console::values::camera::{CameraChoice, resolve_with};
+use lumivox_console::{Opening, Ready, SceneSource};
 use lumivox_explorer::{Opened, first_look};
 use lumivox_render::RenderSettings;
-use lumivox_scene::SightOptions;
+use lumivox_scene::{Scene, SightOptions};
 
 use crate::error::WebError;
 use crate::exposing::Exposing;
@@ -13,7 +15,7 @@ use crate::listener::Listener;
 use crate::load::Loaded;
 use crate::session::{Session, no_scene, tell_of};
 use crate::staged::Staged;
-use crate::types::{SceneInfo, SceneOptions, of_panorama};
+use crate::types::{Camera, SceneInfo, SceneOptions, of_panorama};
 
 /// The first picture of a scene has so many times fewer pixels along each edge.
 const COARSE_SIZE: u32 = 4;
@@ -29,56 +31,87 @@ impl Session {
         asked: SceneOptions,
         listener: &Listener,
     ) -> Result<SceneInfo, WebError> {
-        let Loaded { mut scene, panorama, notes } = loaded;
+        let Loaded { mut scene, name, panorama, notes } = loaded;
         if let Some(map) = panorama {
             scene.environment = of_panorama(map);
         }
+        let mut opening = Opening::plain(SceneSource::named(&name), self.aspect());
+        opening.light.surroundings = Some(asked.surroundings.into());
+        opening.camera = asked.from.map(|from| CameraChoice::Name(from.name().to_owned()));
+        self.show_as(scene, opening, notes, Some(asked.camera), listener).await?;
+        self.info().ok_or_else(no_scene)
+    }
+
+    /// Width by height of the picture.
+    pub(crate) fn aspect(&self) -> f32 {
+        let size = self.console.explorer.size();
+        size.x as f32 / size.y as f32
+    }
+
+    /// Shows a scene as it was asked for. With `place` the camera goes there, or to the scene's own; without, the console
+    /// decides.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub async fn show_as(
+        &mut self,
+        scene: Scene,
+        opening: Opening,
+        notes: Vec<String>,
+        place: Option<Option<Camera>>,
+        listener: &Listener,
+    ) -> Result<(), WebError> {
         let before = (scene.instances.len(), scene.lights.len());
-        let size = self.explorer.size();
-        let aspect = size.x as f32 / size.y as f32;
         let framing = OnceCell::new();
-        let camera = asked.standpoint(&scene, aspect, &framing)?;
-        let options = SightOptions { camera, aspect, staging: asked.surroundings.into() };
+        let camera = opening.camera.as_ref();
+        let camera =
+            camera.map(|_| resolve_with(camera, &scene, opening.aspect, &framing)).transpose()?;
+        let staging = opening.light.staging();
+        let options = SightOptions { camera, aspect: opening.aspect, staging };
         let mut tell = tell_of(listener);
         let opened = Opened::surveyed(scene, &options, &framing, &mut tell)?;
-        let place = asked.camera.map(|camera| camera.to_scene(opened.camera())).transpose()?;
+        let first = opened.camera().clone();
+        let place = match place {
+            None => None,
+            Some(None) => Some(first),
+            Some(Some(place)) => Some(place.to_scene(&first)?),
+        };
         listener.check().await?;
         self.staged = Staged::of(opened.scene(), before);
         self.notes.clone_from(&opened.scene().notes.warnings);
         self.notes.extend(notes);
         self.notes
             .extend(opened.notes().iter().map(|note| format!("{}: {}", note.about, note.text)));
-        self.explorer.open(opened);
+        self.console.open(Ready { opening, opened });
         if let Some(place) = place {
-            self.explorer.set_camera(place);
+            self.console.explorer.set_camera(place);
         }
         self.exposing = Exposing::default();
         self.picker = None;
         self.follow_light();
         self.change();
         self.preview(listener).await?;
-        self.update(listener).await?;
-        self.info().ok_or_else(no_scene)
+        self.update(listener).await
     }
 
     /// A first picture of few pixels and voxels, while what is asked for takes its time.
     async fn preview(&mut self, listener: &Listener) -> Result<(), WebError> {
-        let asked = RenderSettings { view: self.view, ..self.explorer.settings().clone() };
+        let asked = RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         let coarse = RenderSettings {
             size: (asked.size / COARSE_SIZE).max(UVec2::ONE),
             ..first_look(&asked)
         };
-        if !self.view.is_light() || self.explorer.set_settings(coarse).is_err() {
+        if !self.view.is_light() || self.console.explorer.set_settings(coarse).is_err() {
             return Ok(());
         }
         let shown = async {
             self.update(listener).await?;
             self.render_view(self.view).await?;
-            let Some(picture) = self.explorer.screen_texture() else { return Ok(()) };
-            self.presenter.show(self.explorer.gpu(), picture, None)
+            let Some(picture) = self.console.explorer.screen_texture() else { return Ok(()) };
+            self.presenter.show(self.console.explorer.gpu(), picture, None)
         };
         let shown = shown.await;
-        self.explorer.set_settings(asked)?;
+        self.console.explorer.set_settings(asked)?;
         self.exposing.start_again();
         shown
     }

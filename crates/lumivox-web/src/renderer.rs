@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use async_lock::{Mutex, MutexGuard};
 use glam::{UVec2, Vec2};
+use lumivox_console::{Effect, Queue, own_command, script};
 use lumivox_render::PresetChoice;
 use tsify::{Ts, Tsify};
 use wasm_bindgen::prelude::*;
 
 use crate::error::{Code, WebError};
 use crate::listener::Listener;
-use crate::load::{load, load_panorama};
+use crate::load::{load, load_as, load_panorama};
 use crate::present::Canvas;
 use crate::session::Session;
 use crate::settings::Settings;
@@ -28,8 +29,14 @@ const SETTINGS: &'static str = include_str!("settings.d.ts");
 const OTHERS: &'static str = r#"
 /** Hears how far something is. */
 export type OnProgress = (progress: Progress) => void;
+/** What came of lines of the console: what they print, the files that they write, and the scene that they opened last. */
+export interface Ran { text: string; files: File[]; opened?: string }
+/** What the last word of a line may become, and where it begins. */
+export interface Completion { start: number; candidates: string[] }
 /** What went wrong: `message` says what stands in the way and what would help, `code` tells errors apart. */
 export interface LumivoxError extends Error {
+  /** What the lines of a script had printed before. */
+  printed?: string;
   code: "no-webgpu" | "no-adapter" | "device" | "limit" | "scene" | "fetch" | "value";
 }
 "#;
@@ -38,6 +45,9 @@ export interface LumivoxError extends Error {
 extern "C" {
     #[wasm_bindgen(js_name = hasWebGpu)]
     fn has_web_gpu() -> bool;
+
+    #[wasm_bindgen(js_name = fileOf)]
+    fn file_of(name: &str, bytes: &[u8]) -> JsValue;
 }
 
 /// What happens once, when the module is loaded.
@@ -171,6 +181,46 @@ impl Renderer {
     pub async fn set_environment(&self, change: Ts<EnvironmentChange>) -> Result<(), JsValue> {
         let change = from_js(&change, "a change of surroundings")?;
         Ok(self.session().await.set_environment(&change)?)
+    }
+
+    /// Does what a line of the console says, or a script of several: see the list of commands. Scenes that it loads are
+    /// there when it ends; what it prints comes back, and the files that it writes, such as pictures. An error ends it, and
+    /// tells what the lines before have printed by its property `printed`.
+    #[wasm_bindgen(unchecked_return_type = "Ran")]
+    pub async fn run(
+        &self,
+        line: String,
+        #[wasm_bindgen(unchecked_optional_param_type = "OnProgress | null", js_name = onProgress)]
+        on_progress: Option<js_sys::Function>,
+        #[wasm_bindgen(unchecked_optional_param_type = "LoadingOptions | null")] options: JsValue,
+    ) -> Result<JsValue, JsValue> {
+        let listener = Listener::new(on_progress).with_signal(&options)?;
+        of_text_of::<Option<LoadingOptions>>(&options, "options of a line")?;
+        let mut printed = Vec::new();
+        let done = self.run_lines(&line, &mut printed, &listener).await;
+        let files = self.session().await.written.take();
+        let files: js_sys::Array = files.iter().map(|(name, bytes)| file_of(name, bytes)).collect();
+        let printed = printed.join("\n");
+        match done {
+            Ok(opened) => Ok(ran(&printed, &files, opened)),
+            Err(error) => {
+                let error = listener.exception(error);
+                // What is no object cannot have it.
+                let _ = js_sys::Reflect::set(&error, &"printed".into(), &printed.into());
+                Err(error)
+            }
+        }
+    }
+
+    /// What the last word of a line of the console may become.
+    #[wasm_bindgen(unchecked_return_type = "Completion")]
+    pub async fn complete(&self, line: String) -> Result<JsValue, JsValue> {
+        let (start, candidates) = self.session().await.complete(&line);
+        let candidates: js_sys::Array = candidates.iter().map(JsValue::from).collect();
+        let completion = js_sys::Object::new();
+        js_sys::Reflect::set(&completion, &"start".into(), &(start as f64).into())?;
+        js_sys::Reflect::set(&completion, &"candidates".into(), &candidates)?;
+        Ok(completion.into())
     }
 
     /// What is known of the scene; undefined before one was loaded.
@@ -391,9 +441,66 @@ impl Renderer {
 }
 
 impl Renderer {
+    /// Runs lines, and those that they bring; the scene that they opened last, if they opened one.
+    async fn run_lines(
+        &self,
+        lines: &str,
+        printed: &mut Vec<String>,
+        listener: &Listener,
+    ) -> Result<Option<String>, WebError> {
+        let mut queue = Queue::default();
+        if lines.trim().lines().count() > 1 {
+            queue.extend(script(lines, "script")?);
+        } else {
+            queue.add(lines, "");
+        }
+        let mut opened = None;
+        while let Some(line) = queue.take() {
+            listener.check().await?;
+            if own_command(&line.text).is_some() {
+                continue;
+            }
+            let reply = self.session().await.run_line(&line.text, listener).await;
+            let reply = reply.map_err(|error| error.at(&line.place))?;
+            if !reply.text.is_empty() {
+                printed.push(reply.text);
+            }
+            match reply.effect {
+                Effect::Nothing | Effect::Wait(_) => {}
+                Effect::Run(lines) => queue.interpose(lines)?,
+                Effect::Open(opening) => {
+                    let source = opening.source.to_string();
+                    let open = async {
+                        let scene = load_as(&opening, listener).await?;
+                        let mut session = self.session().await;
+                        session.show_as(scene, *opening, Vec::new(), None, listener).await
+                    };
+                    open.await.map_err(|error| error.at(&line.place))?;
+                    opened = Some(source);
+                }
+                Effect::Quit => {
+                    return Err(WebError::value("a page is ended by closing its tab"));
+                }
+            }
+        }
+        Ok(opened)
+    }
+
     async fn session(&self) -> MutexGuard<'_, Session> {
         self.session.lock().await
     }
+}
+
+/// What came of lines, for a page.
+fn ran(text: &str, files: &js_sys::Array, opened: Option<String>) -> JsValue {
+    let ran = js_sys::Object::new();
+    let parts: [(&str, JsValue); 3] =
+        [("text", text.into()), ("files", files.into()), ("opened", opened.into())];
+    for (name, value) in parts {
+        // A new object takes any property.
+        let _ = js_sys::Reflect::set(&ran, &name.into(), &value);
+    }
+    ran.into()
 }
 
 fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {

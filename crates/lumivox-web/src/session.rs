@@ -1,6 +1,7 @@
 //! What a page works on: a scene at work, the canvas that shows it, and what is shown beside it.
 
 use glam::UVec2;
+use lumivox_console::Console;
 use lumivox_explorer::Explorer;
 use lumivox_render::{
     ExposureWarning, Gpu, GpuOptions, Histogram, Metering, PresetChoice, RenderSettings, View,
@@ -9,6 +10,7 @@ use lumivox_scene::Picker;
 use web_time::Instant;
 
 use crate::beside::{Beside, Right};
+use crate::browser::{Browser, Written};
 use crate::error::{Code, WebError};
 use crate::exposing::Exposing;
 use crate::listener::Listener;
@@ -20,7 +22,10 @@ use crate::types::{Camera, FrameReport, MemoryInfo, SceneInfo, Split, StageMs};
 /// Everything behind one canvas.
 #[derive(Debug)]
 pub struct Session {
-    pub(crate) explorer: Explorer,
+    /// What a page's lines are done by, and in it the explorer.
+    pub(crate) console: Console,
+    /// Files that it has written.
+    pub(crate) written: Written,
     pub(crate) presenter: Presenter,
     pub(crate) exposing: Exposing,
     /// The view on the left; the explorer has that of the right while its turn lasts.
@@ -55,12 +60,15 @@ impl Session {
         let settings = RenderSettings { size, ..RenderSettings::default() };
         let view = settings.view;
         let explorer = Explorer::new(gpu, settings, PresetChoice::default());
+        let written = Written::default();
+        let console = Console::new(explorer, Box::new(Browser::new(written.clone())));
         let exposing = Exposing::default();
         let ticked = Instant::now();
         let (beside, notes, warning, frame_ms) = (None, Vec::new(), None, 0.0);
         let (staged, picker) = (Staged::default(), None);
         Ok(Self {
-            explorer,
+            console,
+            written,
             presenter,
             exposing,
             view,
@@ -78,7 +86,7 @@ impl Session {
 
     /// The device.
     pub fn gpu(&self) -> &Gpu {
-        self.explorer.gpu()
+        self.console.explorer.gpu()
     }
 
     /// Goes on with a new device, after this one was lost.
@@ -88,7 +96,7 @@ impl Session {
     pub async fn restore(&mut self, listener: &Listener) -> Result<(), WebError> {
         let gpu = Gpu::new(&GpuOptions::default()).await?;
         self.presenter = Presenter::new(&gpu, self.presenter.canvas().clone())?;
-        self.explorer.set_gpu(gpu);
+        self.console.explorer.set_gpu(gpu);
         self.start_again();
         // What is beside stands on the device that is gone.
         self.beside = self.beside.take().map(|beside| Beside::new(beside.right, beside.at));
@@ -97,21 +105,24 @@ impl Session {
 
     /// What is known of the scene; none before one was opened.
     pub fn info(&self) -> Option<SceneInfo> {
-        let scene = self.explorer.scene()?;
-        let objects = self.explorer.object_names();
-        let voxels = self.explorer.renderer().map(|renderer| renderer.voxel_stats().voxels);
-        let camera = self.explorer.original_camera()?;
+        let scene = self.console.explorer.scene()?;
+        let objects = self.console.explorer.object_names();
+        let voxels = self.console.explorer.renderer().map(|renderer| renderer.voxel_stats().voxels);
+        let camera = self.console.explorer.original_camera()?;
         Some(SceneInfo::new(scene, camera, &objects, voxels, self.notes.clone()))
     }
 
     /// All settings by name.
     pub fn settings(&self) -> Settings {
-        settings::all(&RenderSettings { view: self.view, ..self.explorer.settings().clone() })
+        settings::all(&RenderSettings {
+            view: self.view,
+            ..self.console.explorer.settings().clone()
+        })
     }
 
     /// The preset that they started from.
     pub fn preset(&self) -> PresetChoice {
-        self.explorer.preset()
+        self.console.explorer.preset()
     }
 
     /// Changes settings; those that are not named stay.
@@ -119,9 +130,10 @@ impl Session {
     /// # Errors
     /// When one is unknown, out of range or refused by the device; then nothing has changed.
     pub async fn set(&mut self, changes: &Settings, listener: &Listener) -> Result<(), WebError> {
-        let mut asked = RenderSettings { view: self.view, ..self.explorer.settings().clone() };
+        let mut asked =
+            RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         settings::change(&mut asked, changes)?;
-        self.take(asked, self.explorer.preset(), listener).await
+        self.take(asked, self.console.explorer.preset(), listener).await
     }
 
     /// Takes a preset; picture, view and resolution stay.
@@ -136,7 +148,7 @@ impl Session {
                 known.join(", ")
             )));
         };
-        let asked = RenderSettings { view: self.view, ..self.explorer.settings_of(preset) };
+        let asked = RenderSettings { view: self.view, ..self.console.explorer.settings_of(preset) };
         self.take(asked, preset, listener).await
     }
 
@@ -151,22 +163,26 @@ impl Session {
         // Where it is refused the view may be that of the right; its turn begins anew.
         self.start_again();
         self.show_view_of_left()?;
-        self.explorer.try_settings(asked, preset, &mut tell).await?;
-        self.explorer.note_change();
+        self.console.explorer.try_settings(asked, preset, &mut tell).await?;
+        self.console.explorer.note_change();
         self.view = view;
         Ok(())
     }
 
     /// The explorer has the view of the left, which is the one that was asked for.
     pub(crate) fn show_view_of_left(&mut self) -> Result<(), WebError> {
-        let settings = RenderSettings { view: self.view, ..self.explorer.settings().clone() };
-        Ok(self.explorer.set_settings(settings)?)
+        let settings =
+            RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
+        Ok(self.console.explorer.set_settings(settings)?)
     }
 
     /// Looks anew at what lights the scene.
     pub(crate) fn follow_light(&mut self) {
-        self.is_emission_alone =
-            self.explorer.scene().is_some_and(lumivox_scene::Scene::is_lit_by_emission_alone);
+        self.is_emission_alone = self
+            .console
+            .explorer
+            .scene()
+            .is_some_and(lumivox_scene::Scene::is_lit_by_emission_alone);
     }
 
     /// Gives canvas and picture another size, px.
@@ -174,16 +190,17 @@ impl Session {
     /// # Errors
     /// When it is nothing, or more than the device allows; then nothing has changed.
     pub async fn resize(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
-        let asked = RenderSettings { size, view: self.view, ..self.explorer.settings().clone() };
-        self.take(asked, self.explorer.preset(), listener).await?;
-        self.presenter.resize(self.explorer.gpu(), size);
+        let asked =
+            RenderSettings { size, view: self.view, ..self.console.explorer.settings().clone() };
+        self.take(asked, self.console.explorer.preset(), listener).await?;
+        self.presenter.resize(self.console.explorer.gpu(), size);
         self.forget_truth();
         Ok(())
     }
 
     /// Where the picture is taken from.
     pub fn camera(&self) -> Camera {
-        self.explorer.camera().into()
+        self.console.explorer.camera().into()
     }
 
     /// Moves the camera.
@@ -191,9 +208,9 @@ impl Session {
     /// # Errors
     /// When it looks nowhere.
     pub fn set_camera(&mut self, camera: &Camera) -> Result<(), WebError> {
-        let camera = camera.to_scene(self.explorer.camera())?;
-        if camera != *self.explorer.camera() {
-            self.explorer.set_camera(camera);
+        let camera = camera.to_scene(self.console.explorer.camera())?;
+        if camera != *self.console.explorer.camera() {
+            self.console.explorer.set_camera(camera);
             self.change();
         }
         Ok(())
@@ -206,18 +223,18 @@ impl Session {
     pub fn play(&mut self, animation: Option<usize>) -> Result<(), WebError> {
         self.ticked = Instant::now();
         let Some(number) = animation else {
-            self.explorer.play(false);
+            self.console.explorer.play(false);
             return Ok(());
         };
-        let count = self.explorer.scene().ok_or_else(no_scene)?.animations().len();
+        let count = self.console.explorer.scene().ok_or_else(no_scene)?.animations().len();
         if number >= count {
             return Err(out_of_range("animation", number, count));
         }
         let choice = lumivox_scene::AnimationChoice::One(number);
-        if self.explorer.playback().animation != Some(choice) {
-            self.explorer.set_animation(choice)?;
+        if self.console.explorer.playback().animation != Some(choice) {
+            self.console.explorer.set_animation(choice)?;
         }
-        self.explorer.play(true);
+        self.console.explorer.play(true);
         self.picker = None;
         self.change();
         Ok(())
@@ -231,7 +248,7 @@ impl Session {
         if !(time_s >= 0.0 && time_s.is_finite()) {
             return Err(WebError::value(format!("the time is {time_s} s, but must be at least 0")));
         }
-        self.explorer.seek(time_s)?;
+        self.console.explorer.seek(time_s)?;
         self.picker = None;
         self.change();
         Ok(())
@@ -249,7 +266,7 @@ impl Session {
         };
         let right = Right::named(split)?;
         if let Right::View(view) = right {
-            let asked = RenderSettings { view, ..self.explorer.settings().clone() };
+            let asked = RenderSettings { view, ..self.console.explorer.settings().clone() };
             asked.validate(&self.gpu().device.limits())?;
         }
         match &mut self.beside {
@@ -264,7 +281,7 @@ impl Session {
 
     /// Whether stages are timed; it takes some time itself.
     pub fn set_timed(&mut self, is_timed: bool) {
-        self.explorer.set_timed(is_timed);
+        self.console.explorer.set_timed(is_timed);
     }
 
     /// Something of the scene has changed, or where it is seen from.
@@ -290,7 +307,7 @@ impl Session {
 
     /// Brings everything up to date, so that errors come here and not with the next frame.
     pub(crate) async fn update(&mut self, listener: &Listener) -> Result<(), WebError> {
-        Ok(self.explorer.update(&mut tell_of(listener)).await?)
+        Ok(self.console.explorer.update(&mut tell_of(listener)).await?)
     }
 
     /// Renders one frame more and shows it.
@@ -299,9 +316,9 @@ impl Session {
     /// When something refuses what was asked for, or the device fails.
     pub async fn render(&mut self) -> Result<FrameReport, WebError> {
         let start = Instant::now();
-        if self.explorer.playback().is_playing {
+        if self.console.explorer.playback().is_playing {
             let seconds = self.ticked.elapsed().as_secs_f32();
-            self.explorer.tick(seconds)?;
+            self.console.explorer.tick(seconds)?;
             self.picker = None;
             self.change();
         }
@@ -317,23 +334,28 @@ impl Session {
             }
         };
         self.show()?;
-        let gpu = self.explorer.gpu().clone();
+        let gpu = self.console.explorer.gpu().clone();
         gpu.finished("showing a picture").await?;
         if !is_complete {
             self.frame_ms = start.elapsed().as_secs_f64() * 1000.0;
         }
         let stages = self.stages();
-        let renderer = self.explorer.renderer();
+        let renderer = self.console.explorer.renderer();
         Ok(FrameReport {
             frame: renderer.map_or(0, lumivox_render::Renderer::frame_count),
-            frames: self.explorer.settings().frames,
-            complete: is_complete && !self.explorer.playback().is_playing,
+            frames: self.console.explorer.settings().frames,
+            complete: is_complete && !self.console.explorer.playback().is_playing,
             frame_ms: self.frame_ms,
-            time_s: self.explorer.playback().animation.map(|_| self.explorer.playback().time_s),
+            time_s: self
+                .console
+                .explorer
+                .playback()
+                .animation
+                .map(|_| self.console.explorer.playback().time_s),
             stages,
             emission_alone: self.is_emission_alone,
-            undo: self.explorer.undoable().map(str::to_owned),
-            redo: self.explorer.redoable().map(str::to_owned),
+            undo: self.console.explorer.undoable().map(str::to_owned),
+            redo: self.console.explorer.redoable().map(str::to_owned),
             warning: self.warning.map(|warning| warning.to_string()),
             reference_samples: self.beside.as_ref().and_then(Beside::samples),
         })
@@ -341,26 +363,26 @@ impl Session {
 
     /// One frame more of a view, drawn for the screen; `false` where there was none to render.
     pub(crate) async fn render_view(&mut self, view: View) -> Result<bool, WebError> {
-        if self.explorer.settings().view != view {
-            let asked = RenderSettings { view, ..self.explorer.settings().clone() };
-            self.explorer.set_settings(asked)?;
+        if self.console.explorer.settings().view != view {
+            let asked = RenderSettings { view, ..self.console.explorer.settings().clone() };
+            self.console.explorer.set_settings(asked)?;
         }
-        let has_rendered = self.explorer.frame(&mut |_| {}).await?;
-        let Some(renderer) = self.explorer.renderer() else { return Ok(false) };
-        let (frame, frames) = (renderer.frame_count(), self.explorer.settings().frames);
+        let has_rendered = self.console.explorer.frame(&mut |_| {}).await?;
+        let Some(renderer) = self.console.explorer.renderer() else { return Ok(false) };
+        let (frame, frames) = (renderer.frame_count(), self.console.explorer.settings().frames);
         if self.exposing.is_due(frame, frame >= frames) {
-            let Metering { stops, warning, histogram } = self.explorer.meter().await?;
+            let Metering { stops, warning, histogram } = self.console.explorer.meter().await?;
             self.exposing.measured(stops);
             self.histogram = histogram;
             self.warning = warning;
         }
-        self.explorer.draw(self.exposing.stops()).await?;
+        self.console.explorer.draw(self.exposing.stops()).await?;
         Ok(has_rendered)
     }
 
     fn stages(&mut self) -> Vec<StageMs> {
         let mut stages: Vec<StageMs> = Vec::new();
-        for time in self.explorer.take_stage_times() {
+        for time in self.console.explorer.take_stage_times() {
             let ms = time.duration.as_secs_f64() * 1000.0;
             match stages.iter_mut().find(|stage| stage.name == time.stage) {
                 Some(stage) => stage.ms += ms,
@@ -372,16 +394,16 @@ impl Session {
 
     /// Puts what there is on the canvas.
     fn show(&self) -> Result<(), WebError> {
-        let Some(left) = self.explorer.screen_texture() else { return Ok(()) };
+        let Some(left) = self.console.explorer.screen_texture() else { return Ok(()) };
         let beside = self.beside.as_ref();
         let left = beside.and_then(Beside::left).unwrap_or(left);
         let right = beside.and_then(|beside| Some((beside.texture()?, beside.at)));
-        self.presenter.show(self.explorer.gpu(), left, right)
+        self.presenter.show(self.console.explorer.gpu(), left, right)
     }
 
     /// GPU memory by what it holds.
     pub fn memory(&self) -> Vec<MemoryInfo> {
-        let memory = self.explorer.renderer().map(lumivox_render::Renderer::memory);
+        let memory = self.console.explorer.renderer().map(lumivox_render::Renderer::memory);
         memory.iter().flatten().map(MemoryInfo::from).collect()
     }
 
@@ -390,7 +412,7 @@ impl Session {
     /// # Errors
     /// When there is nothing yet, or the device fails.
     pub async fn pixels(&mut self) -> Result<(UVec2, Vec<[u8; 4]>), WebError> {
-        let size = self.explorer.size();
+        let size = self.console.explorer.size();
         let mut pixels = match self.beside.as_ref().and_then(Beside::left_pixels) {
             Some(pixels) => pixels.to_vec(),
             None => self.screen().await?,
@@ -408,12 +430,12 @@ impl Session {
     /// The picture of the view that the explorer has, read back.
     pub(crate) async fn screen(&mut self) -> Result<Vec<[u8; 4]>, WebError> {
         let stops = self.exposing.stops();
-        self.explorer.screen(stops).await?.ok_or_else(no_scene)
+        self.console.explorer.screen(stops).await?.ok_or_else(no_scene)
     }
 
     /// The explorer, for what is beside.
     pub(crate) fn explorer(&self) -> &Explorer {
-        &self.explorer
+        &self.console.explorer
     }
 
     /// The view on the left.

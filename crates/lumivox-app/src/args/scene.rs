@@ -4,15 +4,12 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use glam::Vec3;
 use lumivox_console::{BUILTIN, Failure, LoadArgs, SceneSource};
 use lumivox_scene::{
     EXTENSIONS, LoadOptions, LoadProgress, Scene, SceneError, builtin, check_regular,
 };
 
 use crate::progress::Progress;
-
-const RADIANS_PER_DEGREE: f32 = std::f32::consts::PI / 180.0;
 
 /// The scene of a name on the command line; names of files are looked for in `scenes`, too.
 pub fn source(text: OsString) -> SceneSource {
@@ -81,30 +78,18 @@ pub fn check(source: &SceneSource) -> anyhow::Result<()> {
 /// As [`Scene::load_with`] and [`builtin::scene`], and when options for files are given with a
 /// built-in scene.
 pub fn load(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
-    let mut scene = read(source, args, progress)?;
-    if args.rotate != Vec3::ZERO {
-        scene.rotate(args.rotate * RADIANS_PER_DEGREE);
-    }
-    Ok(scene)
-}
-
-fn read(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
-    let file = match source {
-        SceneSource::Builtin(name) => {
-            if let Some(option) = args.option_of_files() {
-                return Err(Failure::input(format!(
-                    "{source}: {option} is for scenes from files; leave it out"
-                ))
-                .into());
-            }
-            return Ok(builtin::scene(name)?);
+    args.check(source)?;
+    let mut scene = match source {
+        SceneSource::Builtin(name) => builtin::scene(name)?,
+        SceneSource::File(file) => {
+            let mut tell =
+                |step: LoadProgress| progress.set_share(words(step.stage), step.done, step.total);
+            let mut options = LoadOptions { progress: Some(&mut tell), ..args.options() };
+            Scene::load_with(file, &mut options)?
         }
-        SceneSource::File(file) => file,
     };
-    let mut tell =
-        |step: LoadProgress| progress.set_share(words(step.stage), step.done, step.total);
-    let mut options = LoadOptions { progress: Some(&mut tell), ..args.options() };
-    Ok(Scene::load_with(file, &mut options)?)
+    args.turn(&mut scene);
+    Ok(scene)
 }
 
 /// What tells a file from an older one of the same name: its size in bytes, and when it was

@@ -1,14 +1,11 @@
 //! The light that the command line adds to a scene or puts in the place of the scene's.
 
 use std::cell::OnceCell;
-use std::sync::Arc;
 
-use glam::Vec3;
-use lumivox_console::{SUN_OF_SKY, SourceArgs};
-use lumivox_scene::sky::{SkySettings, sky};
+use lumivox_console::SourceArgs;
 use lumivox_scene::{
-    Camera, Environment, EnvironmentMap, Framing, Light, LightKind, Note, Scene, SceneError, Sight,
-    SightOptions, Staging, check_regular,
+    Camera, EnvironmentMap, Framing, LightKind, Note, Scene, SceneError, Sight, SightOptions,
+    Staging, check_regular,
 };
 use serde_json::{Value, json};
 

@@ -11,7 +11,7 @@ use crate::host::Host;
 /// Always; first, as with a window, when the scene cannot be found.
 pub fn run(args: &WindowArgs, _: &Host) -> anyhow::Result<()> {
     if let Some(source) = args.scene() {
-        source.check()?;
+        crate::args::scene::check(source)?;
     }
     Err(Failure::display(
         "this build of lumivox has no window: run `./lumivox view`, which builds it, or build it with `cargo build \

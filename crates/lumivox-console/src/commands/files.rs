@@ -5,7 +5,7 @@ use clap::Parser;
 use crate::command::Run::Now;
 use crate::command::{Command, Group, MANY, PLAIN, Takes};
 use crate::values::camera::{self, CameraChoice};
-use crate::{Console, Effect, Failure, LoadArgs, Opening, Reply, SourceArgs, shown};
+use crate::{Console, Effect, Failure, LoadArgs, Opening, Reply, SceneSource, SourceArgs, shown};
 
 const FILES: Command = Command { group: Group::Files, ..PLAIN };
 
@@ -96,6 +96,15 @@ struct LoadLine {
     /// Width by height of the picture that a camera and lamps are found for; the present one's by default.
     #[arg(long, value_parser = crate::values::number::number(1e-3..=1e3), allow_negative_numbers = true)]
     aspect: Option<f32>,
+}
+
+impl Opening {
+    /// Of a scene as it is, seen in a picture of this aspect.
+    pub fn plain(source: SceneSource, aspect: f32) -> Self {
+        let LoadLine { load, light, camera, .. } =
+            LoadLine::try_parse_from(["scene"]).expect("all options may be left out");
+        Self { source, load, light, camera, aspect }
+    }
 }
 
 fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {

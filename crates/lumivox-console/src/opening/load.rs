@@ -2,9 +2,12 @@
 
 use clap::Args;
 use glam::Vec3;
-use lumivox_scene::{LoadOptions, MemoryBudget, UpAxis};
+use lumivox_scene::{LoadOptions, MemoryBudget, Scene, UpAxis};
 
 use crate::values::{choices, load, number};
+use crate::{Failure, SceneSource};
+
+const RADIANS_PER_DEGREE: f32 = std::f32::consts::PI / 180.0;
 
 /// How a scene's file is read.
 #[derive(Args, Clone, Debug)]
@@ -95,8 +98,30 @@ impl LoadArgs {
         }
     }
 
+    /// Checks that the scene takes what is given.
+    ///
+    /// # Errors
+    /// When an option for files is given with a scene that is made in code.
+    pub fn check(&self, source: &SceneSource) -> Result<(), Failure> {
+        if let SceneSource::Builtin(_) = source
+            && let Some(option) = self.option_of_files()
+        {
+            return Err(Failure::input(format!(
+                "{source}: {option} is for scenes from files; leave it out"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Turns a scene as it is asked for.
+    pub fn turn(&self, scene: &mut Scene) {
+        if self.rotate != Vec3::ZERO {
+            scene.rotate(self.rotate * RADIANS_PER_DEGREE);
+        }
+    }
+
     /// An option that is given and has a meaning for files alone.
-    pub fn option_of_files(&self) -> Option<&'static str> {
+    fn option_of_files(&self) -> Option<&'static str> {
         let given = [
             (self.scene_in_file.is_some(), "--scene-in-file"),
             (self.allow_outside, "--allow-outside"),

@@ -7,16 +7,12 @@ mod material;
 mod parameter;
 mod photometry;
 
-use std::cell::OnceCell;
-
 use glam::Vec3;
 use lumivox_render::MemoryUse;
-use lumivox_scene::{Bounds, Framing, Scene, Staging};
+use lumivox_scene::{Bounds, Scene, Staging};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use tsify::Tsify;
-
-use crate::error::WebError;
 
 pub use camera::Camera;
 pub use environment::{EnvironmentChange, EnvironmentInfo, of_panorama};
@@ -260,30 +256,6 @@ pub struct Picked {
     pub bounds: Box3,
 }
 
-impl SceneOptions {
-    /// The camera that is asked for.
-    ///
-    /// # Errors
-    /// When there is no room for it.
-    pub fn standpoint(
-        &self,
-        scene: &Scene,
-        aspect: f32,
-        framing: &OnceCell<Framing>,
-    ) -> Result<Option<lumivox_scene::Camera>, WebError> {
-        let Some(from) = self.from else { return Ok(None) };
-        let framing = framing.get_or_init(|| Framing::of(scene));
-        let camera = match from {
-            Standpoint::Outside => Some(framing.outside(aspect)),
-            Standpoint::Inside => framing.inside(aspect),
-        };
-        let none = || {
-            WebError::value("the scene has no room inside for a camera; look at it from outside")
-        };
-        camera.ok_or_else(none).map(Some)
-    }
-}
-
 /// What is put around a scene: a studio, or the sun and the sky of a clear day, or nothing. `auto` lets lamps light
 /// closed rooms, sun and sky what lies in the open, and a studio everything else, where a scene's own light is not enough.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Tsify)]
@@ -319,6 +291,16 @@ pub enum Standpoint {
     Outside,
     /// From within.
     Inside,
+}
+
+impl Standpoint {
+    /// The name of the view.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Outside => "outside",
+            Self::Inside => "inside",
+        }
+    }
 }
 
 /// What GPU memory is used for.

@@ -2,8 +2,8 @@
 
 import init, {
     builtinScenes, createRenderer, parameters, presets,
-    type Camera, type EnvironmentInfo, type FrameReport, type Light, type LumivoxError, type Material,
-    type MaterialChange, type ParameterInfo, type Picked, type Progress, type Renderer, type SceneInfo, type Settings,
+    type Camera, type Completion, type EnvironmentInfo, type FrameReport, type Light, type LumivoxError, type Material,
+    type MaterialChange, type ParameterInfo, type Picked, type Progress, type Ran, type Renderer, type SceneInfo, type Settings,
     type Split,
 } from "lumivox";
 
@@ -49,6 +49,10 @@ await renderer.setHidden(0, true);
 await renderer.play(0);
 await renderer.play(null);
 await renderer.setTime(0.5);
+
+const ran: Ran = await renderer.run("load builtin:cornell; screenshot a.png", hear, { signal: abort.signal });
+const [printed, written]: [string, File[]] = [ran.text, ran.files];
+const { start, candidates }: Completion = await renderer.complete("reso");
 
 const settings: Settings = { resolution: 64, volume: "octree", exposure: "auto", view: "indirect", grid_offset: [0, 0.5, 0] };
 await renderer.set(settings, hear);
