@@ -203,3 +203,10 @@ fn what_a_script_brings_comes_first_and_goes_with_its_error() {
     });
     assert_eq!(depth.take_while(Result::is_ok).count(), 16);
 }
+
+#[test]
+fn a_plain_opening_is_a_line_without_options() {
+    let opening = Opening::plain(SceneSource::named("builtin:cornell"), 1.5);
+    assert_eq!(commands::files::line(&opening, Some(1.5)), "builtin:cornell");
+    assert_eq!(commands::files::line(&opening, Some(2.0)), "builtin:cornell --aspect 1.5");
+}

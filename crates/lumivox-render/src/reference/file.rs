@@ -232,7 +232,7 @@ mod tests {
     fn other_files_are_refused_by_name() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("picture.exr");
-        let picture = crate::Picture { size: UVec2::ONE, hdr: vec![[1.0; 4]], ldr: vec![[255; 4]] };
+        let picture = Picture { size: UVec2::ONE, hdr: vec![[1.0; 4]], ldr: vec![[255; 4]] };
         picture.write(&file).expect("written");
         let error = ReferenceLayers::read_exr(&file).expect_err("a picture, no reference");
         assert!(error.to_string().contains("picture.exr"), "{error}");
