@@ -1,6 +1,6 @@
 //! What a scene plays.
 
-use lumivox_scene::AnimationChoice;
+use lumivox_scene::{AnimationChoice, Instance, InstanceBounds};
 
 use crate::opened::Opened;
 use crate::{Explorer, ExplorerError};
@@ -70,12 +70,25 @@ impl Explorer {
         // The end itself is shown.
         let is_within = time_s <= duration_s || duration_s <= 0.0;
         let time_s = if is_within { time_s } else { time_s.rem_euclid(duration_s) };
+        let kind = |i: &Instance| (i.world_from_local, i.is_hidden, i.mesh);
+        let before: Vec<_> = opened.scene.instances.iter().map(kind).collect();
         opened.scene.pose(animation, time_s)?;
         opened.posed = opened.scene.instances.iter().map(|i| i.world_from_local).collect();
         opened.apply_edits();
         self.playback.time_s = time_s;
         self.playback.is_moved = true;
-        self.pending.objects = true;
+        if opened.scene.is_deformed() || before.len() != opened.scene.instances.len() {
+            self.boxes = InstanceBounds::of(&opened.scene);
+            self.pending.shapes = true;
+        } else {
+            let after = opened.scene.instances.iter().map(kind);
+            let moved = before.into_iter().zip(after).enumerate();
+            let moved: Vec<usize> =
+                moved.filter(|(_, (before, after))| before != after).map(|(i, _)| i).collect();
+            for object in moved {
+                self.note_moved(object);
+            }
+        }
         Ok(())
     }
 

@@ -279,8 +279,8 @@ impl Explorer {
                 };
                 if let Some(object) = opened.names.iter().position(|other| other == name) {
                     opened.apply_edit(object);
+                    self.note_moved(object);
                 }
-                self.pending.objects = true;
             }
             _ => {}
         }

@@ -64,7 +64,7 @@ use std::collections::BTreeMap;
 
 use glam::{UVec2, Vec3};
 use lumivox_render::{Gpu, PresetChoice, Progress, RenderSettings, Renderer};
-use lumivox_scene::{Bounds, Camera, Scene};
+use lumivox_scene::{Bounds, Camera, InstanceBounds, Scene};
 
 pub use animation::Playback;
 pub use error::ExplorerError;
@@ -127,6 +127,8 @@ pub struct Explorer {
     playback: Playback,
     renderer: Option<Renderer>,
     pending: Pending,
+    /// Around the objects as they stand.
+    boxes: InstanceBounds,
     history: History,
     times: FrameTimes,
     /// Seconds since voxels were last made anew for the time's sake.
@@ -154,6 +156,7 @@ impl Explorer {
             playback: Playback::default(),
             renderer: None,
             pending: Pending::default(),
+            boxes: InstanceBounds::default(),
             history: History::default(),
             times: FrameTimes::default(),
             since_voxels_s: 0.0,
@@ -173,6 +176,7 @@ impl Explorer {
             settings.grid_bounds = self.fitted;
             settings.show_other(last, &opened.scene);
         }
+        self.boxes = InstanceBounds::of(&opened.scene);
         self.opened = Some(opened);
         self.generation += 1;
         self.since_voxels_s = 0.0;
@@ -403,7 +407,8 @@ impl Explorer {
 
     /// The box around the scene as it stands.
     pub fn bounds(&self) -> Bounds {
-        self.scene().map_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, Scene::bounds)
+        let nothing = Bounds { min: Vec3::ZERO, max: Vec3::ZERO };
+        self.scene().map_or(nothing, |scene| self.boxes.all(scene))
     }
 }
 

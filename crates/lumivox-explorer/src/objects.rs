@@ -158,6 +158,14 @@ impl Explorer {
         edit.map_or((None, None), |edit| (edit.is_hidden, edit.is_static))
     }
 
+    /// An object may stand elsewhere now, or be hidden or shown.
+    pub(crate) fn note_moved(&mut self, object: usize) {
+        if let Some(opened) = &self.opened {
+            self.boxes.follow(&opened.scene, object);
+            self.pending.objects.insert(object);
+        }
+    }
+
     fn edit(&mut self, object: usize, change: impl FnOnce(&mut Edit)) {
         if let Some(name) = self.known_objects().get(object) {
             self.keep(Key::Object(name.clone()));
@@ -172,7 +180,7 @@ impl Explorer {
             edit.local.w_axis = last_row;
             edit.local = edit.local.transpose();
             opened.apply_edit(object);
-            self.pending.objects = true;
+            self.note_moved(object);
         }
     }
 }

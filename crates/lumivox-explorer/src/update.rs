@@ -1,5 +1,7 @@
 //! Bringing the renderer up to date with what is asked for.
 
+use std::collections::BTreeSet;
+
 use lumivox::GiError;
 use lumivox_render::{Progress, RenderError, Renderer};
 use lumivox_scene::Scene;
@@ -8,12 +10,14 @@ use crate::{Explorer, ExplorerError, Revoxelize};
 
 /// What of the scene the renderer has not seen yet.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that may have changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Pending {
     /// Lights or surroundings.
     pub(crate) lights: bool,
-    /// Places of objects, or which are there.
-    pub(crate) objects: bool,
+    /// Shapes of objects.
+    pub(crate) shapes: bool,
+    /// Objects whose places have changed, or whether they are there.
+    pub(crate) objects: BTreeSet<usize>,
     /// Materials.
     pub(crate) materials: bool,
     /// Voxels are to be made anew, whatever has changed.
@@ -58,7 +62,7 @@ impl Explorer {
         let Some(renderer) = &mut self.renderer else {
             // What is hidden or moved later must not change the grid: light would flicker.
             if scene.grid_bounds.is_none() && self.settings.grid_bounds.is_none() {
-                self.fitted = Some(scene.bounds());
+                self.fitted = Some(self.boxes.all(scene));
                 self.settings.grid_bounds = self.fitted;
             }
             let (camera, settings) = (Some(&self.camera), self.settings.clone());
@@ -141,10 +145,15 @@ async fn show(
     if pending.materials {
         return renderer.set_materials(scene, tell).await;
     }
-    if pending.objects && follows {
-        return renderer.set_scene(scene, tell).await;
+    let has_moved = pending.shapes || !pending.objects.is_empty();
+    if has_moved && follows {
+        if pending.shapes {
+            return renderer.set_scene(scene, tell).await;
+        }
+        let moved: Vec<usize> = pending.objects.into_iter().collect();
+        return renderer.move_instances(scene, &moved, tell).await;
     }
-    if pending.objects {
+    if has_moved {
         renderer.place(scene).await?;
     }
     if pending.lights {

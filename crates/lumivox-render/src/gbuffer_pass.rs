@@ -274,7 +274,8 @@ impl GBufferPass {
         pass.bind(0, &self.group);
         for (variant, pipeline) in pipelines {
             pass.set_pipeline(pipeline);
-            for (number, draw) in scene.draws.iter().enumerate() {
+            for records in &scene.runs {
+                let draw = scene.draw_of(records.start);
                 let material = &scene.materials[draw.material];
                 if Variant::of(scene, draw) != *variant || !is_wanted(material) {
                     continue;
@@ -284,7 +285,7 @@ impl GBufferPass {
                 pass.set_vertex_buffer(0, batch.positions.slice(..));
                 pass.set_vertex_buffer(1, batch.attributes.slice(..));
                 pass.set_vertex_buffer(2, batch.shading.slice(..));
-                raster::draw(pass, batch, draw, number as u32);
+                raster::draw(pass, batch, draw, records.clone());
             }
         }
     }

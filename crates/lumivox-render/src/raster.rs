@@ -1,5 +1,7 @@
 //! What the passes that rasterize share: vertex layouts, reversed depth, draws.
 
+use std::ops::Range;
+
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{Pipelines, RenderPass, ShaderError, TextureView};
 
@@ -89,13 +91,13 @@ pub(crate) fn depth_attachment(view: &TextureView) -> wgpu::RenderPassDepthStenc
     }
 }
 
-/// Draws a run of triangles; the shader finds its record by the instance's index, `number`.
+/// Draws a run of triangles, once for each of the records; the shader finds them by the instance's index.
 pub(crate) fn draw(
     pass: &mut RenderPass<'_>,
     batch: &VertexBuffers,
     draw: &SceneDraw,
-    number: u32,
+    records: Range<u32>,
 ) {
     pass.set_index_buffer(batch.indices.slice(..), wgpu::IndexFormat::Uint32);
-    pass.draw_indexed(draw.indices.clone(), draw.base_vertex, number..number + 1);
+    pass.draw_indexed(draw.indices.clone(), draw.base_vertex, records);
 }

@@ -10,11 +10,12 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse};
 use glam::camera::rh::view::look_to_mat4;
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec3, Vec4};
 use lumivox::gpu::pipelines::{DrawPipeline, Shader};
 use lumivox::gpu::{
     BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
@@ -212,18 +213,14 @@ impl ShadowMapPass {
             array_layer_count: Some(1),
             ..Default::default()
         });
-        let seen: Vec<_> = scene
-            .draws
-            .iter()
-            .enumerate()
-            .filter(|(_, draw)| may_be_seen(layer.clip_from_world, draw.bounds))
-            .collect();
+        let seen = runs_in_sight(scene, layer.clip_from_world);
         let depth = raster::depth_attachment(&target);
         recorder.render("shadow_maps", &[], Some(depth), |pass| {
             pass.bind(0, &group);
             for (variant, pipeline) in &self.pipelines {
                 pass.set_pipeline(pipeline);
-                for (number, draw) in &seen {
+                for records in &seen {
+                    let draw = scene.draw_of(records.start);
                     if Variant::of(scene, draw) != *variant {
                         continue;
                     }
@@ -233,11 +230,30 @@ impl ShadowMapPass {
                         pass.bind(1, &scene.materials[draw.material].group);
                         pass.set_vertex_buffer(1, batch.attributes.slice(..));
                     }
-                    raster::draw(pass, batch, draw, *number as u32);
+                    raster::draw(pass, batch, draw, records.clone());
                 }
             }
         });
     }
+}
+
+/// What may be seen in a projection of each run of draws: one range or several.
+fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
+    let sides = sides(clip_from_world);
+    let mut seen: Vec<Range<u32>> = Vec::new();
+    for run in &scene.runs {
+        for record in run.clone() {
+            if !may_be_seen(&sides, scene.draw_of(record).bounds) {
+                continue;
+            }
+            match seen.last_mut().filter(|last| last.end == record) {
+                // Not one of the run before, which other triangles belong to.
+                Some(last) if last.start >= run.start => last.end += 1,
+                _ => seen.push(record..record + 1),
+            }
+        }
+    }
+    seen
 }
 
 /// Gives each light its layers, in the order of the lights, as long as there is room.
@@ -341,15 +357,24 @@ fn border(resolution: u32) -> f32 {
     resolution / (resolution - 2.0 * BORDER_TEXELS)
 }
 
-/// Whether any part of a box may fall into a projection: not all of it lies beyond one side.
-fn may_be_seen(clip_from_world: Mat4, bounds: Bounds) -> bool {
-    let corners = corners(bounds).map(|corner| clip_from_world * corner.extend(1.0));
-    let beyond = |is_beyond: &dyn Fn(glam::Vec4) -> bool| corners.iter().all(|c| is_beyond(*c));
-    !(beyond(&|c| c.x > c.w)
-        || beyond(&|c| c.x < -c.w)
-        || beyond(&|c| c.y > c.w)
-        || beyond(&|c| c.y < -c.w)
-        || beyond(&|c| c.z > c.w))
+/// The sides of a projection, as planes that are negative beyond: left, right, bottom, top, near. There is no far one.
+fn sides(clip_from_world: Mat4) -> [Vec4; 5] {
+    let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_world.row(row));
+    [w - x, w + x, w - y, w + y, w - z]
+}
+
+/// Whether any part of a box may be within some sides: not all of it lies beyond one of them. What rounding may have
+/// moved there is within.
+fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
+    let (center, half) = (bounds.center(), 0.5 * bounds.size());
+    sides.iter().all(|side| {
+        let normal = side.truncate();
+        let reach = normal.abs().dot(half);
+        let size = normal.abs().dot(center.abs()) + side.w.abs() + reach;
+        let most = normal.dot(center) + side.w + reach;
+        // What overflows may be anywhere.
+        most.is_nan() || most >= -1e-5 * size
+    })
 }
 
 #[cfg(test)]
@@ -415,9 +440,10 @@ mod tests {
     fn boxes_out_of_sight_are_known() {
         let layer = perspective_layer(Vec3::ZERO, Vec3::NEG_Z, 0.7, 0.01, 256);
         let at = |center: Vec3| Bounds { min: center - 0.5, max: center + 0.5 };
-        assert!(may_be_seen(layer.clip_from_world, at(Vec3::new(0.0, 0.0, -5.0))));
-        assert!(may_be_seen(layer.clip_from_world, at(Vec3::ZERO)));
-        assert!(!may_be_seen(layer.clip_from_world, at(Vec3::new(0.0, 0.0, 5.0))));
-        assert!(!may_be_seen(layer.clip_from_world, at(Vec3::new(20.0, 0.0, -5.0))));
+        let sides = sides(layer.clip_from_world);
+        assert!(may_be_seen(&sides, at(Vec3::new(0.0, 0.0, -5.0))));
+        assert!(may_be_seen(&sides, at(Vec3::ZERO)));
+        assert!(!may_be_seen(&sides, at(Vec3::new(0.0, 0.0, 5.0))));
+        assert!(!may_be_seen(&sides, at(Vec3::new(20.0, 0.0, -5.0))));
     }
 }

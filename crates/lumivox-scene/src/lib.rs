@@ -45,8 +45,9 @@ pub use load::{
 };
 pub use model::{
     AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,
-    Instance, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler,
-    Scene, Shading, Sheen, Strengths, Texture, TextureRef, Transmission, Unlit, Wrap,
+    Instance, InstanceBounds, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness,
+    Phong, Sampler, Scene, Shading, Sheen, Strengths, Texture, TextureRef, Transmission, Unlit,
+    Wrap,
 };
 pub use pick::{Pick, Picker};
 pub use pose::{AnimationChoice, AnimationInfo, Rig};

@@ -5,7 +5,7 @@ use glam::{Affine2, Mat4, Vec3, Vec4};
 use crate::Gloss;
 
 /// A material, as far as diffuse light in voxels is concerned.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMaterial {
     /// The share of the light that enters which the surface reflects, 0 to 1, linear RGB; multiplies the
     /// texture and the vertices' colours. The voxels reflect it diffusely, so for a metal it is the specular
@@ -75,7 +75,7 @@ impl SurfaceTexture {
 }
 
 /// A run of triangles with one material and one transform.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draw {
     /// The first index in the batch's index buffer.
     pub first_index: u32,

@@ -100,7 +100,10 @@ struct LoadLine {
 
 impl Opening {
     /// Of a scene as it is, seen in a picture of this aspect.
-    #[allow(clippy::missing_panics_doc, reason = "the line is always the same, and a test reads it")]
+    #[allow(
+        clippy::missing_panics_doc,
+        reason = "the line is always the same, and a test reads it"
+    )]
     pub fn plain(source: SceneSource, aspect: f32) -> Self {
         let LoadLine { load, light, camera, .. } =
             LoadLine::try_parse_from(["scene"]).expect("all options may be left out");

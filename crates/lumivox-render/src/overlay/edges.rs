@@ -60,16 +60,16 @@ impl Edges {
             })
             .collect();
         pass.set_pipeline(&self.pipeline);
-        for (number, draw) in (0..).zip(&scene.draws) {
+        for draw in &scene.draws {
             // Vertices are numbered by 32 bits, which end at 238 million triangles.
             let edges = draw.indices.len().min((u32::MAX / EDGE_VERTICES) as usize) as u32;
             pass.bind(1, &groups[draw.batch]);
-            pass.draw(0..EDGE_VERTICES * edges, number..number + 1);
+            pass.draw(0..EDGE_VERTICES * edges, draw.record..draw.record + 1);
         }
     }
 }
 
-/// Where the triangles of a scene's draws are, in their order.
+/// Where the triangles of a scene's draws are, in the order of their records.
 pub(super) fn ranges(device: &wgpu::Device, scene: &GpuScene) -> Buffer {
     let range = |draw: &SceneDraw| EdgeRange {
         first_index: draw.indices.start,
@@ -77,6 +77,7 @@ pub(super) fn ranges(device: &wgpu::Device, scene: &GpuScene) -> Buffer {
         is_single_sided: u32::from(!scene.materials[draw.material].is_double_sided),
         padding: 0,
     };
-    let ranges: Vec<EdgeRange> = scene.draws.iter().map(range).collect();
+    let ranges: Vec<EdgeRange> =
+        (0..scene.draws.len() as u32).map(|record| range(scene.draw_of(record))).collect();
     upload(device, "edges", &ranges)
 }

@@ -135,6 +135,30 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         self.take_pose(scene)?;
+        self.show_pose(progress).await
+    }
+
+    /// As [`Self::set_scene`] for a scene in which the instances of these numbers have moved, and nothing else has changed:
+    /// what it costs goes with these, and not with the scene.
+    ///
+    /// # Errors
+    /// As [`Self::set_scene`].
+    pub async fn move_instances(
+        &mut self,
+        scene: &Scene,
+        moved: &[usize],
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(), RenderError> {
+        progress(Progress { stage: "upload", done: 0, total: 1 });
+        if self.scene.move_instances(&self.gpu, scene, moved) {
+            self.take_places(scene)?;
+        } else {
+            self.take_pose(scene)?;
+        }
+        self.show_pose(progress).await
+    }
+
+    async fn show_pose(&mut self, progress: &mut dyn FnMut(Progress)) -> Result<(), RenderError> {
         progress(Progress { stage: "upload", done: 1, total: 1 });
         compile(&self.gpu, progress).await?;
         self.voxelize(progress).await?;
@@ -309,8 +333,13 @@ impl Renderer {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene)?;
         self.vxct.set_pose();
-        self.scene_bounds = scene.voxel_bounds();
-        self.shown_bounds = scene.bounds();
+        self.take_places(scene)
+    }
+
+    /// Takes up where the scene's parts are now, and what shines.
+    fn take_places(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.shown_bounds = self.scene.bounds_of(scene);
+        self.scene_bounds = scene.grid_bounds.unwrap_or(self.shown_bounds);
         self.scene.bounds = self.grid_bounds.union(self.shown_bounds);
         self.take_lighting(scene)?;
         self.gpu.check("uploading the scene")

@@ -10,13 +10,14 @@ mod sheen;
 mod textures;
 mod units;
 
-use lumivox::gpu::Buffer;
+use std::collections::HashMap;
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
+use lumivox::gpu::Buffer;
 use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
-use lumivox_scene::{Bounds, Scene};
+use lumivox_scene::{Bounds, Instance, InstanceBounds, Scene};
 use wgpu::util::DeviceExt as _;
 
 pub(crate) use geometry::{AllAttributes, Attributes, Shading, VERTEX_BYTES};
@@ -57,7 +58,7 @@ pub(crate) struct VertexBuffers {
     pub(crate) indices: Buffer,
 }
 
-/// A run of triangles with one material and one transform; its number is its place in `draws`.
+/// A run of triangles with one material and one transform.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneDraw {
     pub(crate) batch: usize,
@@ -70,6 +71,42 @@ pub(crate) struct SceneDraw {
     pub(crate) is_voxelized: bool,
     /// Whether its transform turns the winding of triangles round.
     pub(crate) is_mirrored: bool,
+    /// The place of its transform in `draw_records`, and what shaders know it by.
+    pub(crate) record: u32,
+}
+
+/// Where the parts of an instance are.
+#[derive(Clone, Debug)]
+struct InstanceParts {
+    /// What it was uploaded as, but for its place.
+    kind: Option<InstanceKind>,
+    /// In `draws`.
+    draws: std::ops::Range<usize>,
+    /// In the batches of `geometry`: batch and place, for each of the draws if the voxels have it.
+    voxelized: Vec<(usize, usize)>,
+}
+
+/// What of an instance decides where its parts are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct InstanceKind {
+    mesh: usize,
+    material: usize,
+    is_voxelized: bool,
+    is_static: bool,
+    is_mirrored: bool,
+}
+
+impl InstanceKind {
+    /// Of an instance; none of a hidden one.
+    fn of(instance: &Instance) -> Option<Self> {
+        (!instance.is_hidden).then(|| Self {
+            mesh: instance.mesh,
+            material: instance.material,
+            is_voxelized: instance.is_voxelized,
+            is_static: instance.is_static,
+            is_mirrored: instance.world_from_local.determinant() < 0.0,
+        })
+    }
 }
 
 /// A scene, uploaded.
@@ -83,6 +120,12 @@ pub struct GpuScene {
     pub radiance_unit: f32,
     pub(crate) batches: Vec<VertexBuffers>,
     pub(crate) draws: Vec<SceneDraw>,
+    /// Draws that differ in their transforms alone, as runs of their records: each is one call.
+    pub(crate) runs: Vec<std::ops::Range<u32>>,
+    /// For each record, the place of its draw in `draws`.
+    pub(crate) order: Vec<u32>,
+    parts: Vec<InstanceParts>,
+    boxes: InstanceBounds,
     pub(crate) draw_records: Buffer,
     pub(crate) materials: Vec<GpuMaterial>,
     pub(crate) material_layout: wgpu::BindGroupLayout,
@@ -94,6 +137,10 @@ struct Placed {
     geometry: Vec<GeometryBatch>,
     batches: Vec<VertexBuffers>,
     draws: Vec<SceneDraw>,
+    runs: Vec<std::ops::Range<u32>>,
+    order: Vec<u32>,
+    parts: Vec<InstanceParts>,
+    boxes: InstanceBounds,
     draw_records: Buffer,
     memory: [MemoryUse; 2],
 }
@@ -125,16 +172,19 @@ impl GpuScene {
             .unzip();
         let texture_bytes = upload.texture_bytes();
 
-        let Placed { geometry, batches, draws, draw_records, memory } =
-            Placed::new(gpu, scene, &materials, Vec::new())?;
-        let [vertices, instances] = memory;
+        let placed = Placed::new(gpu, scene, &materials, Vec::new())?;
+        let [vertices, instances] = placed.memory;
         Ok(Self {
-            geometry: Geometry { batches: geometry, materials: surfaces },
-            bounds: scene.bounds(),
+            geometry: Geometry { batches: placed.geometry, materials: surfaces },
+            bounds: placed.boxes.all(scene),
             radiance_unit,
-            batches,
-            draws,
-            draw_records,
+            batches: placed.batches,
+            draws: placed.draws,
+            runs: placed.runs,
+            order: placed.order,
+            parts: placed.parts,
+            boxes: placed.boxes,
+            draw_records: placed.draw_records,
             materials,
             material_layout,
             memory: vec![vertices, MemoryUse::new("textures", texture_bytes), instances],
@@ -162,11 +212,45 @@ impl GpuScene {
         self.geometry.batches = placed.geometry;
         self.batches = placed.batches;
         self.draws = placed.draws;
+        (self.runs, self.order) = (placed.runs, placed.order);
+        (self.parts, self.boxes) = (placed.parts, placed.boxes);
         self.draw_records = placed.draw_records;
         let [vertices, instances] = placed.memory;
         self.memory[0] = vertices;
         self.memory[2] = instances;
         Ok(())
+    }
+
+    /// The box around the scene, as [`Scene::bounds`] has it; the scene is the one that was uploaded last.
+    pub(crate) fn bounds_of(&self, scene: &Scene) -> Bounds {
+        self.boxes.all(scene)
+    }
+
+    /// Moves instances to where a scene has them, which is the one that was uploaded but for their places; `false` where it
+    /// is not, and has to be uploaded again.
+    pub(crate) fn move_instances(&mut self, gpu: &Gpu, scene: &Scene, moved: &[usize]) -> bool {
+        let is_same = |&number: &usize| {
+            let (instance, parts) = (scene.instances.get(number), self.parts.get(number));
+            instance.zip(parts).is_some_and(|(i, parts)| InstanceKind::of(i) == parts.kind)
+        };
+        if scene.instances.len() != self.parts.len() || !moved.iter().all(is_same) {
+            return false;
+        }
+        for &number in moved {
+            let (parts, instance) = (&self.parts[number], &scene.instances[number]);
+            self.boxes.follow(scene, number);
+            let record = DrawRecord::new(instance.world_from_local);
+            for draw in &mut self.draws[parts.draws.clone()] {
+                draw.bounds = self.boxes.get(number);
+                let offset = u64::from(draw.record) * size_of::<DrawRecord>() as u64;
+                gpu.queue.write_buffer(&self.draw_records, offset, bytemuck::bytes_of(&record));
+            }
+            for &(batch, place) in &parts.voxelized {
+                self.geometry.batches[batch].draws[place].world_from_local =
+                    instance.world_from_local;
+            }
+        }
+        true
     }
 
     /// Takes other materials for the same instances, if they name the textures that they named; else says so, and has to
@@ -184,6 +268,11 @@ impl GpuScene {
                     let units = (self.radiance_unit, white);
                     gpu_material.set(&gpu.queue, scene, material, units, colors, surface)
                 })
+    }
+
+    /// The draw of a record.
+    pub(crate) fn draw_of(&self, record: u32) -> &SceneDraw {
+        &self.draws[self.order[record as usize] as usize]
     }
 
     /// Whether light that passes something may change its colour.
@@ -216,32 +305,32 @@ impl Placed {
         let batches: Vec<VertexBuffers> = packed.iter().zip(&prints).map(reuse).collect();
         let mut geometry: Vec<GeometryBatch> =
             batches.iter().map(VertexBuffers::for_voxels).collect();
-        let mut draws = Vec::new();
-        let mut records = Vec::new();
-        for instance in scene.shown() {
+        let boxes = InstanceBounds::of(scene);
+        let mut draws: Vec<SceneDraw> = Vec::new();
+        let mut parts = Vec::with_capacity(scene.instances.len());
+        for (number, instance) in scene.instances.iter().enumerate() {
+            let kind = InstanceKind::of(instance);
+            let first = draws.len();
+            let mut voxelized = Vec::new();
             let material = &materials[instance.material];
-            if material.presence == Presence::Absent {
-                continue;
-            }
-            let mesh = &scene.meshes[instance.mesh];
-            let bounds = Bounds::from_points(
-                mesh.positions.iter().map(|p| instance.world_from_local.transform_point3(*p)),
-            );
-            for piece in &pieces[instance.mesh] {
+            let is_drawn = kind.is_some() && material.presence != Presence::Absent;
+            for piece in pieces[instance.mesh].iter().filter(|_| is_drawn) {
                 draws.push(SceneDraw {
                     batch: piece.batch,
                     indices: piece.first_index..piece.first_index + piece.index_count,
                     base_vertex: piece.base_vertex as i32,
                     material: instance.material,
-                    bounds,
+                    bounds: boxes.get(number),
                     is_voxelized: instance.is_voxelized,
                     is_mirrored: instance.world_from_local.determinant() < 0.0,
+                    record: 0,
                 });
-                records.push(DrawRecord::new(instance.world_from_local));
                 if !instance.is_voxelized {
                     continue;
                 }
-                geometry[piece.batch].draws.push(Draw {
+                let of_batch = &mut geometry[piece.batch].draws;
+                voxelized.push((piece.batch, of_batch.len()));
+                of_batch.push(Draw {
                     first_index: piece.first_index,
                     index_count: piece.index_count,
                     base_vertex: piece.base_vertex,
@@ -249,6 +338,14 @@ impl Placed {
                     world_from_local: instance.world_from_local,
                     is_static: instance.is_static,
                 });
+            }
+            parts.push(InstanceParts { kind, draws: first..draws.len(), voxelized });
+        }
+        let (runs, order) = number_records(&mut draws);
+        let mut records = vec![DrawRecord::zeroed(); draws.len()];
+        for (instance, parts) in scene.instances.iter().zip(&parts) {
+            for draw in &draws[parts.draws.clone()] {
+                records[draw.record as usize] = DrawRecord::new(instance.world_from_local);
             }
         }
         let draw_bytes = records.len() as u64 * size_of::<DrawRecord>() as u64;
@@ -267,6 +364,10 @@ impl Placed {
             geometry,
             batches,
             draws,
+            runs,
+            order,
+            parts,
+            boxes,
             draw_records: lumivox::gpu::upload(&gpu.device, "draws", &records),
             memory: [
                 MemoryUse::new("vertices and indices", vertex_bytes),
@@ -274,6 +375,33 @@ impl Placed {
             ],
         })
     }
+}
+
+/// Gives draws their records, so that those stand together which differ in their transforms alone: runs of records, and for
+/// each record its draw.
+fn number_records(draws: &mut [SceneDraw]) -> (Vec<std::ops::Range<u32>>, Vec<u32>) {
+    let mut places = HashMap::new();
+    let mut members: Vec<Vec<u32>> = Vec::new();
+    for (number, draw) in (0..).zip(draws.iter()) {
+        let key = (draw.batch, draw.indices.start, draw.base_vertex, draw.material);
+        let key = (key, draw.is_mirrored, draw.indices.end);
+        let place = *places.entry(key).or_insert_with(|| {
+            members.push(Vec::new());
+            members.len() - 1
+        });
+        members[place].push(number);
+    }
+    let mut runs = Vec::with_capacity(members.len());
+    let mut order = Vec::with_capacity(draws.len());
+    for members in members {
+        let start = order.len() as u32;
+        for number in members {
+            draws[number as usize].record = order.len() as u32;
+            order.push(number);
+        }
+        runs.push(start..order.len() as u32);
+    }
+    (runs, order)
 }
 
 /// For each material, the colours of the vertices on which it is used.

@@ -203,8 +203,7 @@ impl Passes {
                 pass.set_pipeline(pipeline);
                 pass.bind(1, &scene.materials[draw.material].group);
                 pass.bind(2, &batches[draw.batch]);
-                let number = number as u32;
-                pass.draw(0..draw.indices.len() as u32, number..number + 1);
+                pass.draw(0..draw.indices.len() as u32, draw.record..draw.record + 1);
             }
         });
         let own = BindGroupBuilder::new(&self.finish_layout)

@@ -118,25 +118,21 @@ impl Records {
     /// The records of a scene's draws, and of its lights.
     pub(super) fn upload(&self, gpu: &Gpu, scene: &GpuScene) -> [Buffer; 2] {
         let mut first_triangle = 0;
-        let draws: Vec<VxctDraw> = scene
-            .draws
-            .iter()
-            .map(|draw| {
-                let record = VxctDraw {
-                    first_index: draw.indices.start,
-                    base_vertex: draw.base_vertex,
-                    first_triangle,
-                    attribute_words: match scene.batches[draw.batch].kind {
-                        Attributes::Texcoords => 2,
-                        Attributes::All => 6,
-                    },
-                    is_voxelized: u32::from(draw.is_voxelized),
-                    ..self.materials[draw.material]
-                };
-                first_triangle += draw.indices.len() as u32 / 3;
-                record
-            })
-            .collect();
+        let mut draws = vec![VxctDraw::zeroed(); scene.draws.len()];
+        for draw in &scene.draws {
+            draws[draw.record as usize] = VxctDraw {
+                first_index: draw.indices.start,
+                base_vertex: draw.base_vertex,
+                first_triangle,
+                attribute_words: match scene.batches[draw.batch].kind {
+                    Attributes::Texcoords => 2,
+                    Attributes::All => 6,
+                },
+                is_voxelized: u32::from(draw.is_voxelized),
+                ..self.materials[draw.material]
+            };
+            first_triangle += draw.indices.len() as u32 / 3;
+        }
         let of_scene = self.lighting.lights.iter().map(|light| self.of_light(light));
         let sky = self.needs_sky().then(|| self.of_sky(&self.lighting.environment));
         let lights: Vec<VxctLight> = of_scene.chain(sky).collect();

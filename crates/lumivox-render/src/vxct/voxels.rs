@@ -145,11 +145,10 @@ impl Voxels {
                 pass.set_pipeline(pipeline);
                 pass.bind(0, look);
                 pass.bind(3, &self.group);
-                for (number, draw) in scene.draws.iter().enumerate() {
+                for draw in &scene.draws {
                     pass.bind(1, &scene.materials[draw.material].group);
                     pass.bind(2, &batches[draw.batch]);
-                    let number = number as u32;
-                    pass.draw(0..draw.indices.len() as u32, number..number + 1);
+                    pass.draw(0..draw.indices.len() as u32, draw.record..draw.record + 1);
                 }
             });
         }

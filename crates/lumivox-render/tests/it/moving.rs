@@ -4,7 +4,7 @@
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox_render::{RenderError, RenderSettings};
-use lumivox_scene::{Camera, Scene};
+use lumivox_scene::{Camera, Instance, Scene};
 
 use crate::common::{builtin, gpu, picture, renderer};
 
@@ -55,6 +55,47 @@ fn a_pose_does_not_depend_on_the_one_before() {
         assert_eq!(travelling.memory(), fresh.memory());
         assert_eq!(seen == first, is_first, "the pose shows");
     }
+}
+
+/// Instances of one mesh are drawn in one call; those that move are found in it, and what is more than a move, too.
+#[test]
+fn moved_instances_give_the_picture_of_a_fresh_renderer() {
+    let gpu = gpu();
+    let mut rest = builtin("cornell");
+    let block = rest.instances[4].clone();
+    for number in 0..5 {
+        let place = Mat4::from_translation(Vec3::new(0.0, 0.25 * number as f32, 0.0));
+        let world_from_local = place * block.world_from_local * Mat4::from_scale(Vec3::splat(0.3));
+        rest.instances.push(Instance { world_from_local, is_static: false, ..block.clone() });
+    }
+    let settings = settings(&[&rest]);
+    let mut travelling = renderer(&gpu, &rest, settings.clone());
+    let first = picture(&mut travelling);
+    let last = rest.instances.len() - 1;
+    let mut scene = rest.clone();
+    let shift = |scene: &mut Scene, number: usize, by: Vec3| {
+        let place = &mut scene.instances[number].world_from_local;
+        *place = Mat4::from_translation(by) * *place;
+    };
+    let mut step = |scene: &Scene, moved: &[usize], what: &str| {
+        pollster::block_on(travelling.move_instances(scene, moved, &mut |_| {})).expect("it fits");
+        let seen = picture(&mut travelling);
+        let mut fresh = renderer(&gpu, scene, settings.clone());
+        assert!(seen == picture(&mut fresh), "{what}: it differs from a fresh renderer's");
+        assert_eq!(travelling.voxel_stats().voxels, fresh.voxel_stats().voxels, "{what}");
+        assert_eq!(travelling.memory(), fresh.memory(), "{what}");
+        assert!(seen != first, "{what}: it shows");
+    };
+    shift(&mut scene, last, Vec3::new(0.2, -0.3, 0.1));
+    step(&scene, &[last], "the last one");
+    shift(&mut scene, last - 2, Vec3::new(-0.3, 0.0, 0.2));
+    shift(&mut scene, 0, Vec3::X * 0.05);
+    step(&scene, &[0, last - 2], "one among others, and walls");
+    scene.instances[last - 1].is_hidden = true;
+    step(&scene, &[last - 1], "one that is hidden");
+    scene.instances[last - 1].is_hidden = false;
+    scene.instances[last - 3].world_from_local *= Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    step(&scene, &[last - 3, last - 1], "one that is mirrored, and one that is back");
 }
 
 /// What is marked as static is not voxelized again while it is what it was; the pictures are a fresh renderer's.

@@ -17,7 +17,7 @@ pub use material::{
     Transmission, Unlit,
 };
 pub use mesh::{Instance, Mesh};
-pub use scene::{LoadNotes, Scene};
+pub use scene::{InstanceBounds, LoadNotes, Scene};
 pub use texture::{Filter, Sampler, Texture, TextureRef, Wrap};
 
 pub(crate) use mesh::any_tangent;

@@ -52,6 +52,49 @@ pub struct LoadNotes {
     pub scenes: Vec<String>,
 }
 
+/// The boxes around a scene's instances. Whoever keeps them pays for what moves, and not for the whole scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InstanceBounds {
+    boxes: Vec<Bounds>,
+}
+
+impl InstanceBounds {
+    /// Of a scene as it stands, hidden instances included.
+    pub fn of(scene: &Scene) -> Self {
+        let boxes = scene.instances.iter().map(|instance| scene.bounds_of(instance));
+        Self { boxes: boxes.collect() }
+    }
+
+    /// Follows an instance that has moved, or whose mesh has changed.
+    pub fn follow(&mut self, scene: &Scene, instance: usize) {
+        if let (Some(place), Some(instance)) =
+            (self.boxes.get_mut(instance), scene.instances.get(instance))
+        {
+            *place = scene.bounds_of(instance);
+        }
+    }
+
+    /// The box around one of them; [`Bounds::EMPTY`] beyond the last.
+    pub fn get(&self, instance: usize) -> Bounds {
+        self.boxes.get(instance).copied().unwrap_or(Bounds::EMPTY)
+    }
+
+    /// The box around the scene, as [`Scene::bounds`] has it.
+    pub fn all(&self, scene: &Scene) -> Bounds {
+        let (mut subjects, mut shown) = (Bounds::EMPTY, Bounds::EMPTY);
+        for (instance, bounds) in scene.instances.iter().zip(&self.boxes) {
+            if instance.is_hidden {
+                continue;
+            }
+            shown = shown.union(*bounds);
+            if !instance.is_backdrop {
+                subjects = subjects.union(*bounds);
+            }
+        }
+        if subjects.is_empty() { shown } else { subjects }
+    }
+}
+
 impl Scene {
     /// The instances that are not hidden.
     pub fn shown(&self) -> impl Iterator<Item = &Instance> {
@@ -66,18 +109,16 @@ impl Scene {
     /// The smallest box around all instances that are neither hidden nor a backdrop, in world space;
     /// [`Bounds::EMPTY`] without triangles. Where there is nothing but a backdrop, that is what counts.
     pub fn bounds(&self) -> Bounds {
-        let bounds = self.bounds_of(self.subjects());
-        if bounds.is_empty() { self.bounds_of(self.shown()) } else { bounds }
+        InstanceBounds::of(self).all(self)
     }
 
-    fn bounds_of<'a>(&self, instances: impl Iterator<Item = &'a Instance>) -> Bounds {
+    /// The smallest box around the triangles of an instance, in world space.
+    fn bounds_of(&self, instance: &Instance) -> Bounds {
         let mut bounds = Bounds::EMPTY;
-        for instance in instances {
-            let Some(mesh) = self.meshes.get(instance.mesh) else { continue };
-            for &index in &mesh.indices {
-                if let Some(&position) = mesh.positions.get(index as usize) {
-                    bounds.include(instance.world_from_local.transform_point3(position));
-                }
+        let Some(mesh) = self.meshes.get(instance.mesh) else { return bounds };
+        for &index in &mesh.indices {
+            if let Some(&position) = mesh.positions.get(index as usize) {
+                bounds.include(instance.world_from_local.transform_point3(position));
             }
         }
         bounds

@@ -72,6 +72,11 @@ impl std::fmt::Debug for Rig {
 }
 
 impl Scene {
+    /// Whether poses change meshes, and not only places.
+    pub fn is_deformed(&self) -> bool {
+        self.rig.as_ref().is_some_and(|rig| !rig.parts.deformed.is_empty())
+    }
+
     /// The animations that [`Scene::pose`] can play, in the file's order; none without a rig.
     pub fn animations(&self) -> Vec<AnimationInfo> {
         let animations = self.rig.iter().flat_map(|rig| &rig.parts.animations);

@@ -3,6 +3,8 @@
 //! The draws of a batch are sorted into groups that share their textures, so that a group is one run of
 //! triangles and one dispatch; materials without textures are one group.
 
+use std::collections::BTreeSet;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Mat4, Vec3};
 
@@ -77,37 +79,84 @@ pub(crate) struct PreparedBatch {
 }
 
 /// The draws of one part of the surface, static or dynamic, checked and in order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PartInput<'a> {
     /// Batches that have triangles in this part.
     pub batches: Vec<(&'a GeometryBatch, PreparedBatch)>,
 }
 
-/// All that a part was made of but what stands in its buffers: equal keys give equal parts, if those are as
-/// they were.
-#[derive(Clone, Debug, PartialEq)]
+/// All that the static part was made of but what stands in its buffers: equal keys give equal parts, if those are as they
+/// were. It holds what the caller gave, and not what is made of it, so that what has not changed is only compared.
+#[derive(Clone, Debug)]
 pub(crate) struct PartKey {
     method: VoxelizeMethod,
     grid: Grid,
     batches: Vec<BatchKey>,
+    /// Those that the draws have, with their numbers.
+    materials: Vec<(u32, SurfaceMaterial)>,
+    emission_scale: f32,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 struct BatchKey {
     positions: wgpu::Buffer,
     attributes: Option<VertexAttributes>,
     indices: wgpu::Buffer,
-    /// The bytes of the records: transforms, materials' factors, places in the buffers.
-    draws: Vec<u8>,
-    groups: Vec<GroupKey>,
+    draws: Vec<Draw>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-struct GroupKey {
-    detail: Detail,
-    triangles: std::ops::Range<u32>,
-    draws: std::ops::Range<u32>,
-    textures: [Option<(wgpu::TextureView, wgpu::Sampler)>; 3],
+/// The static draws of a batch that have triangles.
+fn static_draws(batch: &GeometryBatch) -> impl Iterator<Item = &Draw> {
+    batch.draws.iter().filter(|draw| draw.is_static && draw.index_count > 0)
+}
+
+impl PartKey {
+    /// Of the static draws.
+    pub(crate) fn new(method: VoxelizeMethod, geometry: &Geometry, grid: &Grid) -> Self {
+        let key = |batch: &GeometryBatch| BatchKey {
+            positions: batch.positions.clone(),
+            attributes: batch.attributes.clone(),
+            indices: batch.indices.clone(),
+            draws: static_draws(batch).copied().collect(),
+        };
+        let mut batches: Vec<BatchKey> = geometry.batches.iter().map(key).collect();
+        batches.retain(|batch| !batch.draws.is_empty());
+        let used: BTreeSet<u32> =
+            batches.iter().flat_map(|batch| &batch.draws).map(|draw| draw.material).collect();
+        let materials = used
+            .into_iter()
+            .filter_map(|number| Some((number, geometry.materials.get(number as usize)?.clone())));
+        Self {
+            method,
+            grid: *grid,
+            batches,
+            materials: materials.collect(),
+            emission_scale: emission_scale(geometry),
+        }
+    }
+
+    /// Whether it is that of these static draws.
+    pub(crate) fn is_of(&self, method: VoxelizeMethod, geometry: &Geometry, grid: &Grid) -> bool {
+        let mut known = self.batches.iter();
+        let is_same_batch = |batch: &GeometryBatch| {
+            let mut draws = static_draws(batch).peekable();
+            draws.peek().is_none()
+                || known.next().is_some_and(|key| {
+                    key.positions == batch.positions
+                        && key.attributes == batch.attributes
+                        && key.indices == batch.indices
+                        && draws.eq(&key.draws)
+                })
+        };
+        self.method == method
+            && self.grid == *grid
+            && self.emission_scale.to_bits() == emission_scale(geometry).to_bits()
+            && geometry.batches.iter().all(is_same_batch)
+            && known.next().is_none()
+            && self.materials.iter().all(|(number, material)| {
+                geometry.materials.get(*number as usize) == Some(material)
+            })
+    }
 }
 
 impl<'a> PartInput<'a> {
@@ -138,30 +187,6 @@ impl<'a> PartInput<'a> {
     /// How many triangles there are.
     pub(crate) fn triangle_count(&self) -> u64 {
         self.batches.iter().map(|(_, prepared)| u64::from(prepared.triangle_count)).sum()
-    }
-
-    /// What the part is made of.
-    pub(crate) fn key(&self, method: VoxelizeMethod, geometry: &Geometry, grid: &Grid) -> PartKey {
-        let key = |(batch, prepared): &(&GeometryBatch, PreparedBatch)| BatchKey {
-            positions: batch.positions.clone(),
-            attributes: batch.attributes.clone(),
-            indices: batch.indices.clone(),
-            draws: bytemuck::cast_slice(&prepared.draws).to_vec(),
-            groups: prepared.groups.iter().map(|group| group.key(&geometry.materials)).collect(),
-        };
-        PartKey { method, grid: *grid, batches: self.batches.iter().map(key).collect() }
-    }
-}
-
-impl DrawGroup {
-    fn key(&self, materials: &[SurfaceMaterial]) -> GroupKey {
-        GroupKey {
-            detail: self.detail,
-            triangles: self.triangles.clone(),
-            draws: self.draws.clone(),
-            textures: textures(&materials[self.material as usize])
-                .map(|texture| texture.map(|t| (t.view.clone(), t.sampler.clone()))),
-        }
     }
 }
 

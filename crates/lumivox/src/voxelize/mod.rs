@@ -228,12 +228,16 @@ impl Voxelizer {
     ) -> Result<(VoxelList, VoxelizeStats, Vec<StageTime>), GiError> {
         input::check_materials(geometry)?;
         let limits = device.limits();
-        let fixed = PartInput::new(geometry, true, grid, &limits)?;
-        let moving = PartInput::new(geometry, false, grid, &limits)?;
-        let key = fixed.key(self.method, geometry, grid);
-        let earlier = kept.0.take().filter(|kept| !fixed.is_empty() && kept.key == key);
-        let earlier = earlier.map(|kept| kept.part);
+        let earlier = kept.0.take().filter(|kept| kept.key.is_of(self.method, geometry, grid));
+        let (key, earlier) = earlier.map(|kept| (kept.key, kept.part)).unzip();
         let is_reused = earlier.is_some();
+        // What is used again is not looked at.
+        let fixed = if is_reused {
+            PartInput::default()
+        } else {
+            PartInput::new(geometry, true, grid, &limits)?
+        };
+        let moving = PartInput::new(geometry, false, grid, &limits)?;
 
         let mut recorder = Recorder::with_timing(device, queue, timing);
         recorder.stage("voxelize");
@@ -251,12 +255,12 @@ impl Voxelizer {
         let fallbacks = Fallbacks::new(device, queue);
 
         // Which voxels are touched.
-        let mut mark = |input: &PartInput<'_>, is_known: bool| {
-            (!input.is_empty() && !is_known)
+        let mut mark = |input: &PartInput<'_>| {
+            (!input.is_empty())
                 .then(|| MarkedPart::new(&mut work, &fallbacks, input, geometry))
                 .transpose()
         };
-        let marked = [mark(&fixed, is_reused)?, mark(&moving, false)?];
+        let marked = [mark(&fixed)?, mark(&moving)?];
         let occupied = |part: usize| {
             let earlier = earlier.as_ref().filter(|_| part == 0).map(|part| &part.occupied);
             marked[part].as_ref().map(|marked| &marked.occupied).or(earlier)
@@ -308,7 +312,7 @@ impl Voxelizer {
         };
 
         let parts_now: Vec<&Part> = parts.iter().collect();
-        let walked = moving.triangle_count() + if is_reused { 0 } else { fixed.triangle_count() };
+        let walked = moving.triangle_count() + fixed.triangle_count();
         let mut stats = VoxelizeStats {
             walked,
             static_reused: is_reused,
@@ -317,8 +321,9 @@ impl Voxelizer {
             ..stats_of(geometry, &parts_now)
         };
         // A static part that stood alone has become the list.
-        if !fixed.is_empty() && (is_reused || !moving.is_empty()) {
+        if is_reused || !(fixed.is_empty() || moving.is_empty()) {
             let part = parts.swap_remove(0);
+            let key = key.unwrap_or_else(|| PartKey::new(self.method, geometry, grid));
             kept.0 = Some(Kept { key, part });
         }
         let Work { recorder, memory, .. } = work;
