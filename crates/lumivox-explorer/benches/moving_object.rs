@@ -11,7 +11,6 @@ use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings};
 use lumivox_scene::{
     Camera, Instance, Light, LightKind, Material, Mesh, Scene, SightOptions, Staging,
 };
-use rustix::time::{ClockId, clock_gettime};
 
 /// Objects along each edge of their square.
 const EDGE: usize = 100;
@@ -75,9 +74,18 @@ fn scene() -> Scene {
 }
 
 /// What this thread has computed so far.
+#[cfg(target_os = "linux")]
 fn cpu_time() -> Duration {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+/// Elsewhere the time that has passed, with what was waited for.
+#[cfg(not(target_os = "linux"))]
+fn cpu_time() -> Duration {
+    static START: std::sync::LazyLock<std::time::Instant> =
+        std::sync::LazyLock::new(std::time::Instant::now);
+    START.elapsed()
 }
 
 /// The median of what a step takes, ms.
@@ -90,7 +98,7 @@ fn median(mut step: impl FnMut() -> f64) -> f64 {
 fn measured(step: impl FnOnce()) -> f64 {
     let start = cpu_time();
     step();
-    (cpu_time() - start).as_secs_f64() * 1000.0
+    cpu_time().saturating_sub(start).as_secs_f64() * 1000.0
 }
 
 fn main() {
