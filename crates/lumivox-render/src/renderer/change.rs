@@ -32,26 +32,50 @@ struct Redo {
 }
 
 impl Redo {
-    /// `old` has a grid that equals that of `new` if `is_same_grid`.
+    /// `old` has a grid that equals that of `new` if `is_same_grid`. Each setting is named once, so that none can be
+    /// forgotten.
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
+        let RenderSettings {
+            // They are the grid.
+            resolution: _,
+            grid_offset: _,
+            grid_bounds: _,
+            directionality,
+            volume,
+            volume_memory,
+            voxelizer,
+            injection,
+            size,
+            trace,
+            shadows,
+            shadow_resolution,
+            bounces,
+            look,
+            view,
+            voxel_level,
+            frames,
+            // They are about the picture that is there, or about what is told of it.
+            overlay: _,
+            exposure: _,
+            tone_map: _,
+            timing: _,
+        } = old;
         let volume = !is_same_grid
-            || old.directionality != new.directionality
-            || old.volume != new.volume
-            || old.volume_memory != new.volume_memory
-            || old.voxelizer != new.voxelizer
-            || old.injection != new.injection;
-        let targets =
-            volume || old.size != new.size || old.trace.resolution != new.trace.resolution;
+            || *directionality != new.directionality
+            || *volume != new.volume
+            || *volume_memory != new.volume_memory
+            || *voxelizer != new.voxelizer
+            || *injection != new.injection;
+        let targets = volume || *size != new.size || trace.resolution != new.trace.resolution;
         let light = volume
-            || old.trace != new.trace
+            || *trace != new.trace
             || (old.shows_vxct() && !new.shows_vxct())
             || old.voxel_bounces() != new.voxel_bounces()
-            || old.shadows != new.shadows
-            || old.shadow_resolution != new.shadow_resolution;
-        let shown = (old.view, old.voxel_level, old.bounces, old.frames)
+            || *shadows != new.shadows
+            || *shadow_resolution != new.shadow_resolution;
+        let shown = (*view, *voxel_level, *bounces, *frames)
             != (new.view, new.voxel_level, new.bounces, new.frames);
-        let look = old.look != new.look;
-        Self { volume, targets, light, mean: targets || light || shown || look }
+        Self { volume, targets, light, mean: targets || light || shown || *look != new.look }
     }
 }
 
