@@ -62,7 +62,7 @@ pub use commands::program::read as script_of_bytes;
 pub use commands::surroundings::SUN as SUN_OF_SKY;
 pub use comparison::{Comparison, named_figures};
 pub use failure::{Blame, Failure};
-pub use line::{commands as begun, is_obeyed, quote, split};
+pub use line::{LineError, Word, Words, commands as begun, is_obeyed, quote, split};
 pub use lumivox_explorer::suggest;
 pub use names::{Names, is_scene};
 pub use opening::{BUILTIN, LoadArgs, Opening, Ready, SceneSource, SourceArgs};

@@ -2,7 +2,7 @@
 //!
 //! Names of files and of what is in them come from strangers, and terminals obey control characters: an escape sequence
 //! in the name of a material could recolour, overwrite or retitle what a user reads. So whatever is printed for people
-//! goes through [`text`], and what must stay on one line through [`line`]. Both replace control characters, and the marks
+//! goes through [`text`], and what must stay on one line through [`line()`]. Both replace control characters, and the marks
 //! that turn the direction of writing, by escapes in ASCII.
 
 use std::borrow::Cow;
