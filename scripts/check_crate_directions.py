@@ -65,6 +65,14 @@ MUST_NOT_USE = [
         "lumivox-scene); only tests may use it, under [dev-dependencies].",
     ),
     (
+        "lumivox-console",
+        {"winit", "egui", "pollster", "rayon"},
+        SHIPPED_KINDS,
+        "the console waits nowhere and knows no window and no disk, so that it works in browsers",
+        "Move the code that needs it up, into lumivox-app; what waits is an async fn that the "
+        "caller awaits. Only tests may use it, under [dev-dependencies].",
+    ),
+    (
         "lumivox-explorer",
         {"winit", "egui", "clap", "anyhow", "pollster", "rayon"},
         SHIPPED_KINDS,
