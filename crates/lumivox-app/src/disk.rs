@@ -1,4 +1,4 @@
-//! What the console reaches on the disk: files, and scenes by name in folders.
+//! The disk as the console reaches it: files, and scenes by name in folders.
 
 use std::collections::HashSet;
 use std::io::Write as _;

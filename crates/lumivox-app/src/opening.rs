@@ -12,13 +12,13 @@ use crate::cli::ExploreArgs;
 use crate::commands::light;
 use crate::progress::{Progress, words};
 
-/// Of the scene that the command line names, if it names one.
+/// The opening of the scene that the command line names, if it names one.
 pub fn of_args(args: &ExploreArgs) -> Option<Opening> {
     let source = args.scene.clone()?;
     Some(Opening { camera: args.picture.camera.clone(), ..of(args, source) })
 }
 
-/// Of another scene, read and lit as the command line asks for.
+/// The opening of another scene, read and lit as the command line asks for.
 pub fn of(args: &ExploreArgs, source: SceneSource) -> Opening {
     Opening {
         source,

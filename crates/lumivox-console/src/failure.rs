@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What is to blame.
+/// The kind of thing that is to blame for an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blame {
     /// Bad input.
@@ -19,7 +19,7 @@ pub enum Blame {
 /// right.
 #[derive(Debug)]
 pub struct Failure {
-    /// What is to blame.
+    /// The kind of error.
     pub blame: Blame,
     message: String,
 }

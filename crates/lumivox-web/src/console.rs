@@ -3,11 +3,14 @@
 use std::ops::ControlFlow;
 
 use lumivox_console::complete::complete;
-use lumivox_console::{Effect, Hear, Reply};
+use lumivox_console::{Effect, Hear, Queue, Reply, own_command, script};
 use lumivox_render::Progress;
+use wasm_bindgen::prelude::*;
 
 use crate::error::WebError;
 use crate::listener::Listener;
+use crate::load::load_as;
+use crate::renderer::Renderer;
 use crate::session::Session;
 
 /// Tells a page how far a command is, which may break it off.
@@ -54,4 +57,63 @@ impl Session {
         let before = line.get(..found.start).unwrap_or_default();
         (before.encode_utf16().count(), found.candidates)
     }
+}
+
+impl Renderer {
+    /// Runs lines, and those that they bring; the scene that they opened last, if they opened one.
+    pub(crate) async fn run_lines(
+        &self,
+        lines: &str,
+        printed: &mut Vec<String>,
+        listener: &Listener,
+    ) -> Result<Option<String>, WebError> {
+        let mut queue = Queue::default();
+        if lines.trim().lines().count() > 1 {
+            queue.extend(script(lines, "script")?);
+        } else {
+            queue.add(lines, "");
+        }
+        let mut opened = None;
+        while let Some(line) = queue.take() {
+            listener.check().await?;
+            if own_command(&line.text).is_some() {
+                continue;
+            }
+            let reply = self.session().await.run_line(&line.text, listener).await;
+            let reply = reply.map_err(|error| error.at(&line.place))?;
+            if !reply.text.is_empty() {
+                printed.push(reply.text);
+            }
+            match reply.effect {
+                Effect::Nothing | Effect::Wait(_) => {}
+                Effect::Run(lines) => queue.interpose(lines)?,
+                Effect::Open(opening) => {
+                    let source = opening.source.to_string();
+                    let open = async {
+                        let scene = load_as(&opening, listener).await?;
+                        let mut session = self.session().await;
+                        session.show_as(scene, *opening, Vec::new(), None, listener).await
+                    };
+                    open.await.map_err(|error| error.at(&line.place))?;
+                    opened = Some(source);
+                }
+                Effect::Quit => {
+                    return Err(WebError::value("a page is ended by closing its tab"));
+                }
+            }
+        }
+        Ok(opened)
+    }
+}
+
+/// The result of lines, for a page.
+pub(crate) fn ran(text: &str, files: &js_sys::Array, opened: Option<String>) -> JsValue {
+    let ran = js_sys::Object::new();
+    let parts: [(&str, JsValue); 3] =
+        [("text", text.into()), ("files", files.into()), ("opened", opened.into())];
+    for (name, value) in parts {
+        // A new object takes any property.
+        let _ = js_sys::Reflect::set(&ran, &name.into(), &value);
+    }
+    ran.into()
 }

@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use async_lock::{Mutex, MutexGuard};
 use glam::{UVec2, Vec2};
-use lumivox_console::{Effect, Queue, own_command, script};
 use lumivox_render::PresetChoice;
 use tsify::{Ts, Tsify};
 use wasm_bindgen::prelude::*;
 
+use crate::console::ran;
 use crate::error::{Code, WebError};
 use crate::listener::Listener;
-use crate::load::{load, load_as, load_panorama};
+use crate::load::{load, load_panorama};
 use crate::present::Canvas;
 use crate::session::Session;
 use crate::settings::Settings;
@@ -441,66 +441,10 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Runs lines, and those that they bring; the scene that they opened last, if they opened one.
-    async fn run_lines(
-        &self,
-        lines: &str,
-        printed: &mut Vec<String>,
-        listener: &Listener,
-    ) -> Result<Option<String>, WebError> {
-        let mut queue = Queue::default();
-        if lines.trim().lines().count() > 1 {
-            queue.extend(script(lines, "script")?);
-        } else {
-            queue.add(lines, "");
-        }
-        let mut opened = None;
-        while let Some(line) = queue.take() {
-            listener.check().await?;
-            if own_command(&line.text).is_some() {
-                continue;
-            }
-            let reply = self.session().await.run_line(&line.text, listener).await;
-            let reply = reply.map_err(|error| error.at(&line.place))?;
-            if !reply.text.is_empty() {
-                printed.push(reply.text);
-            }
-            match reply.effect {
-                Effect::Nothing | Effect::Wait(_) => {}
-                Effect::Run(lines) => queue.interpose(lines)?,
-                Effect::Open(opening) => {
-                    let source = opening.source.to_string();
-                    let open = async {
-                        let scene = load_as(&opening, listener).await?;
-                        let mut session = self.session().await;
-                        session.show_as(scene, *opening, Vec::new(), None, listener).await
-                    };
-                    open.await.map_err(|error| error.at(&line.place))?;
-                    opened = Some(source);
-                }
-                Effect::Quit => {
-                    return Err(WebError::value("a page is ended by closing its tab"));
-                }
-            }
-        }
-        Ok(opened)
-    }
-
-    async fn session(&self) -> MutexGuard<'_, Session> {
+    /// The session, once it is free.
+    pub(crate) async fn session(&self) -> MutexGuard<'_, Session> {
         self.session.lock().await
     }
-}
-
-/// What came of lines, for a page.
-fn ran(text: &str, files: &js_sys::Array, opened: Option<String>) -> JsValue {
-    let ran = js_sys::Object::new();
-    let parts: [(&str, JsValue); 3] =
-        [("text", text.into()), ("files", files.into()), ("opened", opened.into())];
-    for (name, value) in parts {
-        // A new object takes any property.
-        let _ = js_sys::Reflect::set(&ran, &name.into(), &value);
-    }
-    ran.into()
 }
 
 fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {

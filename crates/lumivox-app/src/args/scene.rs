@@ -92,7 +92,7 @@ pub fn load(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyho
     Ok(scene)
 }
 
-/// What tells a file from an older one of the same name: its size in bytes, and when it was
+/// The stamp that tells a file from an older one of the same name: its size in bytes, and when it was
 /// changed, in milliseconds since 1970.
 pub fn stamp_of(source: &SceneSource) -> Option<(u64, u64)> {
     let SceneSource::File(file) = source else { return None };

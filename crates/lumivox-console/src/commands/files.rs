@@ -99,7 +99,7 @@ struct LoadLine {
 }
 
 impl Opening {
-    /// Of a scene as it is, seen in a picture of this aspect.
+    /// The opening of a scene as it is, seen in a picture of this aspect.
     #[allow(
         clippy::missing_panics_doc,
         reason = "the line is always the same, and a test reads it"

@@ -1,4 +1,4 @@
-//! What shines, besides what the scene brings.
+//! Light that is added to what a scene brings.
 
 use std::path::Path;
 use std::sync::Arc;

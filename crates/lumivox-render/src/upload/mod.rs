@@ -1,5 +1,6 @@
 //! A scene on the GPU: buffers that rasterizer and voxelizer share, materials, lights.
 
+mod draws;
 mod geometry;
 mod lights;
 mod material_record;
@@ -10,16 +11,16 @@ mod sheen;
 mod textures;
 mod units;
 
-use std::collections::HashMap;
 use std::mem::offset_of;
 
-use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3};
+use bytemuck::Zeroable as _;
+use glam::Vec3;
 use lumivox::gpu::Buffer;
 use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
-use lumivox_scene::{Bounds, Instance, InstanceBounds, Scene};
+use lumivox_scene::{Bounds, InstanceBounds, Scene};
 use wgpu::util::DeviceExt as _;
 
+pub(crate) use draws::{DrawRecord, SceneDraw};
 pub(crate) use geometry::{AllAttributes, Attributes, Shading, VERTEX_BYTES};
 pub use lights::Lighting;
 #[cfg(test)]
@@ -35,16 +36,9 @@ pub(crate) use units::radiance_unit_within;
 
 use crate::memory::MemoryUse;
 use crate::{Gpu, RenderError};
+use draws::{InstanceKind, InstanceParts, number_records};
 use geometry::{BatchKind, BatchLimits, pack};
 use materials::{MaterialUpload, VertexColors};
-
-/// `DrawRecord` of `draws.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct DrawRecord {
-    pub(crate) world_from_local: Mat4,
-    pub(crate) normal_from_local: Mat4,
-}
 
 /// The vertex buffers of one batch.
 #[derive(Debug)]
@@ -56,57 +50,6 @@ pub(crate) struct VertexBuffers {
     pub(crate) attributes: Buffer,
     pub(crate) shading: Buffer,
     pub(crate) indices: Buffer,
-}
-
-/// A run of triangles with one material and one transform.
-#[derive(Clone, Debug)]
-pub(crate) struct SceneDraw {
-    pub(crate) batch: usize,
-    pub(crate) indices: std::ops::Range<u32>,
-    pub(crate) base_vertex: i32,
-    pub(crate) material: usize,
-    /// In the world.
-    pub(crate) bounds: Bounds,
-    /// Whether the voxels have it.
-    pub(crate) is_voxelized: bool,
-    /// Whether its transform turns the winding of triangles round.
-    pub(crate) is_mirrored: bool,
-    /// The place of its transform in `draw_records`, and what shaders know it by.
-    pub(crate) record: u32,
-}
-
-/// Where the parts of an instance are.
-#[derive(Clone, Debug)]
-struct InstanceParts {
-    /// What it was uploaded as, but for its place.
-    kind: Option<InstanceKind>,
-    /// In `draws`.
-    draws: std::ops::Range<usize>,
-    /// In the batches of `geometry`: batch and place, for each of the draws if the voxels have it.
-    voxelized: Vec<(usize, usize)>,
-}
-
-/// What of an instance decides where its parts are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct InstanceKind {
-    mesh: usize,
-    material: usize,
-    is_voxelized: bool,
-    is_static: bool,
-    is_mirrored: bool,
-}
-
-impl InstanceKind {
-    /// Of an instance; none of a hidden one.
-    fn of(instance: &Instance) -> Option<Self> {
-        (!instance.is_hidden).then(|| Self {
-            mesh: instance.mesh,
-            material: instance.material,
-            is_voxelized: instance.is_voxelized,
-            is_static: instance.is_static,
-            is_mirrored: instance.world_from_local.determinant() < 0.0,
-        })
-    }
 }
 
 /// A scene, uploaded.
@@ -377,33 +320,6 @@ impl Placed {
     }
 }
 
-/// Gives draws their records, so that those stand together which differ in their transforms alone: runs of records, and for
-/// each record its draw.
-fn number_records(draws: &mut [SceneDraw]) -> (Vec<std::ops::Range<u32>>, Vec<u32>) {
-    let mut places = HashMap::new();
-    let mut members: Vec<Vec<u32>> = Vec::new();
-    for (number, draw) in (0..).zip(draws.iter()) {
-        let key = (draw.batch, draw.indices.start, draw.base_vertex, draw.material);
-        let key = (key, draw.is_mirrored, draw.indices.end);
-        let place = *places.entry(key).or_insert_with(|| {
-            members.push(Vec::new());
-            members.len() - 1
-        });
-        members[place].push(number);
-    }
-    let mut runs = Vec::with_capacity(members.len());
-    let mut order = Vec::with_capacity(draws.len());
-    for members in members {
-        let start = order.len() as u32;
-        for number in members {
-            draws[number as usize].record = order.len() as u32;
-            order.push(number);
-        }
-        runs.push(start..order.len() as u32);
-    }
-    (runs, order)
-}
-
 /// For each material, the colours of the vertices on which it is used.
 pub(crate) fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
     let of_meshes: Vec<VertexColors> = scene
@@ -437,15 +353,6 @@ fn batch_kinds(scene: &Scene) -> Vec<BatchKind> {
         is_static,
     };
     scene.meshes.iter().zip(uses_second_set).zip(is_static).map(kind).collect()
-}
-
-impl DrawRecord {
-    fn new(world_from_local: Mat4) -> Self {
-        // With the determinant's sign: a mirror must not turn normals inwards.
-        let linear = glam::Mat3::from_mat4(world_from_local);
-        let normal_from_local = Mat4::from_mat3(linear.inverse().transpose());
-        Self { world_from_local, normal_from_local }
-    }
 }
 
 impl VertexBuffers {
