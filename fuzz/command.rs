@@ -7,7 +7,7 @@
 #[path = "../crates/lumivox-console/src/line.rs"]
 mod line;
 #[allow(dead_code)]
-#[path = "../crates/lumivox-render/src/parameters/value.rs"]
+#[path = "../crates/lumivox-render/src/settings/parameters/value.rs"]
 mod value;
 
 use value::{Kind, Value};

@@ -29,50 +29,55 @@ macro_rules! assert_layout {
 
 #[test]
 fn structs_lie_in_memory_alike() {
-    use crate::accumulate::AccumulateSettings;
-    use crate::composite::CompositeSettings;
-    use crate::gbuffer_pass::RasterView;
-    use crate::shadow_maps::ShadowView;
-    use crate::tone_map::ToneMapSettings;
-    use crate::upload::{DrawRecord, MaterialRecord, TexturePlace};
-    use crate::voxel_view::VoxelViewSettings;
+    use crate::passes::accumulate::AccumulateSettings;
+    use crate::passes::composite::CompositeSettings;
+    use crate::passes::gbuffer::RasterView;
+    use crate::passes::shadow_maps::ShadowView;
+    use crate::passes::voxel_view::VoxelViewSettings;
+    use crate::picture::tone_map::ToneMapSettings;
+    use crate::scene::{DrawRecord, MaterialRecord, TexturePlace};
     use crate::vxct::{VxctCone, VxctDraw, VxctLight, VxctUniform};
 
     let library = &libraries()[0];
     assert_layout!(
         library,
-        "render::accumulate",
+        "render::passes::accumulate",
         "AccumulateSettings",
         AccumulateSettings { frames }
     );
     assert_layout!(
         library,
-        "render::composite",
+        "render::passes::composite",
         "CompositeSettings",
         CompositeSettings { shown, has_cones, frames }
     );
     assert_layout!(
         library,
-        "render::gbuffer_pass",
+        "render::passes::gbuffer",
         "RasterView",
         RasterView { clip_from_world, position_in_world, frame, jitter }
     );
-    assert_layout!(library, "render::shadow_maps", "ShadowView", ShadowView { clip_from_world });
     assert_layout!(
         library,
-        "render::tone_map",
+        "render::passes::shadow_maps",
+        "ShadowView",
+        ShadowView { clip_from_world }
+    );
+    assert_layout!(
+        library,
+        "render::picture::tone_map",
         "ToneMapSettings",
         ToneMapSettings { encoding, curve, scale, offset }
     );
     assert_layout!(
         library,
-        "render::draws",
+        "render::scene::draws",
         "DrawRecord",
         DrawRecord { world_from_local, normal_from_local }
     );
     assert_layout!(
         library,
-        "render::material",
+        "render::scene::material",
         "Material",
         MaterialRecord {
             base_color,
@@ -96,13 +101,13 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "render::material",
+        "render::scene::material",
         "TexturePlace",
         TexturePlace { u_row, texcoord_set, v_row }
     );
     assert_layout!(
         library,
-        "render::voxel_view::view",
+        "render::passes::voxel_view::view",
         "VoxelViewSettings",
         VoxelViewSettings { level, pixel_slope }
     );
@@ -174,24 +179,24 @@ fn structs_lie_in_memory_alike() {
 
 #[test]
 fn the_overlays_structs_lie_in_memory_alike() {
-    use crate::overlay::{EdgeRange, LineRecord, SegmentView, WireSettings};
+    use crate::passes::overlay::{EdgeRange, LineRecord, SegmentView, WireSettings};
 
     let library = &libraries()[0];
     assert_layout!(
         library,
-        "render::overlay::edges",
+        "render::passes::overlay::edges",
         "EdgeRange",
         EdgeRange { first_index, base_vertex, is_single_sided }
     );
     assert_layout!(
         library,
-        "render::overlay::lines",
+        "render::passes::overlay::lines",
         "Line",
         LineRecord { from_in_world, is_tested, to_in_world, width, color }
     );
     assert_layout!(
         library,
-        "render::overlay::segment",
+        "render::passes::overlay::segment",
         "SegmentView",
         SegmentView {
             clip_from_world,
@@ -206,7 +211,7 @@ fn the_overlays_structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "render::overlay::voxels",
+        "render::passes::overlay::voxels",
         "WireSettings",
         WireSettings { color, background, level, is_hidden_by_surfaces }
     );
@@ -313,11 +318,10 @@ fn declared_entry_points(source: &str) -> usize {
 fn every_shader_is_valid() {
     for library in libraries() {
         let mut entry_points = 0;
-        for (path, source) in crate::shaders::own_modules() {
-            let path = format!("render::{path}");
-            let (module, _) = library.reflect(&path).unwrap_or_else(|error| panic!("{error}"));
-            // What linking drops, nothing validates.
-            let declared = declared_entry_points(source);
+        for path in library.paths().filter(|path| path.starts_with("render::")) {
+            let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
+            // Nothing validates what linking drops.
+            let declared = declared_entry_points(library.source(path).expect("it is listed"));
             assert_eq!(module.entry_points.len(), declared, "entry points of {path}");
             entry_points += declared;
         }

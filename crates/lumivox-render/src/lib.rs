@@ -14,45 +14,29 @@
 //! # }
 //! ```
 //!
-//! A frame is a row of passes, each in its own module with its shader beside it: the G-buffer
-//! ([`gbuffer_pass`]), direct light ([`direct`]) with shadow maps ([`shadow_maps`]), the cones of
-//! `lumivox`, and the [`composite`], which [`accumulate`] averages over frames and [`tone_map`] brings
-//! to a screen. The truth that all this is measured by is a path tracer ([`mod@reference`]), and [`compare`] tells how
-//! far a picture is from it.
+//! | room | holds |
+//! | --- | --- |
+//! | `settings/` | everything that can be set, in one table |
+//! | `scene/` | a scene on the GPU |
+//! | `passes/` | the passes of a frame, each with its shader beside it |
+//! | `picture/` | radiance on its way to a screen and to files |
+//! | `renderer/` | joins the passes, and redoes what a change makes necessary |
+//! | `reference/` | the truth that all this is measured by: a path tracer |
+//! | `compare/` | how far a picture is from it |
 
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
-pub mod accumulate;
 pub mod compare;
-pub mod composite;
-mod develop;
-pub mod direct;
 mod error;
-mod estimate;
-mod faults;
-pub mod gbuffer_pass;
 mod gpu;
-mod image;
-mod memory;
-mod overlay;
-pub mod parameters;
-mod preset;
-mod raster;
-mod readback;
+mod passes;
+mod picture;
 pub mod reference;
 mod renderer;
+mod scene;
 mod settings;
 pub mod shaders;
-pub mod shadow_maps;
-mod srgb;
-mod targets;
-mod textures;
-mod times;
-pub mod tone_map;
-mod upload;
-mod voxel_sets;
-pub mod voxel_view;
 mod vxct;
 
 // What tests inside share with those from outside names the crate as these do.
@@ -63,19 +47,21 @@ mod layouts;
 #[cfg(test)]
 mod testing;
 
-pub use error::RenderError;
-pub use estimate::MemoryEstimate;
-pub use gpu::{Gpu, GpuOptions, describe};
-pub use image::{ImageFormat, Picture};
-pub use memory::MemoryUse;
-pub use overlay::{Overlay, OverlayLine, Wireframe, Wires};
-pub use preset::{Companions, PresetChoice};
-pub use renderer::{Photometry, Progress, Renderer, global_illumination};
-pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
-pub use srgb::srgb_encode;
-pub use tone_map::{EV100_RANGE, ExposureWarning, Histogram, Metering};
-pub use upload::{GpuScene, Lighting, radiance_unit};
-pub use voxel_sets::{
+pub use compare::voxel_sets::{
     EXTRA_COLOR, MISSING_COLOR, SetDifference, Voxel, VoxelSet, voxel_set_picture,
 };
+pub use error::RenderError;
+pub use gpu::memory::MemoryUse;
+pub use gpu::{Gpu, GpuOptions, describe};
+pub use passes::gbuffer::clip_from_world;
+pub use passes::overlay::{Overlay, OverlayLine, Wireframe, Wires};
+pub use picture::srgb::srgb_encode;
+pub use picture::tone_map::{EV100_RANGE, ExposureWarning, Histogram, Metering};
+pub use picture::{ImageFormat, Picture};
+pub use renderer::estimate::MemoryEstimate;
+pub use renderer::{Photometry, Progress, Renderer, global_illumination};
+pub use scene::{GpuScene, Lighting, radiance_unit};
+pub use settings::parameters;
+pub use settings::preset::{Companions, PresetChoice};
+pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
 pub use vxct::{ConeShape, Look, VxctDisplay, VxctSettings, has_display_values, vxct_display};

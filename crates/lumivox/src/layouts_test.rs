@@ -157,7 +157,7 @@ fn every_shader_is_valid() {
         for path in library.paths() {
             let (module, _) = library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             // What linking drops, nothing validates.
-            let declared = declared_entry_points(library.source(path));
+            let declared = declared_entry_points(library.source(path).expect("it is listed"));
             assert_eq!(module.entry_points.len(), declared, "entry points of {path}");
             kernels += declared;
         }

@@ -25,6 +25,7 @@ mod leak;
 mod measure;
 mod picture;
 mod read;
+pub(crate) mod voxel_sets;
 
 pub use error::CompareError;
 pub use figures::{DARKEST_SHARE, ErrorFigures, relative_errors};

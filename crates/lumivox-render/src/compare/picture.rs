@@ -3,7 +3,7 @@
 use glam::{UVec2, Vec3};
 
 use super::CompareError;
-use crate::tone_map::{luminance, middle_grey_stops};
+use crate::picture::tone_map::{luminance, middle_grey_stops};
 use crate::{Picture, ToneMap};
 
 /// A picture of linear RGB with BT.709 primaries, row by row from the top.

@@ -10,7 +10,7 @@ use etagere::{AtlasAllocator, size2};
 use lumivox_scene::{Filter, Sampler, Scene, TextureRef, Wrap};
 
 use super::records::TileRecord;
-use crate::upload::{Alpha, Encoding, Level, mip_chain};
+use crate::scene::{Alpha, Encoding, Level, mip_chain};
 use crate::{Gpu, RenderError};
 
 /// `TILE_CLAMP` of the shaders, of the first axis; those of the second lie two bits higher.

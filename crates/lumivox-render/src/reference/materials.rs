@@ -6,9 +6,9 @@ use lumivox_scene::{AlphaMode, Material, Scene, Shading, TextureRef};
 use super::atlas::Atlas;
 use super::geometry::{Sides, Triangles};
 use super::records::{EmitterRecord, TileRecord, TracedMaterialRecord};
-use crate::srgb::srgb_decode;
-use crate::tone_map::luminance;
-use crate::upload::{
+use crate::picture::srgb::srgb_decode;
+use crate::picture::tone_map::luminance;
+use crate::scene::{
     Lighting, MaterialRecord, TEXTURE_COUNT, colors_of_materials, has_sheen, is_layered,
     material_record, material_textures, reference_white,
 };

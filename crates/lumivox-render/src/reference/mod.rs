@@ -35,10 +35,10 @@ mod upload;
 use std::ops::ControlFlow;
 
 use glam::UVec2;
-use lumivox::gpu::{Recorder, read_buffer};
+use lumivox::gpu::{Recorder, ShaderLibrary, read_buffer};
 use lumivox_scene::{Camera, Scene};
 
-pub(crate) use atlas::{TILE_CLAMP, TILE_COLOR, TILE_MIRROR, TILE_NEAREST, TILE_PRESENT};
+use atlas::{TILE_CLAMP, TILE_COLOR, TILE_MIRROR, TILE_NEAREST, TILE_PRESENT};
 pub use checkpoint::CheckpointError;
 use film::Film;
 #[cfg(test)]
@@ -59,6 +59,28 @@ use crate::{Gpu, RenderError};
 pub const BATCH: u32 = 16;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
+
+/// Adds the path tracer's shaders, with all [`Features`].
+pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+    library
+        .add("render::reference::intersect", include_str!("intersect.wgsl"))
+        .add("render::reference::panorama", include_str!("panorama.wgsl"))
+        .add("render::reference::path", include_str!("path.wgsl"))
+        .add("render::reference::random", include_str!("random.wgsl"))
+        .add("render::reference::scatter", include_str!("scatter.wgsl"))
+        .add("render::reference::sources", include_str!("sources.wgsl"))
+        .add("render::reference::surface", include_str!("surface.wgsl"))
+        .add("render::reference::texels", include_str!("texels.wgsl"))
+        .add("render::reference::transmittance", include_str!("transmittance.wgsl"))
+        .add("render::reference::world", include_str!("world.wgsl"))
+        .constant_u32("REFERENCE_BATCH", BATCH)
+        .constant_u32("TILE_CLAMP", TILE_CLAMP)
+        .constant_u32("TILE_MIRROR", TILE_MIRROR)
+        .constant_u32("TILE_NEAREST", TILE_NEAREST)
+        .constant_u32("TILE_COLOR", TILE_COLOR)
+        .constant_u32("TILE_PRESENT", TILE_PRESENT);
+    Features::ALL.set(library);
+}
 
 /// What is path-traced.
 #[derive(Clone, Debug, PartialEq)]

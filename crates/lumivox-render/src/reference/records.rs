@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::upload::{MaterialRecord, TEXTURE_COUNT};
+use crate::scene::{MaterialRecord, TEXTURE_COUNT};
 
 /// How many peaks of a panorama there may be.
 pub(crate) const MOST_PEAKS: usize = 4;

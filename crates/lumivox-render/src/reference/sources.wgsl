@@ -4,7 +4,7 @@
 
 import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
-import package::render::material::TEXTURE_EMISSION;
+import package::render::scene::material::TEXTURE_EMISSION;
 import package::render::reference::intersect::{Hit, Ray, AS_SEEN, BOTH_SIDES};
 import package::render::reference::panorama::{draw_surroundings, surroundings};
 import package::render::reference::random::{random, random_2};

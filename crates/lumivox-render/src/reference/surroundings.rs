@@ -7,7 +7,7 @@ use lumivox_scene::EnvironmentMap;
 
 use super::records::{MOST_PEAKS, PeakRecord};
 use crate::RenderError;
-use crate::tone_map::luminance;
+use crate::picture::tone_map::luminance;
 
 /// What surrounds a scene.
 #[derive(Clone, Debug)]

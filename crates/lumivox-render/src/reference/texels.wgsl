@@ -3,7 +3,7 @@
 // The finest level alone is read. Where the rasterizer averages a mip, the mean over the samples of a pixel does.
 
 import package::constants::{TILE_CLAMP, TILE_COLOR, TILE_MIRROR, TILE_NEAREST, TILE_PRESENT};
-import package::render::material::texcoord_at;
+import package::render::scene::material::texcoord_at;
 import package::render::reference::world::{atlas, materials, Tile};
 
 fn wrapped(at: i32, size: i32, bits: u32) -> i32 {

@@ -16,7 +16,7 @@ use super::geometry::{MOST_TRIANGLES, TriangleRecord, Triangles};
 use super::materials::Materials;
 use super::records::{MOST_PEAKS, PeakRecord, PixelRecord, WorldRecord};
 use super::surroundings::Surroundings;
-use crate::upload::{Lighting, SHEEN_EDGE, radiance_unit, sheen_table};
+use crate::scene::{Lighting, SHEEN_EDGE, radiance_unit, sheen_table};
 use crate::{Gpu, RenderError};
 
 /// Pixels that are traced at once, so that the GPU answers in between.
@@ -146,10 +146,9 @@ impl Uploaded {
             has_panorama: lighting.environment.map.is_some(),
             has_peaks: !surroundings.peaks.is_empty(),
         });
-        let mut shaders = crate::shaders::library(&library_with_volume(
-            VolumeKind::default(),
-            Directionality::default(),
-        ));
+        let mut shaders = library_with_volume(VolumeKind::default(), Directionality::default());
+        crate::scene::add_shaders(&mut shaders);
+        super::add_shaders(&mut shaders);
         features.set(&mut shaders);
         let kernel =
             Kernel::new(&gpu.pipelines, &shaders, "render::reference::path", "main", &[&layout])?;

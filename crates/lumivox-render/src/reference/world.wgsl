@@ -4,7 +4,7 @@
 // multiples of the renderer's unit of radiance.
 
 import package::light::lights::Light;
-import package::render::material::Material;
+import package::render::scene::material::Material;
 
 // A box of the hierarchy. The children of an inner box stand side by side.
 struct Node {

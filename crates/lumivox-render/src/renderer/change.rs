@@ -14,7 +14,7 @@ use super::prepare::{
     bind_lights, compile, environment_map, global_illumination, upload, voxelize,
 };
 use super::{Progress, Renderer, validate, validate_level};
-use crate::upload::{Lighting, radiance_unit_within};
+use crate::scene::{Lighting, radiance_unit_within};
 use crate::{Exposure, Look, RenderError, RenderSettings, View};
 
 /// What a change of settings asks for, the more costly things first.

@@ -6,9 +6,9 @@ use lumivox::gpu::Recorder;
 
 use super::Renderer;
 use crate::RenderError;
-use crate::gbuffer_pass;
-use crate::overlay::{Overlay, OverlayPass, OverlayView, Shown};
-use crate::tone_map::Encoding;
+use crate::passes::gbuffer;
+use crate::passes::overlay::{Overlay, OverlayPass, OverlayView, Shown};
+use crate::picture::tone_map::Encoding;
 
 impl Renderer {
     /// Changes what is drawn over the picture. The picture's frames stay; the overlay's start anew and come with
@@ -43,8 +43,8 @@ impl Renderer {
         }
         let frame = self.overlay_frame_count();
         let size = self.settings.size;
-        let jitter = gbuffer_pass::jitter(frame, self.settings.frames);
-        let clip_from_world = gbuffer_pass::clip_from_world(&self.camera, size, jitter);
+        let jitter = gbuffer::jitter(frame, self.settings.frames);
+        let clip_from_world = gbuffer::clip_from_world(&self.camera, size, jitter);
         let view = View { clip_from_world, position: self.camera.position, size, frame };
         self.targets.gbuffer.set_view(&self.gpu.queue, view);
         let timing = self.settings.timing;
@@ -86,7 +86,7 @@ impl Renderer {
         }
         // Views of voxels have no G-buffer of their own.
         if self.settings.view.is_of_voxels() && self.settings.overlay.needs_depth() {
-            let jitter = gbuffer_pass::jitter(view.frame, self.settings.frames);
+            let jitter = gbuffer::jitter(view.frame, self.settings.frames);
             self.record_surfaces(recorder, (view, jitter));
         }
         self.draw_overlay(recorder, view)
@@ -115,11 +115,11 @@ impl Renderer {
 
     fn draw_overlay(&mut self, recorder: &mut Recorder, view: &View) -> Result<(), RenderError> {
         let shown = self.shown();
-        let Self { gpu, gi, scene, settings, targets, .. } = self;
+        let Self { gpu, gi, scene, settings, passes, targets, .. } = self;
         let pass = match &mut targets.overlay {
             Some(pass) => pass,
             slot => {
-                let pass = OverlayPass::new(&gpu.pipelines, gi, settings.size)?;
+                let pass = OverlayPass::new(&gpu.pipelines, &passes.shaders, settings.size)?;
                 targets.bytes += pass.bytes;
                 slot.insert(pass)
             }

@@ -3,12 +3,12 @@
 use lumivox::Gi;
 use lumivox::gpu::ShaderLibrary;
 
-use crate::composite::CompositePass;
-use crate::direct::DirectPass;
-use crate::gbuffer_pass::GBufferPass;
-use crate::shadow_maps::ShadowMapPass;
-use crate::targets::Targets;
-use crate::upload::GpuScene;
+use crate::passes::composite::CompositePass;
+use crate::passes::direct::DirectPass;
+use crate::passes::gbuffer::GBufferPass;
+use crate::passes::shadow_maps::ShadowMapPass;
+use crate::passes::targets::Targets;
+use crate::scene::GpuScene;
 use crate::{Gpu, RenderError, RenderSettings, ShadowMethod};
 
 /// All passes that have no size.

@@ -3,8 +3,8 @@
 use glam::UVec2;
 
 use super::Renderer;
-use crate::readback::read_texel;
-use crate::tone_map::luminance;
+use crate::gpu::readback::read_texel;
+use crate::picture::tone_map::luminance;
 use crate::{Look, RenderError, View};
 
 /// The light of a pixel, as meters measure it: the mean over the frames so far.

@@ -9,9 +9,9 @@ use lumivox::{
 use lumivox_scene::{Bounds, Scene};
 
 use super::Progress;
-use crate::estimate::MemoryEstimate;
-use crate::shadow_maps::ShadowMapPass;
-use crate::upload::{GpuScene, Lighting, corners};
+use crate::passes::shadow_maps::ShadowMapPass;
+use crate::renderer::estimate::MemoryEstimate;
+use crate::scene::{GpuScene, Lighting, corners};
 use crate::{Gpu, RenderError, RenderSettings};
 
 /// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.

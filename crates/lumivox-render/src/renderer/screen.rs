@@ -3,9 +3,9 @@
 use lumivox::gpu::{Recorder, Texture};
 
 use super::Renderer;
-use crate::readback::read_texture;
-use crate::tone_map::Encoding;
-use crate::upload::corners;
+use crate::gpu::readback::read_texture;
+use crate::picture::tone_map::Encoding;
+use crate::scene::corners;
 use crate::{COST_SCALE_SAMPLES, Metering, Picture, RenderError, ToneMap, View};
 
 impl Renderer {

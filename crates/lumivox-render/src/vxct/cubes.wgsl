@@ -1,8 +1,8 @@
 // The voxels of one level as cubes in their colours, solid or as wires, or by whether light reached them.
 
 import package::constants::{VIEW_LIT, VIEW_WIRE_VOXELS};
-import package::render::voxel_view::cell_walk::{longest_walk, next_axis, walk_into, walked_on};
-import package::render::voxel_view::view::distance_to_edge;
+import package::render::passes::voxel_view::cell_walk::{longest_walk, next_axis, walk_into, walked_on};
+import package::render::passes::voxel_view::view::distance_to_edge;
 import package::render::vxct::finish::background;
 import package::render::vxct::uniform::{in_cube, settings};
 import package::trace::gbuffer::{ray_direction, view};

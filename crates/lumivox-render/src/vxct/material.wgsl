@@ -1,8 +1,8 @@
 // What a surface is in the look: the strengths that its scene gave it, or what comes nearest to its material.
 
 import package::constants::{VXCT_OF_EMITTER, VXCT_OF_STRENGTHS};
-import package::render::material::material;
-import package::render::point::PointSamples;
+import package::render::scene::material::material;
+import package::render::scene::point::PointSamples;
 import package::render::vxct::uniform::settings;
 import package::trace::brdf::alpha_from_roughness;
 

@@ -14,13 +14,13 @@ mod voxels;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
-use lumivox::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder};
+use lumivox::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, ShaderLibrary};
 use lumivox::{GBuffer, Gi, Lights};
 use lumivox_scene::{Bounds, Scene};
 
-use crate::memory::MemoryUse;
-use crate::targets::Targets;
-use crate::upload::GpuScene;
+use crate::gpu::memory::MemoryUse;
+use crate::passes::targets::Targets;
+use crate::scene::GpuScene;
 use crate::{Gpu, RenderError, View};
 pub use display::{VxctDisplay, has_display_values, vxct_display};
 use passes::Passes;
@@ -29,19 +29,23 @@ use records::{OF_EMITTER, OF_OTHERS, OF_STRENGTHS, Records};
 pub(crate) use records::{VxctDraw, VxctLight};
 pub use settings::{ConeShape, Look, VxctSettings};
 
-/// The shader modules of this folder by their paths below `render`.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("vxct::cones", include_str!("cones.wgsl")),
-    ("vxct::cubes", include_str!("cubes.wgsl")),
-    ("vxct::finish", include_str!("finish.wgsl")),
-    ("vxct::lights", include_str!("lights.wgsl")),
-    ("vxct::material", include_str!("material.wgsl")),
-    ("vxct::mip", include_str!("mip.wgsl")),
-    ("vxct::shade", include_str!("shade.wgsl")),
-    ("vxct::uniform", include_str!("uniform.wgsl")),
-    ("vxct::vertex", include_str!("vertex.wgsl")),
-    ("vxct::voxelize", include_str!("voxelize.wgsl")),
-];
+/// Adds the shaders of this folder.
+pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+    library
+        .add("render::vxct::cones", include_str!("cones.wgsl"))
+        .add("render::vxct::cubes", include_str!("cubes.wgsl"))
+        .add("render::vxct::finish", include_str!("finish.wgsl"))
+        .add("render::vxct::lights", include_str!("lights.wgsl"))
+        .add("render::vxct::material", include_str!("material.wgsl"))
+        .add("render::vxct::mip", include_str!("mip.wgsl"))
+        .add("render::vxct::shade", include_str!("shade.wgsl"))
+        .add("render::vxct::uniform", include_str!("uniform.wgsl"))
+        .add("render::vxct::vertex", include_str!("vertex.wgsl"))
+        .add("render::vxct::voxelize", include_str!("voxelize.wgsl"));
+    for (name, value) in CONSTANTS {
+        library.constant_u32(name, value);
+    }
+}
 
 /// Bits of `VxctUniform::terms`.
 const INDIRECT: u32 = 1;
@@ -57,7 +61,7 @@ const SPECULAR_CONES: u32 = 512;
 const OCCLUSION_CONES: u32 = 1024;
 
 /// The constants that the shaders share with this folder.
-pub(crate) const CONSTANTS: [(&str, u32); 15] = [
+const CONSTANTS: [(&str, u32); 15] = [
     ("VXCT_LAST_LEVEL", LAST_LEVEL),
     ("VXCT_INDIRECT", INDIRECT),
     ("VXCT_PHONG", PHONG),
@@ -181,6 +185,7 @@ impl VxctLook {
     pub(crate) fn prepare(
         &mut self,
         gpu: &Gpu,
+        shaders: &ShaderLibrary,
         gi: &Gi,
         scene: &GpuScene,
         resolution: u32,
@@ -189,7 +194,7 @@ impl VxctLook {
             self.passes.as_ref().is_some_and(|passes| passes.voxels.resolution == resolution);
         if !fits {
             self.passes = None;
-            self.passes = Some(Passes::new(gpu, gi, scene, resolution)?);
+            self.passes = Some(Passes::new(gpu, shaders, gi, scene, resolution)?);
             self.is_due = true;
         }
         if let Some(passes) = &mut self.passes {

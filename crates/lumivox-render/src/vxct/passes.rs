@@ -7,18 +7,18 @@ use bytemuck::Zeroable;
 use lumivox::Gi;
 use lumivox::gpu::pipelines::{DrawPipeline, Shader};
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, TextureView,
-    uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    TextureView, uniform_buffer,
 };
 
 use super::records::{Records, Sides};
 use super::voxels::Voxels;
 use super::{VxctFrame, VxctUniform};
-use crate::composite::PICTURE_FORMAT;
-use crate::gbuffer_pass::NORMALS_FORMAT;
-use crate::raster::{self, RasterPipeline};
-use crate::textures::ScreenTextures;
-use crate::upload::GpuScene;
+use crate::gpu::textures::ScreenTextures;
+use crate::passes::composite::PICTURE_FORMAT;
+use crate::passes::gbuffer::NORMALS_FORMAT;
+use crate::passes::raster::{self, RasterPipeline};
+use crate::scene::GpuScene;
 use crate::{Gpu, RenderError};
 
 /// What is drawn into before the background is put behind it: display values, which half floats hold to 1/2000.
@@ -54,12 +54,12 @@ pub(super) struct Passes {
 impl Passes {
     pub(super) fn new(
         gpu: &Gpu,
+        shaders: &ShaderLibrary,
         gi: &Gi,
         scene: &GpuScene,
         resolution: u32,
     ) -> Result<Self, RenderError> {
         let device = &gpu.pipelines;
-        let shaders = crate::shaders::library(gi.shaders());
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let layouts = Layouts {
             look: LayoutBuilder::new(stages)
@@ -75,7 +75,7 @@ impl Passes {
                 .storage()
                 .build(device, "triangles"),
         };
-        let voxels = Voxels::new(gpu, &shaders, &layouts, scene, resolution)?;
+        let voxels = Voxels::new(gpu, shaders, &layouts, scene, resolution)?;
         let cones_layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT)
             .texture_3d()
             .sampler()
@@ -100,12 +100,12 @@ impl Passes {
         let cubes_layout = picture(LayoutBuilder::compute().texture_3d(), "VXCT's cubes");
         let kernel = |module: &str, own: &wgpu::BindGroupLayout| {
             let groups = [&layouts.look, own, gi.lights_layout(), gi.gbuffer_layout()];
-            Kernel::new(device, &shaders, module, "main", &groups)
+            Kernel::new(device, shaders, module, "main", &groups)
         };
         Ok(Self {
             settings: uniform_buffer(device, "the look of VXCT", &VxctUniform::zeroed()),
             voxels,
-            shader: device.shader(&shaders, "render::vxct::shade")?,
+            shader: device.shader(shaders, "render::vxct::shade")?,
             pipelines: HashMap::new(),
             cones,
             cones_layout,

@@ -9,7 +9,7 @@ use lumivox_scene::{Attenuation, Bounds, Environment, Light, LightKind, Material
 
 use super::display::{has_display_values, share_of_lamps, vxct_display};
 use crate::Gpu;
-use crate::upload::{Attributes, GpuScene, Lighting};
+use crate::scene::{Attributes, GpuScene, Lighting};
 
 /// `VXCT_OF_OTHERS`: a material that is not VXCT's.
 pub(super) const OF_OTHERS: u32 = 0;

@@ -8,7 +8,7 @@ import package::constants::{
     VXCT_HIGHLIGHTS, VXCT_INDIRECT, VXCT_OCCLUSION_CONES, VXCT_OF_EMITTER, VXCT_OF_OTHERS, VXCT_PHONG,
     VXCT_SPECULAR_CONES,
 };
-import package::render::point::{frame_at, is_masked_out, sample_point, Point, PointSamples};
+import package::render::scene::point::{frame_at, is_masked_out, sample_point, Point, PointSamples};
 import package::render::vxct::cones::{
     diffuse_cones, occlusion_cone, sample_voxels, specular_cone, Traced,
 };

@@ -4,7 +4,7 @@
 // last triangle of each voxel, and a second one writes what that one shows.
 
 import package::constants::VXCT_OF_EMITTER;
-import package::render::point::{is_masked_out, sample_point, Point};
+import package::render::scene::point::{is_masked_out, sample_point, Point};
 import package::render::vxct::lights::{arriving_light, injected};
 import package::render::vxct::material::{material_of, vxct_draws};
 import package::render::vxct::uniform::{in_cube, settings};

@@ -8,7 +8,7 @@ use lumivox::gpu::{
 
 use super::LAST_LEVEL;
 use super::passes::Layouts;
-use crate::upload::GpuScene;
+use crate::scene::GpuScene;
 use crate::{Gpu, RenderError};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

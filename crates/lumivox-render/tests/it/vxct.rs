@@ -5,7 +5,7 @@ mod pictures;
 use std::f32::consts::PI;
 
 use glam::{UVec2, Vec2, Vec3};
-use lumivox_render::gbuffer_pass::clip_from_world;
+use lumivox_render::clip_from_world;
 use lumivox_render::{
     Exposure, Look, Picture, RenderSettings, ToneMap, View, VxctSettings, vxct_display,
 };

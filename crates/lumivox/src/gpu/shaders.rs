@@ -90,9 +90,8 @@ impl ShaderLibrary {
     }
 
     /// The source of the module `path`, as it was added.
-    #[cfg(test)]
-    pub(crate) fn source(&self, path: &str) -> &str {
-        &self.content.modules[&format!("package::{path}")]
+    pub fn source(&self, path: &str) -> Option<&str> {
+        self.content.modules.get(&format!("package::{path}")).map(AsRef::as_ref)
     }
 
     /// Plain WGSL of the module `path` with everything that it imports; unused declarations are dropped.

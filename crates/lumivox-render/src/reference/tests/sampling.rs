@@ -11,8 +11,8 @@ use lumivox_scene::EnvironmentMap;
 
 use super::brdf::{Lobes, at_cosine};
 use super::*;
+use crate::picture::tone_map::luminance;
 use crate::reference::upload::layout;
-use crate::tone_map::luminance;
 
 const DRAWS: u32 = 1 << 16;
 

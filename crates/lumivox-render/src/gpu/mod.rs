@@ -1,0 +1,298 @@
+//! The GPU: choosing an adapter, opening a device whose errors are heard, and what all rooms do with it: textures of a
+//! picture's size, reading them back, memory and times.
+
+mod faults;
+pub(crate) mod memory;
+pub(crate) mod readback;
+pub(crate) mod textures;
+pub(crate) mod times;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use lumivox::gpu::Pipelines;
+
+use crate::RenderError;
+use faults::Faults;
+use memory::available_memory;
+
+/// The APIs that lumivox runs on. OpenGL is left out: it lacks what WebGPU's default limits promise,
+/// and probing for it prints errors on machines without a display.
+#[cfg(not(target_arch = "wasm32"))]
+const BACKENDS: wgpu::Backends =
+    wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+#[cfg(target_arch = "wasm32")]
+const BACKENDS: wgpu::Backends = wgpu::Backends::BROWSER_WEBGPU;
+
+/// How a device is chosen and opened.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GpuOptions {
+    /// Part of the adapter's name, in upper or lower case; `None` (the default) takes the fastest:
+    /// a discrete GPU before an integrated one before a software driver.
+    pub adapter: Option<String>,
+    /// Stay on WebGPU's default limits even where the adapter offers more, as in a browser. Default:
+    /// no; then buffers and textures may be as large as the adapter allows.
+    pub portable: bool,
+}
+
+/// An open device.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// All that is made on the device shares its pipelines.
+    pub pipelines: Pipelines,
+    /// Which adapter it is.
+    pub adapter_info: wgpu::AdapterInfo,
+    /// Errors that nobody asked about.
+    faults: Arc<Faults>,
+    is_lost: Arc<AtomicBool>,
+}
+
+impl Gpu {
+    /// The adapters of this machine, best first: a discrete GPU, an integrated one, a virtual one,
+    /// a software driver.
+    pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
+        adapters().await.iter().map(wgpu::Adapter::get_info).collect()
+    }
+
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// [`RenderError::Adapter`] when there is no adapter or none of that name, with a list of those
+    /// that there are; [`RenderError::NoDevice`] when the adapter gives none with WebGPU's default
+    /// limits.
+    pub async fn new(options: &GpuOptions) -> Result<Self, RenderError> {
+        let adapter = choose(adapters().await, options.adapter.as_deref())?;
+        let adapter_info = adapter.get_info();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("lumivox"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: limits(&adapter.limits(), options.portable),
+            ..Default::default()
+        };
+        let (device, queue) = adapter.request_device(&descriptor).await.map_err(|error| {
+            RenderError::NoDevice { adapter: describe(&adapter_info), reason: error.to_string() }
+        })?;
+        let faults = Arc::default();
+        let is_lost = Arc::new(AtomicBool::new(false));
+        hear_errors(&device, &faults, &is_lost);
+        tracing::debug!("rendering on {}", describe(&adapter_info));
+        let pipelines = Pipelines::new(&device);
+        Ok(Self { device, queue, pipelines, adapter_info, faults, is_lost })
+    }
+
+    /// Whether the adapter is a software driver, running on the CPU.
+    pub fn is_software(&self) -> bool {
+        self.adapter_info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Whether the device is lost: nothing can be done with it any more, and all that it held is gone. Another one may be
+    /// opened.
+    pub fn is_lost(&self) -> bool {
+        self.is_lost.load(Ordering::Relaxed)
+    }
+
+    /// Reports what failed on the device since the last call, outside of calls that return errors
+    /// themselves: a lost device, no memory left, a refused command.
+    ///
+    /// Threads that share the device each hear of their own failures, and the next one to ask of those of threads that
+    /// have ended or have never asked. A lost device is reported to all of them, each time.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] with the first failure.
+    pub fn check(&self, doing: &'static str) -> Result<(), RenderError> {
+        self.faults.take().map_or(Ok(()), |reason| Err(RenderError::Device { doing, reason }))
+    }
+
+    /// The error for what does not fit into the device's memory: so many bytes, if that is known. Only of software
+    /// drivers is known what there is, since their memory is the machine's own.
+    pub(crate) fn out_of_memory(
+        &self,
+        what: impl Into<String>,
+        needed: Option<u64>,
+        remedy: &str,
+    ) -> RenderError {
+        let available = if self.is_software() { available_memory() } else { None };
+        RenderError::OutOfMemory {
+            what: what.into(),
+            needed_mib: needed.map(|bytes| bytes.div_ceil(1 << 20)),
+            available_mib: available.map(|bytes| bytes >> 20),
+            remedy: remedy.to_owned(),
+        }
+    }
+
+    /// An instance of the APIs that devices are looked for in, to make surfaces with.
+    pub fn instance() -> wgpu::Instance {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = BACKENDS;
+        wgpu::Instance::new(descriptor)
+    }
+
+    /// Waits until the device has done all that was submitted; in browsers the page goes on meanwhile.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] when the device is lost.
+    #[allow(clippy::unused_async, reason = "only browsers await")]
+    pub async fn finished(&self, doing: &'static str) -> Result<(), RenderError> {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.wait(doing)?;
+        #[cfg(target_arch = "wasm32")]
+        lumivox::gpu::submitted_work_done(&self.queue).await;
+        self.check(doing)
+    }
+
+    /// Waits until the device has done all that was submitted. In browsers, where nothing may block,
+    /// it returns at once; see [`Self::finished`].
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] when the device is lost.
+    pub fn wait(&self, doing: &'static str) -> Result<(), RenderError> {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| RenderError::Device { doing, reason: error.to_string() })?;
+        self.check(doing)
+    }
+}
+
+/// An adapter in words: its name, kind, API and driver.
+pub fn describe(info: &wgpu::AdapterInfo) -> String {
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+        wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+        wgpu::DeviceType::VirtualGpu => "virtual GPU",
+        wgpu::DeviceType::Cpu => "software",
+        wgpu::DeviceType::Other => "of unknown kind",
+    };
+    let driver = format!("{} {}", info.driver, info.driver_info);
+    let driver = driver.trim();
+    let driver = if driver.is_empty() { "driver unknown" } else { driver };
+    format!("{} ({kind}, {:?}, {driver})", info.name, info.backend)
+}
+
+async fn adapters() -> Vec<wgpu::Adapter> {
+    // Browsers show one adapter, and take a hint which.
+    #[cfg(target_arch = "wasm32")]
+    let mut adapters = {
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        Vec::from_iter(Gpu::instance().request_adapter(&options).await)
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    let mut adapters = Gpu::instance().enumerate_adapters(BACKENDS).await;
+    // Stable, so that adapters of a kind stay in the driver's order.
+    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    adapters
+}
+
+fn choose(adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::Adapter, RenderError> {
+    let wanted = name.unwrap_or_default().to_lowercase();
+    let known: Vec<String> = adapters.iter().map(|a| describe(&a.get_info())).collect();
+    let found = adapters
+        .into_iter()
+        .find(|adapter| describe(&adapter.get_info()).to_lowercase().contains(&wanted));
+    found.ok_or_else(|| match name {
+        Some(name) if !known.is_empty() => RenderError::Adapter {
+            problem: format!("no GPU adapter has \"{name}\" in its name"),
+            remedy: format!("there are: {}", known.join("; ")),
+        },
+        _ if cfg!(target_arch = "wasm32") => RenderError::Adapter {
+            problem: "this browser offers no GPU to WebGPU".to_owned(),
+            remedy:
+                "switch hardware acceleration on in its settings, update the GPU's driver, or try \
+                     another browser"
+                    .to_owned(),
+        },
+        _ => RenderError::Adapter {
+            problem: "this machine has no GPU adapter for Vulkan, Metal or Direct3D 12".to_owned(),
+            remedy: "install the GPU's driver, or a software driver (on Debian and Ubuntu: \
+                     mesa-vulkan-drivers)"
+                .to_owned(),
+        },
+    })
+}
+
+/// WebGPU's default limits; sizes alone are raised to what the adapter offers, since a scene's size
+/// is the user's choice while the shaders' needs are ours.
+fn limits(offered: &wgpu::Limits, portable: bool) -> wgpu::Limits {
+    let defaults = wgpu::Limits::default();
+    if portable {
+        return defaults;
+    }
+    wgpu::Limits {
+        max_buffer_size: offered.max_buffer_size.max(defaults.max_buffer_size),
+        max_storage_buffer_binding_size: offered
+            .max_storage_buffer_binding_size
+            .max(defaults.max_storage_buffer_binding_size),
+        max_texture_dimension_2d: offered
+            .max_texture_dimension_2d
+            .max(defaults.max_texture_dimension_2d),
+        max_texture_dimension_3d: offered
+            .max_texture_dimension_3d
+            .max(defaults.max_texture_dimension_3d),
+        ..defaults
+    }
+}
+
+/// Keeps the first error that reaches no error scope, and the reason of a lost device, instead of
+/// wgpu's panic.
+fn hear_errors(device: &wgpu::Device, faults: &Arc<Faults>, is_lost: &Arc<AtomicBool>) {
+    let kept = faults.clone();
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| kept.keep(error.to_string())));
+    let (kept, is_lost) = (faults.clone(), is_lost.clone());
+    device.set_device_lost_callback(move |reason, message| {
+        is_lost.store(true, Ordering::Relaxed);
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            kept.lose(format!("the device was lost ({reason:?}): {message}"));
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::own_gpu;
+
+    #[test]
+    fn an_unknown_adapter_is_an_error_that_lists_the_known_ones() {
+        let options = GpuOptions { adapter: Some("no such".to_owned()), ..Default::default() };
+        let error = pollster::block_on(Gpu::new(&options)).expect_err("nothing is called that");
+        assert!(error.to_string().contains("\"no such\""), "{error}");
+        assert!(error.to_string().contains("there are: "), "{error}");
+    }
+
+    #[test]
+    fn an_adapter_is_found_by_part_of_its_name_in_any_case() {
+        let known = pollster::block_on(Gpu::adapters());
+        let part: String = known[0].name.to_uppercase().chars().take(5).collect();
+        let options = GpuOptions { adapter: Some(part), portable: true };
+        let gpu = pollster::block_on(Gpu::new(&options)).expect("a device");
+        assert_eq!(gpu.adapter_info.name, known[0].name);
+        assert_eq!(gpu.device.limits().max_buffer_size, wgpu::Limits::default().max_buffer_size);
+    }
+
+    #[test]
+    fn a_refused_command_becomes_an_error() {
+        let gpu = own_gpu();
+        assert!(gpu.check("testing").is_ok());
+        let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("impossible"),
+            size: u64::MAX,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        let error = gpu.check("testing").expect_err("no buffer is that large");
+        assert!(error.to_string().contains("while testing"), "{error}");
+    }
+}

@@ -1,0 +1,410 @@
+//! The G-buffer: what is visible at each pixel, 28 bytes of it.
+//!
+//! | target | format | holds |
+//! | --- | --- | --- |
+//! | depth | `Depth32Float` | reversed, without a far plane |
+//! | normals | `Rgba16Float` | octahedral shading normal and geometric normal |
+//! | diffuse | `Rgba8UnormSrgb` | diffuse albedo, 1 - the strength of a clear coat (linear) |
+//! | specular | `Rgba8UnormSrgb` | reflectance at normal incidence, perceptual roughness (linear) |
+//! | emission | `Rgba16Float` | emitted radiance, the coat's perceptual roughness |
+//!
+//! The geometric normal is that of the triangle's plane, from the derivatives of the position: it
+//! decides from where cones start and which side light comes from, where an interpolated normal would
+//! lie.
+//!
+//! Materials without layers have shaders that sample their four textures and nothing else. What blends
+//! or transmits light is there in a share of the frames (`screen_door.wgsl`), and opaque when it is.
+//! Where it is not and its glass has a colour, a second pass multiplies that onto the tint of the pixel.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use bytemuck::{Pod, Zeroable};
+use glam::camera::rh::proj::directx::perspective_infinite_reverse;
+use glam::{Mat4, UVec2, Vec2};
+use lumivox::gpu::pipelines::{DrawPipeline, Shader};
+use lumivox::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Recorder, RenderPass,
+    ShaderError, ShaderLibrary, Texture, TextureView,
+};
+use lumivox::{GBufferViews, View};
+use lumivox_scene::Camera;
+
+use wgpu::util::DeviceExt as _;
+
+use crate::Gpu;
+use crate::gpu::textures::ScreenTextures;
+use crate::passes::raster::{self, RasterPipeline};
+use crate::scene::{Attributes, GpuMaterial, GpuScene, SceneDraw};
+
+/// That of the normals.
+pub(crate) const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Formats of the colour targets, in the order of their locations.
+const FORMATS: [wgpu::TextureFormat; 4] = [
+    NORMALS_FORMAT,
+    wgpu::TextureFormat::Rgba8UnormSrgb,
+    wgpu::TextureFormat::Rgba8UnormSrgb,
+    wgpu::TextureFormat::Rgba16Float,
+];
+
+/// What panes in front of the visible surface colour its light with, in linear light.
+const TINT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// Panes multiply, in whatever order they come.
+const MULTIPLY: wgpu::BlendComponent = wgpu::BlendComponent {
+    src_factor: wgpu::BlendFactor::Dst,
+    dst_factor: wgpu::BlendFactor::Zero,
+    operation: wgpu::BlendOperation::Add,
+};
+
+/// `RasterView` of `gbuffer_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct RasterView {
+    pub(crate) clip_from_world: Mat4,
+    pub(crate) position_in_world: [f32; 3],
+    pub(crate) frame: u32,
+    pub(crate) jitter: [f32; 2],
+    pub(crate) padding: [f32; 2],
+}
+
+/// What a pipeline is made for; draws come in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Variant {
+    is_double_sided: bool,
+    is_layered: bool,
+    attributes: Attributes,
+}
+
+/// Renders the G-buffer.
+#[derive(Debug)]
+pub struct GBufferPass {
+    shader: Shader,
+    /// Those that the scene needs.
+    pipelines: BTreeMap<Variant, DrawPipeline>,
+    /// Those for what is tinted.
+    tint_pipelines: BTreeMap<Variant, DrawPipeline>,
+    view: Buffer,
+    layout: wgpu::BindGroupLayout,
+    group: BindGroup,
+}
+
+/// The textures of one G-buffer.
+#[derive(Debug)]
+pub struct GBufferTargets {
+    pub(crate) depth: TextureView,
+    pub(crate) normals: TextureView,
+    diffuse: TextureView,
+    specular: TextureView,
+    emission: TextureView,
+    /// What the light of a pixel's surface is multiplied by; of one white texel where nothing is tinted.
+    pub(crate) tint: TextureView,
+}
+
+impl GBufferTargets {
+    /// `is_tinted` says whether the scene has coloured glass.
+    pub(crate) fn new(gpu: &Gpu, textures: &mut ScreenTextures<'_>, is_tinted: bool) -> Self {
+        let tint = if is_tinted { textures.target("tint", TINT_FORMAT) } else { white(gpu) };
+        Self {
+            tint,
+            depth: textures.target("depth", raster::DEPTH_FORMAT),
+            normals: textures.target("normals", FORMATS[0]),
+            diffuse: textures.target("diffuse albedo", FORMATS[1]),
+            specular: textures.target("specular reflectance", FORMATS[2]),
+            emission: textures.target("emission", FORMATS[3]),
+        }
+    }
+
+    /// The textures as the library reads them.
+    pub fn views(&self) -> GBufferViews<'_> {
+        GBufferViews {
+            depth: &self.depth,
+            normals: &self.normals,
+            diffuse: &self.diffuse,
+            specular: &self.specular,
+            emission: &self.emission,
+        }
+    }
+}
+
+impl GBufferPass {
+    /// Makes the pipelines for a scene.
+    ///
+    /// # Errors
+    /// When the shader does not link.
+    pub fn new(
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        scene: &GpuScene,
+    ) -> Result<Self, ShaderError> {
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let layout = LayoutBuilder::new(stages).uniform().storage().build(device, "raster view");
+        let shader = device.shader(shaders, "render::passes::gbuffer")?;
+        let view = lumivox::gpu::uniform_buffer(device, "raster view", &RasterView::zeroed());
+        let group = bind(device, &layout, &view, scene);
+        let (pipelines, tint_pipelines) = (BTreeMap::new(), BTreeMap::new());
+        let mut pass = Self { shader, pipelines, tint_pipelines, view, layout, group };
+        pass.make_pipelines(device, scene)?;
+        Ok(pass)
+    }
+
+    /// Takes up another pose of the scene that it was made for.
+    ///
+    /// # Errors
+    /// When the shader has not what a material needs.
+    pub(crate) fn set_scene(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+    ) -> Result<(), ShaderError> {
+        self.group = bind(pipelines, &self.layout, &self.view, scene);
+        // What was hidden may be there now.
+        self.make_pipelines(pipelines, scene)
+    }
+
+    /// Makes those that are not there yet.
+    fn make_pipelines(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+    ) -> Result<(), ShaderError> {
+        let targets = FORMATS.map(|format| Some(format.into()));
+        let tint_targets = [Some(wgpu::ColorTargetState {
+            format: TINT_FORMAT,
+            blend: Some(wgpu::BlendState { color: MULTIPLY, alpha: MULTIPLY }),
+            write_mask: wgpu::ColorWrites::ALL,
+        })];
+        let (shader, layout) = (&self.shader, &self.layout);
+        let create = |variant: Variant, is_tint: bool| {
+            RasterPipeline {
+                shader,
+                vertex: variant.vertex(),
+                fragment: Some(if is_tint { "tint_fragment" } else { variant.fragment() }),
+                targets: if is_tint { &tint_targets } else { &targets },
+                vertex_buffers: &raster::streams(variant.attributes),
+                groups: &[layout, &scene.material_layout],
+                cull_mode: (!variant.is_double_sided).then_some(wgpu::Face::Back),
+                writes_depth: !is_tint,
+            }
+            .create(pipelines)
+        };
+        for draw in &scene.draws {
+            let variant = Variant::of(scene, draw);
+            if let Entry::Vacant(slot) = self.pipelines.entry(variant) {
+                slot.insert(create(variant, false)?);
+            }
+            if !scene.materials[draw.material].is_tinted {
+                continue;
+            }
+            if let Entry::Vacant(slot) = self.tint_pipelines.entry(variant) {
+                slot.insert(create(variant, true)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders a scene, by a view that is moved by `jitter` pixels. It takes effect at the next submission: one frame
+    /// per recorder.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder,
+        scene: &GpuScene,
+        targets: &GBufferTargets,
+        (view, jitter): (&View, Vec2),
+    ) {
+        let view = RasterView {
+            clip_from_world: view.clip_from_world,
+            position_in_world: view.position.to_array(),
+            frame: view.frame,
+            jitter: jitter.to_array(),
+            padding: [0.0; 2],
+        };
+        recorder.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        let colors = [&targets.normals, &targets.diffuse, &targets.specular, &targets.emission];
+        let colors = colors.map(|view| {
+            Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })
+        });
+        let depth = raster::depth_attachment(&targets.depth);
+        recorder.render("gbuffer_pass", &colors, Some(depth), |pass| {
+            self.draw(pass, scene, &self.pipelines, |_| true);
+        });
+        if !self.tint_pipelines.is_empty() {
+            self.record_tint(recorder, scene, targets);
+        }
+    }
+
+    /// Renders what colours the light on its way from the visible surfaces.
+    fn record_tint(&self, recorder: &mut Recorder, scene: &GpuScene, targets: &GBufferTargets) {
+        let color = wgpu::RenderPassColorAttachment {
+            view: &targets.tint,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                store: wgpu::StoreOp::Store,
+            },
+        };
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: None,
+            stencil_ops: None,
+        };
+        recorder.render("gbuffer_pass::tint", &[Some(color)], Some(depth), |pass| {
+            self.draw(pass, scene, &self.tint_pipelines, |material| material.is_tinted);
+        });
+    }
+
+    /// Draws what is wanted, each with the pipeline that it needs.
+    fn draw(
+        &self,
+        pass: &mut RenderPass<'_>,
+        scene: &GpuScene,
+        pipelines: &BTreeMap<Variant, DrawPipeline>,
+        is_wanted: impl Fn(&GpuMaterial) -> bool,
+    ) {
+        pass.bind(0, &self.group);
+        for (variant, pipeline) in pipelines {
+            pass.set_pipeline(pipeline);
+            for records in &scene.runs {
+                let draw = scene.draw_of(records.start);
+                let material = &scene.materials[draw.material];
+                if Variant::of(scene, draw) != *variant || !is_wanted(material) {
+                    continue;
+                }
+                let batch = &scene.batches[draw.batch];
+                pass.bind(1, &material.group);
+                pass.set_vertex_buffer(0, batch.positions.slice(..));
+                pass.set_vertex_buffer(1, batch.attributes.slice(..));
+                pass.set_vertex_buffer(2, batch.shading.slice(..));
+                raster::draw(pass, batch, draw, records.clone());
+            }
+        }
+    }
+}
+
+/// A texture of one white texel.
+fn white(gpu: &Gpu) -> TextureView {
+    let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
+    let texture = Texture::own(gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("white"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TINT_FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        &[255; 4],
+    ));
+    texture.view()
+}
+
+impl Variant {
+    fn of(scene: &GpuScene, draw: &SceneDraw) -> Self {
+        let material = &scene.materials[draw.material];
+        Self {
+            is_double_sided: material.is_double_sided,
+            is_layered: material.is_layered,
+            attributes: scene.batches[draw.batch].kind,
+        }
+    }
+
+    fn vertex(self) -> &'static str {
+        match self.attributes {
+            Attributes::Texcoords => "plain_vertex",
+            Attributes::All => "colored_vertex",
+        }
+    }
+
+    fn fragment(self) -> &'static str {
+        match (self.is_layered, self.attributes) {
+            (true, _) => "layered_fragment",
+            (false, Attributes::All) => "colored_fragment",
+            (false, Attributes::Texcoords) => "plain_fragment",
+        }
+    }
+}
+
+fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    view: &Buffer,
+    scene: &GpuScene,
+) -> BindGroup {
+    let builder = BindGroupBuilder::new(layout).buffer(view).buffer(&scene.draw_records);
+    builder.build(device, "raster view")
+}
+
+/// From the world to clip space: reversed depth without a far plane, moved by `jitter` pixels.
+pub fn clip_from_world(camera: &Camera, size: UVec2, jitter: Vec2) -> Mat4 {
+    let size = size.as_vec2();
+    let projection =
+        perspective_infinite_reverse(camera.vertical_fov_rad, size.x / size.y, camera.near_m);
+    // Pixels count downwards, clip space upwards.
+    let shift = 2.0 * jitter * Vec2::new(1.0, -1.0) / size;
+    Mat4::from_translation(shift.extend(0.0)) * projection * camera.camera_from_world()
+}
+
+/// Where in its pixel frame `frame` of `frames` looks, from the centre, in pixels: points of Halton's
+/// sequence in the bases 2 and 3 (Halton 1960), so that the mean over frames is a box filter of one
+/// pixel. A single frame looks at the centre.
+pub fn jitter(frame: u32, frames: u32) -> Vec2 {
+    if frames <= 1 {
+        return Vec2::ZERO;
+    }
+    // The sequence's first point, the corner, is left out.
+    Vec2::new(radical_inverse(frame + 1, 2), radical_inverse(frame + 1, 3)) - 0.5
+}
+
+fn radical_inverse(mut index: u32, base: u32) -> f32 {
+    let (mut inverse, mut digit_value) = (0.0_f64, 1.0 / f64::from(base));
+    while index > 0 {
+        inverse += f64::from(index % base) * digit_value;
+        index /= base;
+        digit_value /= f64::from(base);
+    }
+    inverse as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn jitter_covers_the_pixel_evenly() {
+        assert_eq!(jitter(0, 1), Vec2::ZERO);
+        let frames = 36;
+        let points: Vec<Vec2> = (0..frames).map(|frame| jitter(frame, frames)).collect();
+        let mean = points.iter().sum::<Vec2>() / frames as f32;
+        assert!(mean.abs().max_element() < 0.05, "{mean}");
+        assert!(points.iter().all(|p| p.abs().max_element() <= 0.5));
+    }
+
+    #[test]
+    fn a_jitter_moves_the_picture_by_that_part_of_a_pixel() {
+        let camera = Camera::look_at(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO, 0.8);
+        let size = UVec2::new(200, 100);
+        let pixel_of = |jitter| {
+            let ndc = clip_from_world(&camera, size, jitter).project_point3(Vec3::ZERO);
+            assert!(ndc.z > 0.0 && ndc.z < 1.0);
+            size.as_vec2() * (0.5 + 0.5 * ndc.truncate() * Vec2::new(1.0, -1.0))
+        };
+        let jitter = Vec2::new(0.25, -0.5);
+        let moved = pixel_of(jitter) - pixel_of(Vec2::ZERO);
+        assert!((moved - jitter).length() < 1e-4, "{moved}");
+    }
+}

@@ -1,0 +1,45 @@
+//! The passes of a frame: from the scene's triangles to one frame of radiance and what is drawn over it.
+//!
+//! | file | does | reads |
+//! | --- | --- | --- |
+//! | `shadow_maps` | depth from each light | the scene |
+//! | `gbuffer` | the surface at each pixel | the scene |
+//! | `direct` | light that comes from lamps and the sun without a detour | G-buffer, shadow maps |
+//! | (`lumivox`) | the cones: indirect light | G-buffer, volume |
+//! | `composite` | the sum of both, or the part that a view shows | all of these |
+//! | `voxel_view/` | the voxels, in place of the composite | the volume |
+//! | `accumulate` | the mean over frames | the composite |
+//! | `overlay/` | lines and wires over the picture | G-buffer |
+//!
+//! A pass is given the textures that it reads and the [library](crate::shaders) that its shader is linked from. None
+//! knows who made them: [`Targets`](targets::Targets) and the renderer join the passes.
+
+pub(crate) mod accumulate;
+pub(crate) mod composite;
+pub(crate) mod direct;
+pub(crate) mod gbuffer;
+pub(crate) mod overlay;
+pub(crate) mod raster;
+pub(crate) mod shadow_maps;
+pub(crate) mod targets;
+pub(crate) mod voxel_view;
+
+use lumivox::gpu::ShaderLibrary;
+
+use crate::View;
+
+/// Adds the shaders of this folder and the numbers of the views.
+pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+    library
+        .add("render::passes::accumulate", include_str!("accumulate.wgsl"))
+        .add("render::passes::composite", include_str!("composite.wgsl"))
+        .add("render::passes::direct", include_str!("direct.wgsl"))
+        .add("render::passes::gbuffer", include_str!("gbuffer.wgsl"))
+        .add("render::passes::screen_door", include_str!("screen_door.wgsl"))
+        .add("render::passes::shadow_maps", include_str!("shadow_maps.wgsl"));
+    overlay::add_shaders(library);
+    voxel_view::add_shaders(library);
+    for view in View::ALL {
+        library.constant_u32(view.constant(), view as u32);
+    }
+}

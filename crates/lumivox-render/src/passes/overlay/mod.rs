@@ -1,0 +1,152 @@
+//! What is drawn over a picture: edges of triangles, wire cubes of voxels, the grid's bounds, lines.
+//!
+//! An overlay is display-referred: its colours are what a screen shows, neither exposed nor tone mapped. It has a
+//! texture of its own, which frames are averaged in as the picture's are, so that lines become smooth by the same
+//! jitter; it is blended over the encoded picture at the very end (`blend.wgsl`), and radiance
+//! never meets it. Each frame's coverage is all or nothing, so that an edge that two triangles share is drawn twice
+//! without getting denser.
+//!
+//! | file | draws |
+//! | --- | --- |
+//! | `segment.wgsl` | a line as a quad, a width in pixels wide, hidden behind the G-buffer's surfaces |
+//! | `edges.rs`, `edges.wgsl` | all edges of the scene's triangles, pulled from the buffers of rasterizer and voxelizer |
+//! | `lines.rs`, `lines.wgsl` | lines of the caller, and the grid's box |
+//! | `voxels.rs`, `voxels.wgsl` | wire cubes, by a walk through the occupancy bits |
+//!
+//! Nothing of it exists while the overlay is off.
+
+mod edges;
+mod lines;
+mod pass;
+mod segment;
+mod voxels;
+
+use glam::Vec3;
+use lumivox::gpu::ShaderLibrary;
+
+#[cfg(test)]
+pub(crate) use edges::EdgeRange;
+pub(crate) use lines::LineRecord;
+pub(crate) use pass::{OVERLAY_BYTES_PER_PIXEL, OverlayPass, OverlayView, Shown};
+#[cfg(test)]
+pub(crate) use segment::SegmentView;
+#[cfg(test)]
+pub(crate) use voxels::WireSettings;
+
+/// Adds the shaders of this folder.
+pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+    library
+        .add("render::passes::overlay::blend", include_str!("blend.wgsl"))
+        .add("render::passes::overlay::edges", include_str!("edges.wgsl"))
+        .add("render::passes::overlay::lines", include_str!("lines.wgsl"))
+        .add("render::passes::overlay::segment", include_str!("segment.wgsl"))
+        .add("render::passes::overlay::voxels", include_str!("voxels.wgsl"));
+}
+
+/// Edges of triangles: sRGB-encoded, and coverage.
+pub(crate) const WIREFRAME_COLOR: [f32; 4] = [0.16, 0.85, 1.0, 1.0];
+/// Wire cubes of voxels.
+pub(crate) const WIRE_VOXEL_COLOR: [f32; 4] = [1.0, 0.72, 0.2, 1.0];
+/// The grid's box.
+const GRID_BOX_COLOR: [f32; 4] = [0.75, 0.55, 1.0, 1.0];
+/// How much of it is left where surfaces hide it.
+const HIDDEN_SHARE: f32 = 0.25;
+/// What is seen where surfaces are hidden.
+pub(crate) const BACKGROUND: [f32; 4] = [0.07, 0.07, 0.09, 1.0];
+
+/// Width of triangles' edges in pixels.
+pub(crate) const WIREFRAME_WIDTH: f32 = 1.25;
+/// Width of the caller's lines and of the grid's box.
+pub(crate) const LINE_WIDTH: f32 = 2.0;
+
+/// What is drawn over the picture that a screen shows; pictures of radiance (OpenEXR) stay as they are.
+/// Default: nothing, which costs nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlay {
+    /// Edges of the scene's triangles. Default: none.
+    pub wireframe: Wireframe,
+    /// Wire cubes of the voxels of [`RenderSettings::voxel_level`](crate::RenderSettings::voxel_level): outlines of
+    /// the faces between an occupied cell and an empty one. Default: none.
+    pub wire_voxels: Wires,
+    /// Whether a plain background stands in for a picture of surfaces, so that the overlay is seen alone. Surfaces still
+    /// hide what they hide of it. Views of voxels stay. Default: no.
+    pub hides_surfaces: bool,
+    /// The voxel grid's bounds; faint where surfaces hide them. Default: no.
+    pub grid_box: bool,
+    /// Markers, selection boxes, gizmos. Default: none. The later ones are drawn over the earlier ones.
+    pub lines: Vec<OverlayLine>,
+}
+
+/// Which edges of triangles are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wireframe {
+    /// None.
+    #[default]
+    Off,
+    /// Those of visible surfaces: hidden lines are removed.
+    Over,
+    /// All, seen through surfaces.
+    Through,
+}
+
+/// Which wire cubes are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wires {
+    /// None.
+    #[default]
+    Off,
+    /// Those in front of surfaces: each surface lies within its voxels, whose near faces are seen.
+    Over,
+    /// All, seen through surfaces.
+    Through,
+}
+
+/// A line in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverlayLine {
+    /// One end, m.
+    pub from: Vec3,
+    /// The other end, m; the same place makes a dot.
+    pub to: Vec3,
+    /// sRGB-encoded colour as a screen shows it, 0 to 1, not multiplied by its coverage (0 to 1, the last).
+    pub color: [f32; 4],
+    /// Whether surfaces hide it; otherwise it is seen through them.
+    pub is_hidden_by_surfaces: bool,
+}
+
+impl Wireframe {
+    /// The name in lower case, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Over => "over",
+            Self::Through => "through",
+        }
+    }
+}
+
+impl Wires {
+    /// The name in lower case, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Over => "over",
+            Self::Through => "through",
+        }
+    }
+}
+
+impl Overlay {
+    /// Whether there is anything to draw.
+    pub fn is_on(&self) -> bool {
+        *self != Self::default()
+    }
+
+    /// Whether surfaces hide any of it, so that their depth must be known.
+    pub(crate) fn needs_depth(&self) -> bool {
+        self.wireframe == Wireframe::Over
+            || self.wire_voxels == Wires::Over
+            || self.grid_box
+            || self.lines.iter().any(|line| line.is_hidden_by_surfaces)
+    }
+}

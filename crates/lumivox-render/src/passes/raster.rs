@@ -1,0 +1,103 @@
+//! What the passes that rasterize share: vertex layouts, reversed depth, draws.
+
+use std::ops::Range;
+
+use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
+use lumivox::gpu::{Pipelines, RenderPass, ShaderError, TextureView};
+
+use crate::scene::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers};
+
+pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
+const TEXCOORD: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x2];
+const SHADING: [wgpu::VertexAttribute; 2] =
+    wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x4];
+const ALL: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![1 => Float32x2, 4 => Float32x2, 5 => Unorm16x4];
+
+const fn stream<T>(
+    attributes: &'static [wgpu::VertexAttribute],
+) -> wgpu::VertexBufferLayout<'static> {
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<T>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes,
+    }
+}
+
+/// Vertex buffers by their slots: positions, attributes, normals and tangents.
+pub(crate) type Streams = [Option<wgpu::VertexBufferLayout<'static>>; 3];
+
+/// All that a batch of those attributes has.
+pub(crate) const fn streams(attributes: Attributes) -> Streams {
+    let attributes = match attributes {
+        Attributes::Texcoords => stream::<[f32; 2]>(&TEXCOORD),
+        Attributes::All => stream::<AllAttributes>(&ALL),
+    };
+    [Some(stream::<[f32; 3]>(&POSITION)), Some(attributes), Some(stream::<Shading>(&SHADING))]
+}
+
+/// A pipeline that draws triangles against a reversed depth buffer: what is nearer is greater.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RasterPipeline<'a> {
+    pub(crate) shader: &'a Shader,
+    pub(crate) vertex: &'a str,
+    pub(crate) fragment: Option<&'a str>,
+    pub(crate) targets: &'a [Option<wgpu::ColorTargetState>],
+    pub(crate) vertex_buffers: &'a [Option<wgpu::VertexBufferLayout<'static>>],
+    pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
+    pub(crate) cull_mode: Option<wgpu::Face>,
+    /// Whether what is drawn hides what lies behind.
+    pub(crate) writes_depth: bool,
+}
+
+impl RasterPipeline<'_> {
+    /// # Errors
+    /// When the shader has no such entry point.
+    pub(crate) fn create(self, pipelines: &Pipelines) -> Result<DrawPipeline, ShaderError> {
+        let fragment = self.fragment.map(|entry| self.shader.entry(entry)).transpose()?;
+        Ok(pipelines.draw(DrawPlan {
+            fragment,
+            targets: self.targets.to_vec(),
+            vertex_buffers: self.vertex_buffers.to_vec(),
+            groups: self.groups.iter().map(|group| (*group).clone()).collect(),
+            primitive: wgpu::PrimitiveState {
+                front_face: wgpu::FrontFace::Ccw,
+                cull_mode: self.cull_mode,
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(self.writes_depth),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            ..DrawPlan::new(self.shader, self.vertex)?
+        }))
+    }
+}
+
+/// A depth target, cleared to infinitely far.
+pub(crate) fn depth_attachment(view: &TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load: wgpu::LoadOp::Clear(0.0),
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+/// Draws a run of triangles, once for each of the records; the shader finds them by the instance's index.
+pub(crate) fn draw(
+    pass: &mut RenderPass<'_>,
+    batch: &VertexBuffers,
+    draw: &SceneDraw,
+    records: Range<u32>,
+) {
+    pass.set_index_buffer(batch.indices.slice(..), wgpu::IndexFormat::Uint32);
+    pass.draw_indexed(draw.indices.clone(), draw.base_vertex, records);
+}

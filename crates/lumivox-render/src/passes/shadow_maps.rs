@@ -1,0 +1,449 @@
+//! Shadow maps: the scene's depth as each light sees it, in the layers of one depth array.
+//!
+//! A directional light has one layer, a parallel projection fitted to the scene's bounds; a spot light
+//! has one, a perspective projection as wide as its cone; a point light has six, the faces of a cube.
+//! Depth is reversed (1 near, 0 far) and, in perspective, without a far plane: a float's precision
+//! then falls off as perspective's own (Reed 2015, "Depth precision visualized"). Both sides of every
+//! triangle cast shadows; the receiver is moved off its surface instead (`light/shadow_map.wgsl`).
+//! What lets a share of the light pass leaves that share of the texels free, in a pattern that the
+//! filter evens out.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse};
+use glam::camera::rh::view::look_to_mat4;
+use glam::{Mat4, Vec3, Vec4};
+use lumivox::gpu::pipelines::{DrawPipeline, Shader};
+use lumivox::gpu::{
+    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
+};
+use lumivox::{Light, LightSource, Shadow, ShadowLayer, ShadowMaps};
+use lumivox_scene::Bounds;
+
+use crate::Gpu;
+use crate::passes::raster::{self, RasterPipeline};
+use crate::scene::{Attributes, GpuScene, Presence, SceneDraw, corners};
+
+/// The most memory that all layers may take together.
+pub(crate) const MAX_BYTES: u64 = 256 << 20;
+/// The most layers: ten point lights.
+const MAX_LAYERS: u32 = 64;
+/// Layers see this many texels more on each side: the filter reaches 1.5 texels over a receiver that
+/// was moved by 2, and both must stay within the layer that the receiver itself falls into.
+const BORDER_TEXELS: f32 = 4.0;
+/// The widest spot light that one perspective layer holds well: its middle then has a quarter of the
+/// resolution that a map of 90 degrees has.
+const MAX_SPOT_ANGLE_RAD: f32 = 1.32;
+/// The near plane of a light without radius, as a share of the scene's radius.
+const NEAR_SHARE: f32 = 1e-4;
+
+/// `ShadowView` of `shadow_maps.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct ShadowView {
+    pub(crate) clip_from_world: Mat4,
+}
+
+/// Renders shadow maps.
+#[derive(Debug)]
+pub struct ShadowMapPass {
+    shader: Shader,
+    layout: wgpu::BindGroupLayout,
+    /// Those that the scene needs.
+    pipelines: BTreeMap<Variant, DrawPipeline>,
+}
+
+/// What a pipeline is made for; draws come in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Variant {
+    /// Positions are enough.
+    Solid,
+    /// By the threshold of its alpha.
+    Masked(Attributes),
+    /// By the share that it covers.
+    Partial(Attributes),
+}
+
+impl Variant {
+    fn of(scene: &GpuScene, draw: &SceneDraw) -> Self {
+        let attributes = scene.batches[draw.batch].kind;
+        match scene.materials[draw.material].presence {
+            Presence::Masked => Self::Masked(attributes),
+            Presence::Partial => Self::Partial(attributes),
+            Presence::Whole | Presence::Absent => Self::Solid,
+        }
+    }
+
+    fn create(
+        self,
+        pipelines: &Pipelines,
+        shader: &Shader,
+        layout: &wgpu::BindGroupLayout,
+        material_layout: &wgpu::BindGroupLayout,
+    ) -> Result<DrawPipeline, ShaderError> {
+        let groups = [layout, material_layout];
+        let (fragment, attributes, groups) = match self {
+            Self::Solid => (None, None, &groups[..1]),
+            Self::Masked(attributes) => (Some("masked_fragment"), Some(attributes), &groups[..]),
+            Self::Partial(attributes) => (Some("partial_fragment"), Some(attributes), &groups[..]),
+        };
+        let streams = raster::streams(attributes.unwrap_or_default());
+        let vertex = match attributes {
+            None => "solid_vertex",
+            Some(Attributes::Texcoords) => "plain_vertex",
+            Some(Attributes::All) => "colored_vertex",
+        };
+        RasterPipeline {
+            shader,
+            vertex,
+            fragment,
+            targets: &[],
+            // Normals have no part in it.
+            vertex_buffers: &streams[..if attributes.is_some() { 2 } else { 1 }],
+            groups,
+            cull_mode: None,
+            writes_depth: true,
+        }
+        .create(pipelines)
+    }
+}
+
+impl ShadowMapPass {
+    /// Makes the pipelines for a scene.
+    ///
+    /// # Errors
+    /// When the shader does not link.
+    pub fn new(
+        device: &Pipelines,
+        shaders: &ShaderLibrary,
+        scene: &GpuScene,
+    ) -> Result<Self, ShaderError> {
+        let layout = LayoutBuilder::new(wgpu::ShaderStages::VERTEX)
+            .uniform()
+            .storage()
+            .build(device, "shadow view");
+        let shader = device.shader(shaders, "render::passes::shadow_maps")?;
+        let mut pass = Self { shader, layout, pipelines: BTreeMap::new() };
+        pass.set_scene(device, scene)?;
+        Ok(pass)
+    }
+
+    /// Takes up another pose of the scene that it was made for: what was hidden may be there now.
+    ///
+    /// # Errors
+    /// When the shader has not what a material needs.
+    pub(crate) fn set_scene(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+    ) -> Result<(), ShaderError> {
+        for draw in &scene.draws {
+            if let Entry::Vacant(slot) = self.pipelines.entry(Variant::of(scene, draw)) {
+                let (shader, layouts) = (&self.shader, (&self.layout, &scene.material_layout));
+                let pipeline = slot.key().create(pipelines, shader, layouts.0, layouts.1)?;
+                slot.insert(pipeline);
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders the shadow maps of `lights` and tells each light its layers; lights that find no room
+    /// keep their shadows by cones, with a warning. `None` where no light has a map.
+    pub fn record(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder,
+        scene: &GpuScene,
+        lights: &mut [Light],
+        resolution: u32,
+    ) -> Option<ShadowMaps> {
+        let layers = assign_layers(lights, scene.bounds, resolution);
+        if layers.is_empty() {
+            return None;
+        }
+        let texture = Texture::new(
+            &gpu.device,
+            &wgpu::TextureDescriptor {
+                label: Some("shadow maps"),
+                size: wgpu::Extent3d {
+                    width: resolution,
+                    height: resolution,
+                    depth_or_array_layers: layers.len() as u32,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: raster::DEPTH_FORMAT,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            },
+        );
+        for (index, layer) in layers.iter().enumerate() {
+            self.record_layer(gpu, recorder, scene, &texture, index as u32, layer);
+        }
+        let depth = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        Some(ShadowMaps { depth, layers })
+    }
+
+    fn record_layer(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder,
+        scene: &GpuScene,
+        texture: &Texture,
+        index: u32,
+        layer: &ShadowLayer,
+    ) {
+        let view = ShadowView { clip_from_world: layer.clip_from_world };
+        let view = lumivox::gpu::uniform_buffer(&gpu.device, "shadow view", &view);
+        let group = BindGroupBuilder::new(&self.layout)
+            .buffer(&view)
+            .buffer(&scene.draw_records)
+            .build(&gpu.device, "shadow view");
+        let target = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: index,
+            array_layer_count: Some(1),
+            ..Default::default()
+        });
+        let seen = runs_in_sight(scene, layer.clip_from_world);
+        let depth = raster::depth_attachment(&target);
+        recorder.render("shadow_maps", &[], Some(depth), |pass| {
+            pass.bind(0, &group);
+            for (variant, pipeline) in &self.pipelines {
+                pass.set_pipeline(pipeline);
+                for records in &seen {
+                    let draw = scene.draw_of(records.start);
+                    if Variant::of(scene, draw) != *variant {
+                        continue;
+                    }
+                    let batch = &scene.batches[draw.batch];
+                    pass.set_vertex_buffer(0, batch.positions.slice(..));
+                    if *variant != Variant::Solid {
+                        pass.bind(1, &scene.materials[draw.material].group);
+                        pass.set_vertex_buffer(1, batch.attributes.slice(..));
+                    }
+                    raster::draw(pass, batch, draw, records.clone());
+                }
+            }
+        });
+    }
+}
+
+/// What may be seen in a projection of each run of draws: one range or several.
+fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
+    let sides = sides(clip_from_world);
+    let mut seen: Vec<Range<u32>> = Vec::new();
+    for run in &scene.runs {
+        for record in run.clone() {
+            if !may_be_seen(&sides, scene.draw_of(record).bounds) {
+                continue;
+            }
+            match seen.last_mut().filter(|last| last.end == record) {
+                // Not one of the run before, which other triangles belong to.
+                Some(last) if last.start >= run.start => last.end += 1,
+                _ => seen.push(record..record + 1),
+            }
+        }
+    }
+    seen
+}
+
+/// Gives each light its layers, in the order of the lights, as long as there is room.
+fn assign_layers(lights: &mut [Light], bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
+    let layer_bytes = 4 * u64::from(resolution) * u64::from(resolution);
+    let most = (MAX_BYTES / layer_bytes).min(u64::from(MAX_LAYERS)) as usize;
+    let mut layers = Vec::new();
+    let mut left_out = 0;
+    for light in lights {
+        let own = layers_of(&light.source, bounds, resolution);
+        if own.is_empty() || layers.len() + own.len() > most {
+            light.shadow = Shadow::Cone;
+            left_out += 1;
+            continue;
+        }
+        light.shadow = Shadow::Map { first_layer: layers.len() as u32 };
+        layers.extend(own);
+    }
+    if left_out > 0 {
+        tracing::warn!(
+            "{left_out} lights cast soft shadows by cones through the voxels, since there are no \
+             shadow maps for them (spot lights above {:.0} degrees have none, and {most} layers are \
+             the most at a resolution of {resolution}; a point light needs 6)",
+            2.0 * MAX_SPOT_ANGLE_RAD.to_degrees()
+        );
+    }
+    layers
+}
+
+/// The layers that one light needs; none where no projection is wide enough.
+fn layers_of(source: &LightSource, bounds: Bounds, resolution: u32) -> Vec<ShadowLayer> {
+    let least_near_m = bounds.radius_m() * NEAR_SHARE;
+    match *source {
+        LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. } => {
+            vec![parallel_layer(direction, bounds, resolution)]
+        }
+        LightSource::Spot { position, direction, outer_angle_rad, radius_m, .. } => {
+            if outer_angle_rad > MAX_SPOT_ANGLE_RAD {
+                return Vec::new();
+            }
+            let near_m = radius_m.max(least_near_m);
+            vec![perspective_layer(position, direction, outer_angle_rad, near_m, resolution)]
+        }
+        LightSource::Point { position, radius_m, .. } => {
+            let near_m = radius_m.max(least_near_m);
+            let faces = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+            faces
+                .map(|face| {
+                    let half_angle_rad = std::f32::consts::FRAC_PI_4;
+                    perspective_layer(position, face, half_angle_rad, near_m, resolution)
+                })
+                .to_vec()
+        }
+    }
+}
+
+fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLayer {
+    let view = look_to_mat4(bounds.center(), direction, direction.any_orthonormal_vector());
+    let seen = Bounds::from_points(corners(bounds).map(|corner| view.transform_point3(corner)));
+    // Square, so that one number tells the size of a texel; never flat.
+    let extent_m = seen.size().truncate().max_element().max(bounds.radius_m() * 1e-3);
+    let half_m = 0.5 * extent_m * border(resolution);
+    let middle = seen.center();
+    let depth_margin_m = bounds.radius_m() * 1e-3;
+    // The view looks along -z; near and far change places to reverse the depth.
+    let projection = orthographic(
+        middle.x - half_m,
+        middle.x + half_m,
+        middle.y - half_m,
+        middle.y + half_m,
+        -seen.min.z + depth_margin_m,
+        -seen.max.z - depth_margin_m,
+    );
+    ShadowLayer {
+        clip_from_world: projection * view,
+        is_perspective: false,
+        texel_size: 2.0 * half_m / resolution as f32,
+    }
+}
+
+fn perspective_layer(
+    position: Vec3,
+    direction: Vec3,
+    half_angle_rad: f32,
+    near_m: f32,
+    resolution: u32,
+) -> ShadowLayer {
+    let slope = half_angle_rad.tan() * border(resolution);
+    let view = look_to_mat4(position, direction, direction.any_orthonormal_vector());
+    let projection = perspective_infinite_reverse(2.0 * slope.atan(), 1.0, near_m);
+    ShadowLayer {
+        clip_from_world: projection * view,
+        is_perspective: true,
+        texel_size: 2.0 * slope / resolution as f32,
+    }
+}
+
+/// How much wider a layer is for its border.
+fn border(resolution: u32) -> f32 {
+    let resolution = resolution as f32;
+    resolution / (resolution - 2.0 * BORDER_TEXELS)
+}
+
+/// The sides of a projection, as planes that are negative beyond: left, right, bottom, top, near. There is no far one.
+fn sides(clip_from_world: Mat4) -> [Vec4; 5] {
+    let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_world.row(row));
+    [w - x, w + x, w - y, w + y, w - z]
+}
+
+/// Whether any part of a box may be within some sides: not all of it lies beyond one of them. What rounding may have
+/// moved there is within.
+fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
+    let (center, half) = (bounds.center(), 0.5 * bounds.size());
+    sides.iter().all(|side| {
+        let normal = side.truncate();
+        let reach = normal.abs().dot(half);
+        let size = normal.abs().dot(center.abs()) + side.w.abs() + reach;
+        let most = normal.dot(center) + side.w + reach;
+        // What overflows may be anywhere.
+        most.is_nan() || most >= -1e-5 * size
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: Bounds =
+        Bounds { min: Vec3::new(-3.0, 0.0, -2.0), max: Vec3::new(5.0, 4.0, 1.0) };
+
+    fn point(position: Vec3) -> Light {
+        let source =
+            LightSource::Point { position, intensity: Vec3::ONE, radius_m: 0.0, range_m: None };
+        Light { source, shadow: Shadow::Cone }
+    }
+
+    fn project(layer: &ShadowLayer, position: Vec3) -> Vec3 {
+        layer.clip_from_world.project_point3(position)
+    }
+
+    #[test]
+    fn the_sun_sees_all_of_the_scene_with_the_near_side_at_greater_depth() {
+        let direction = Vec3::new(0.3, -1.0, 0.2).normalize();
+        let layer = parallel_layer(direction, BOUNDS, 256);
+        for corner in corners(BOUNDS) {
+            let ndc = project(&layer, corner);
+            assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{corner}: {ndc}");
+            assert!(ndc.z > 0.0 && ndc.z < 1.0, "{corner}: {ndc}");
+            assert!(project(&layer, corner + direction).z < ndc.z);
+        }
+    }
+
+    #[test]
+    fn each_face_of_a_point_light_sees_what_lies_in_its_direction() {
+        let position = Vec3::new(1.0, 2.0, -0.5);
+        let layers = layers_of(&point(position).source, BOUNDS, 256);
+        assert_eq!(layers.len(), 6);
+        let axes = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+        for (layer, axis) in layers.iter().zip(axes) {
+            let side = axis.any_orthonormal_vector();
+            // Right at the seam of two faces, it is still within the border.
+            for at in [axis, axis + 0.99 * side, axis - side] {
+                let ndc = project(layer, position + 3.0 * at);
+                assert!(ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0, "{axis}: {ndc}");
+                assert!(ndc.z > 0.0 && ndc.z < 1.0);
+            }
+            let behind = layer.clip_from_world * (position - axis).extend(1.0);
+            assert!(behind.w < 0.0);
+        }
+    }
+
+    #[test]
+    fn lights_beyond_the_budget_keep_cones() {
+        let mut lights: Vec<Light> = (0..12).map(|i| point(Vec3::splat(i as f32))).collect();
+        let layers = assign_layers(&mut lights, BOUNDS, 1024);
+        assert_eq!(layers.len(), 60);
+        assert_eq!(lights[9].shadow, Shadow::Map { first_layer: 54 });
+        assert_eq!(lights[10].shadow, Shadow::Cone);
+        // 256 MiB are four layers of 4096², too few for a point light.
+        assert!(assign_layers(&mut lights, BOUNDS, 4096).is_empty());
+    }
+
+    #[test]
+    fn boxes_out_of_sight_are_known() {
+        let layer = perspective_layer(Vec3::ZERO, Vec3::NEG_Z, 0.7, 0.01, 256);
+        let at = |center: Vec3| Bounds { min: center - 0.5, max: center + 0.5 };
+        let sides = sides(layer.clip_from_world);
+        assert!(may_be_seen(&sides, at(Vec3::new(0.0, 0.0, -5.0))));
+        assert!(may_be_seen(&sides, at(Vec3::ZERO)));
+        assert!(!may_be_seen(&sides, at(Vec3::new(0.0, 0.0, 5.0))));
+        assert!(!may_be_seen(&sides, at(Vec3::new(20.0, 0.0, -5.0))));
+    }
+}

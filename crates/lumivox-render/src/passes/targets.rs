@@ -1,0 +1,114 @@
+//! What belongs to one size of picture: textures, and the passes that are bound to them.
+
+use glam::{Mat4, UVec2};
+use lumivox::gpu::ShaderLibrary;
+use lumivox::{GBuffer, Gi, TraceResolution, TraceTargets};
+
+use crate::gpu::memory::available_memory;
+use crate::gpu::textures::ScreenTextures;
+use crate::passes::accumulate::AccumulatePass;
+use crate::passes::composite::{CompositePass, CompositeTargets};
+use crate::passes::direct::{DirectPass, DirectTargets};
+use crate::passes::gbuffer::GBufferTargets;
+use crate::passes::overlay::OverlayPass;
+use crate::passes::voxel_view::VoxelViewPass;
+use crate::picture::tone_map::ToneMapPass;
+use crate::{Gpu, RenderError};
+
+/// All that has the picture's size.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub(crate) gbuffer_textures: GBufferTargets,
+    pub(crate) gbuffer: GBuffer,
+    pub(crate) direct: DirectTargets,
+    pub(crate) traced: TraceTargets,
+    pub(crate) composite: CompositeTargets,
+    pub(crate) voxel_view: VoxelViewPass,
+    pub(crate) accumulate: AccumulatePass,
+    pub(crate) tone_map: ToneMapPass,
+    /// Once there was something to draw.
+    pub(crate) overlay: Option<OverlayPass>,
+    /// Of the textures of this crate and of the cones'.
+    pub(crate) bytes: u64,
+}
+
+/// Bytes a pixel of everything in [`Targets`]: G-buffer 28, direct light 16, cones 20 (and at half
+/// resolution 16 + 20 / 4), picture and mean 48, illuminance 4, screen 4.
+pub(crate) const BYTES_PER_PIXEL: u64 = 120;
+/// And of the tint, where there is coloured glass.
+pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
+
+impl Targets {
+    /// Makes everything; `is_tinted` says whether the scene has coloured glass.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`] when the device has not the memory, and when a shader does not link.
+    pub(crate) async fn new(
+        gpu: &Gpu,
+        shaders: &ShaderLibrary,
+        gi: &Gi,
+        passes: (&DirectPass, &CompositePass),
+        size: UVec2,
+        resolution: TraceResolution,
+        is_tinted: bool,
+    ) -> Result<Self, RenderError> {
+        let tint = if is_tinted { TINT_BYTES_PER_PIXEL } else { 0 };
+        let needed = u64::from(size.x) * u64::from(size.y) * (BYTES_PER_PIXEL + tint);
+        let too_large = || {
+            let what = format!("a picture of {}x{}", size.x, size.y);
+            gpu.out_of_memory(what, Some(needed), "ask for a smaller picture")
+        };
+        // Software drivers hand out memory that they do not have, and the system then ends the process.
+        if gpu.is_software() && available_memory().is_some_and(|available| needed > available) {
+            return Err(too_large());
+        }
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let targets = Self::create(gpu, shaders, gi, passes, size, resolution, is_tinted);
+        if scope.pop().await.is_some() {
+            return Err(too_large());
+        }
+        targets
+    }
+
+    fn create(
+        gpu: &Gpu,
+        shaders: &ShaderLibrary,
+        gi: &Gi,
+        (direct, composite): (&DirectPass, &CompositePass),
+        size: UVec2,
+        resolution: TraceResolution,
+        is_tinted: bool,
+    ) -> Result<Self, RenderError> {
+        let device = &gpu.pipelines;
+        let mut textures = ScreenTextures::new(device, size);
+        let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
+        let view = lumivox::View {
+            clip_from_world: Mat4::IDENTITY,
+            position: glam::Vec3::ZERO,
+            size,
+            frame: 0,
+        };
+        let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
+        let direct = direct.targets(device, &mut textures);
+        let traced = gi.targets(size, resolution);
+        let composite =
+            composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
+        let voxel_view = VoxelViewPass::new(device, shaders, &composite);
+        let accumulate =
+            AccumulatePass::new(device, shaders, &mut textures, size, &composite.picture)?;
+        let tone_map = ToneMapPass::new(device, shaders, &mut textures, size)?;
+        let bytes = textures.bytes + traced.memory();
+        Ok(Self {
+            gbuffer_textures,
+            gbuffer,
+            direct,
+            traced,
+            composite,
+            voxel_view,
+            accumulate,
+            tone_map,
+            overlay: None,
+            bytes,
+        })
+    }
+}

@@ -1,0 +1,166 @@
+// Wire cubes along a pixel's ray: the outlines of faces between an occupied cell and an empty one.
+//
+// The walk goes by the occupancy bits of the voxel list, from block to block: where a block of a coarser level is
+// empty it is crossed in one step, and the next one tried is twice as large; where it is not, it is looked into.
+
+import package::grid::{grid, grid_from_world};
+import package::render::passes::voxel_view::cell_walk::{longest_walk, walk_into};
+import package::trace::gbuffer::{ray_direction, view};
+import package::voxels::lookup::{level_first_word, level_words};
+import package::voxels::morton::morton_encode;
+
+@group(1) @binding(2) var<storage, read> occupancy: array<u32>;
+
+// Half the width of a line in pixels.
+const HALF_WIDTH: f32 = 0.55;
+// Where a pixel is a larger share of a cell than this, lines get fainter by as much as they get denser.
+const DENSEST: f32 = 0.15;
+// A ray that is covered to this share shows nothing of what follows.
+const COVERED: f32 = 0.99;
+
+struct Wires {
+    coverage: f32,
+    // Of the first line.
+    cell: vec3u,
+}
+
+// A pixel's ray in units of cells of a level, and how it turns from pixel to pixel.
+struct PixelRay {
+    origin: vec3f,
+    direction: vec3f,
+    across: vec3f,
+    down: vec3f,
+}
+
+// Where the bits of the level are, and its cells along each axis.
+struct LevelBits {
+    first_word: u32,
+    size: vec3i,
+}
+
+fn has_voxel(cell: vec3u, first_word: u32) -> bool {
+    let code = morton_encode(cell);
+    return ((occupancy[first_word + code / 32u] >> (code & 31u)) & 1u) != 0u;
+}
+
+// How much of a pixel the outline of a face covers that the ray crosses; `cell` is the occupied one. Distances from
+// the edges are those on the screen, so that lines are as wide at any distance and slant. Where cells are small, lines
+// turn into an even tint, which fades where a pixel is as wide as several cells.
+fn outline_of(
+    ray: PixelRay,
+    cell: vec3i,
+    axis: u32,
+    distance: f32,
+    is_entry: bool,
+    level: LevelBits,
+) -> f32 {
+    let position = ray.origin + distance * ray.direction;
+    var coverage = 0.0;
+    for (var turn = 1u; turn <= 2u; turn++) {
+        let beside = (axis + turn) % 3u;
+        let edge = round(position[beside]);
+        let lean = ray.direction[beside] / ray.direction[axis];
+        let step = vec2f(
+            ray.across[beside] - lean * ray.across[axis],
+            ray.down[beside] - lean * ray.down[axis],
+        );
+        // Cells that a pixel is wide.
+        let pixel = max(distance * length(step), 1e-12);
+        let pixels_off = abs(position[beside] - edge) / pixel;
+        // Half of a line lies on this face, the other half on the next; but at the outermost edges of what is seen
+        // there is no next one.
+        let is_high = edge > f32(cell[beside]) + 0.5;
+        var width = HALF_WIDTH;
+        if is_entry && pixels_off < 2.0 * HALF_WIDTH && (ray.direction[beside] > 0.0) == is_high {
+            var next = cell;
+            next[beside] += select(-1, 1, is_high);
+            let is_outside = next[beside] < 0 || next[beside] >= level.size[beside];
+            let is_next_there = !is_outside && has_voxel(vec3u(next), level.first_word);
+            width = select(2.0 * HALF_WIDTH, HALF_WIDTH, is_next_there);
+        }
+        let strength = saturate(DENSEST / pixel);
+        coverage = max(coverage, select(0.0, strength, pixels_off < width));
+    }
+    return coverage;
+}
+
+// The wires of a level that a pixel shows, up to the distance `end` in cells.
+fn wires_along(pixel: vec2u, level: u32, end: f32) -> Wires {
+    let direction = ray_direction(pixel);
+    let ray = PixelRay(
+        grid_from_world(view.position_in_world) * exp2(-f32(level)),
+        direction,
+        ray_direction(pixel + vec2u(1u, 0u)) - direction,
+        ray_direction(pixel + vec2u(0u, 1u)) - direction,
+    );
+    let size = vec3i(grid.dimensions >> vec3u(level));
+    let entry = walk_into(ray.origin, ray.direction, vec3f(size));
+    let own = LevelBits(level_first_word(level), size);
+    let most_up = grid.levels - 1u - level;
+    let forward = vec3i(entry.forward);
+
+    var cell = vec3i(entry.cell);
+    var axis = entry.axis;
+    var distance = entry.distance;
+    // The block that is looked at is this many levels coarser; its level's bits begin here.
+    var up = 0u;
+    var first_word = own.first_word;
+    var words = level_words(level);
+
+    var before = cell;
+    var was_there = false;
+    // In the cell where the ray begins no face is crossed.
+    var has_face = distance > 0.0;
+    var wires = Wires(0.0, vec3u(0u));
+    var is_done = !entry.is_inside;
+    var left = 4u * longest_walk(vec3f(size));
+    loop {
+        let is_inside = all(cell >= vec3i(0)) && all(cell < size);
+        let looked_at = vec3u(clamp(cell, vec3i(0), size - 1)) >> vec3u(up);
+        let is_there = is_inside && has_voxel(looked_at, first_word);
+        if is_there && up > 0u {
+            up -= 1u;
+            words *= 8u;
+            first_word -= words;
+        } else {
+            if is_there != was_there && has_face && !is_done {
+                let occupied = select(before, cell, is_there);
+                let covered = outline_of(ray, occupied, axis, distance, is_there, own);
+                if wires.coverage == 0.0 {
+                    wires.cell = vec3u(occupied);
+                }
+                wires.coverage += (1.0 - wires.coverage) * covered;
+            }
+            was_there = is_there;
+            has_face = true;
+            before = cell;
+            // On through the block, to the next cell behind it.
+            let edge = i32(1u << up);
+            let low = (cell >> vec3u(up)) << vec3u(up);
+            let next = (vec3f(low + select(vec3i(0), vec3i(edge), forward > vec3i(0))) - ray.origin)
+                * entry.inverse;
+            let crossing = select(next, vec3f(1e30), abs(ray.direction) < vec3f(1e-12));
+            axis = 2u;
+            if crossing.x <= crossing.y && crossing.x <= crossing.z {
+                axis = 0u;
+            } else if crossing.y <= crossing.z {
+                axis = 1u;
+            }
+            distance = max(distance, crossing[axis]);
+            let at = vec3i(floor(ray.origin + distance * ray.direction));
+            cell = clamp(at, low, low + edge - 1);
+            cell[axis] = select(low[axis] - 1, low[axis] + edge, forward[axis] > 0);
+            is_done = is_done || !is_inside || distance > end || wires.coverage > COVERED;
+            if !is_there && up < most_up {
+                first_word += words;
+                words /= 8u;
+                up += 1u;
+            }
+        }
+        left -= 1u;
+        continuing {
+            break if is_done || left == 0u;
+        }
+    }
+    return wires;
+}

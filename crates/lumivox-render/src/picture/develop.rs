@@ -1,0 +1,57 @@
+//! Pictures of radiance that come from elsewhere, brought to the screen as rendered ones are.
+
+use glam::UVec2;
+use lumivox::gpu::Recorder;
+use lumivox::shaders::library_with_volume;
+use lumivox::{Directionality, VolumeKind};
+
+use crate::gpu::readback::read_texture;
+use crate::gpu::textures::{ScreenTextures, extent};
+use crate::picture::tone_map::{Encoding, ToneMapPass};
+use crate::{Exposure, Gpu, Picture, RenderError, ToneMap};
+
+impl Picture {
+    /// A picture of radiances in cd/m² (in a whether there is a surface), row by row from the top, with what
+    /// a screen shows of it.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] when there are not as many pixels as the size says, and when the device fails.
+    pub async fn develop(
+        gpu: &Gpu,
+        size: UVec2,
+        hdr: Vec<[f32; 4]>,
+        exposure: Exposure,
+        curve: ToneMap,
+    ) -> Result<Self, RenderError> {
+        if hdr.is_empty() || hdr.len() as u64 != u64::from(size.x) * u64::from(size.y) {
+            return Err(RenderError::Setting {
+                name: "the picture",
+                value: format!("of {} pixels", hdr.len()),
+                expected: format!("of {} x {}", size.x, size.y),
+            });
+        }
+        let mut shaders = library_with_volume(VolumeKind::default(), Directionality::default());
+        super::add_shaders(&mut shaders);
+        let mut textures = ScreenTextures::new(&gpu.device, size);
+        let pass = ToneMapPass::new(&gpu.pipelines, &shaders, &mut textures, size)?;
+        let format = wgpu::TextureFormat::Rgba32Float;
+        let texture = textures.create("picture", format, wgpu::TextureUsages::COPY_DST);
+        gpu.queue.write_texture(
+            texture.as_image_copy(),
+            bytemuck::cast_slice(&hdr),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(size.x * size_of::<[f32; 4]>() as u32),
+                rows_per_image: None,
+            },
+            extent(size),
+        );
+        let scale = exposure.stops(&hdr).exp2();
+        let mut recorder = Recorder::new(&gpu.device, &gpu.queue);
+        pass.record(&mut recorder, &texture, Encoding::Color { scale, curve });
+        recorder.submit();
+        let ldr = read_texture(gpu, pass.screen()).await?;
+        gpu.check("bringing a picture to the screen")?;
+        Ok(Self { size, hdr, ldr })
+    }
+}

@@ -1,0 +1,311 @@
+//! What a rendering will take of the GPU's memory, told before anything is uploaded.
+//!
+//! All but the voxel list follows from sizes that are known. How many voxels there will be is estimated from
+//! the surface: a plane of area A and unit normal n that lies at random in a grid of cells of edge h meets
+//! about A / h² · (|nx| + |ny| + |nz|) of them, the area of its projections along the axes (Cauchy's formula,
+//! axis by axis). Pieces that share a voxel count several times, so that fine detail is overrated.
+
+use std::collections::HashSet;
+
+use glam::Vec3;
+use lumivox::{Directionality, Grid, Injection, VolumeKind, dense_volume_bytes};
+use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
+
+use crate::gpu::memory::available_memory;
+use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
+use crate::passes::shadow_maps::MAX_BYTES as MAX_SHADOW_BYTES;
+use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL};
+use crate::scene::{DrawRecord, VERTEX_BYTES};
+use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
+
+/// On the built-in scenes it is 0.9 to 1.5.
+const FACES_PER_VOXEL: f64 = 1.25;
+/// The record of the list (80 bytes), and its light: two colours in full floats.
+const FACE_BYTES: u64 = 80 + 32;
+/// What photons sum up.
+const FLUX_BYTES: u64 = 8;
+const NODE_BYTES: u64 = 8;
+/// 160 to 430 on the scenes of docs/octree.md, from 128 voxels on.
+const OCTREE_BYTES_PER_VOXEL: u64 = 300;
+/// The same with one value a voxel.
+const ISOTROPIC_OCTREE_BYTES_PER_VOXEL: u64 = 170;
+
+/// The GPU memory that a scene will take under given settings, by what it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemoryEstimate {
+    /// Each thing by itself; those called `about` are estimates, the others are exact.
+    pub parts: Vec<MemoryUse>,
+    /// The estimated number of occupied voxels.
+    pub voxels: u64,
+    name: String,
+    /// What would help if the voxels are too many.
+    voxel_remedy: &'static str,
+}
+
+impl MemoryEstimate {
+    /// Estimates for a valid scene (see [`Scene::validate`]).
+    ///
+    /// # Errors
+    /// [`RenderError::Gi`] when the settings' grid is impossible.
+    pub fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let bounds = settings.grid_bounds.unwrap_or_else(|| scene.voxel_bounds());
+        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        let vertices: usize = scene.meshes.iter().map(|mesh| mesh.positions.len()).sum();
+        let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
+        let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
+        let voxels = voxel_count(scene, &grid, |_| true);
+        // Of static instances among others their own sums are kept.
+        let voxelized = || scene.shown().filter(|instance| instance.is_voxelized);
+        let fixed = voxelized().filter(|instance| instance.is_static).count();
+        let fixed_voxels = || voxel_count(scene, &grid, |instance| instance.is_static);
+        let is_mixed = (1..voxelized().count()).contains(&fixed);
+        let kept = if is_mixed { kept_bytes(&grid, fixed_voxels()) } else { 0 };
+        // Without bounces in the voxels, what the volume holds is remembered.
+        let held = if settings.bounces < 2 { held_bytes(voxels) } else { 0 };
+        // Clear glass has none either; it is too little to look for.
+        let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
+        let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
+        let overlay = if settings.overlay.is_on() { OVERLAY_BYTES_PER_PIXEL } else { 0 };
+        let parts = [
+            ("vertices and indices", vertices as u64 * VERTEX_BYTES + indices as u64 * 4),
+            ("textures", texture_bytes(scene)),
+            ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
+            ("shadow maps", shadow_bytes(scene, settings)),
+            volume_part(&grid, settings, voxels),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings.injection) + kept + held),
+            ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay)),
+        ];
+        let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
+        Ok(Self { parts, voxels, name: scene.name.clone(), voxel_remedy: voxel_remedy(settings) })
+    }
+
+    /// The sum, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.parts.iter().map(|part| part.bytes).fold(0, u64::saturating_add)
+    }
+
+    /// Compares with what is known of the device. Graphics APIs do not tell how much memory a GPU has, so
+    /// there only an allocation can fail; a software driver's is the machine's own, which the system tells.
+    ///
+    /// # Errors
+    /// [`RenderError::OutOfMemory`], with the parts and what would help.
+    pub fn check(&self, gpu: &Gpu) -> Result<(), RenderError> {
+        // Software drivers hand out memory that they do not have, and the system then ends the process.
+        let is_short = |available| self.bytes() > available;
+        if gpu.is_software() && available_memory().is_some_and(is_short) {
+            return Err(self.too_large(gpu));
+        }
+        Ok(())
+    }
+
+    /// The error that says so.
+    pub(crate) fn too_large(&self, gpu: &Gpu) -> RenderError {
+        let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+        let mut parts: Vec<&MemoryUse> = self.parts.iter().collect();
+        parts.sort_by_key(|part| std::cmp::Reverse(part.bytes));
+        let largest: Vec<String> = parts
+            .iter()
+            .take(3)
+            .map(|part| format!("{} {} MiB", part.name, mib(part.bytes)))
+            .collect();
+        let remedy = match parts.first().map_or("", |part| part.name.as_str()) {
+            "textures" => "allow less memory for textures, so that they are shrunk",
+            "picture" => "ask for a smaller picture",
+            "shadow maps" => "lower the shadow maps' resolution",
+            "vertices and indices" | "instances" => "simplify the scene",
+            _ => self.voxel_remedy,
+        };
+        let what = format!("the scene \"{}\" ({})", self.name, largest.join(", "));
+        gpu.out_of_memory(what, Some(self.bytes()), remedy)
+    }
+}
+
+/// What makes voxels take less, of what is not done yet.
+fn voxel_remedy(settings: &RenderSettings) -> &'static str {
+    match (settings.volume, settings.directionality) {
+        (VolumeKind::Dense, Directionality::SixLobes) => {
+            "lower the voxels' resolution, keep them isotropic, or store them in an octree \
+             (--volume octree)"
+        }
+        (VolumeKind::Dense, Directionality::Isotropic) => {
+            "lower the voxels' resolution, or store them in an octree (--volume octree)"
+        }
+        (VolumeKind::Octree(_), Directionality::SixLobes) => {
+            "lower the voxels' resolution, or keep them isotropic"
+        }
+        (VolumeKind::Octree(_), Directionality::Isotropic) => "lower the voxels' resolution",
+    }
+}
+
+/// The volume. An octree's is estimated: what voxels need depends on how they touch each other.
+fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static str, u64) {
+    match (settings.volume, settings.directionality) {
+        (VolumeKind::Dense, directionality) => {
+            ("voxel volume", dense_volume_bytes(grid, directionality))
+        }
+        (VolumeKind::Octree(_), Directionality::SixLobes) => {
+            ("voxel volume (about)", voxels * OCTREE_BYTES_PER_VOXEL)
+        }
+        (VolumeKind::Octree(_), Directionality::Isotropic) => {
+            ("voxel volume (about)", voxels * ISOTROPIC_OCTREE_BYTES_PER_VOXEL)
+        }
+    }
+}
+
+/// Voxels that some of the instances occupy, estimated.
+fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool) -> u64 {
+    let cell_area = f64::from(grid.voxel_size_m).powi(2);
+    let mut voxels = 0.0;
+    let is_meant = |instance: &&Instance| instance.is_voxelized && is_meant(instance);
+    for instance in scene.shown().filter(is_meant) {
+        let Some(mesh) = scene.meshes.get(instance.mesh) else { continue };
+        let corner = |index: usize| {
+            mesh.positions.get(index).map(|p| instance.world_from_local.transform_point3(*p))
+        };
+        for triangle in mesh.triangles() {
+            let [Some(a), Some(b), Some(c)] = triangle.map(corner) else { continue };
+            let twice_area: Vec3 = (b - a).cross(c - a);
+            voxels += f64::from(twice_area.abs().element_sum()) * 0.5 / cell_area;
+        }
+    }
+    (voxels.ceil() as u64).min(grid.voxel_count())
+}
+
+/// Bits and ranks, of what is occupied and of what has changed; nodes of all levels, twice; faces and their light.
+fn list_bytes(grid: &Grid, voxels: u64, injection: Injection) -> u64 {
+    let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
+    // A surface of the next level has a quarter of the cells.
+    let nodes = voxels + voxels / 3;
+    let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let face_bytes = match injection {
+        Injection::Direct => FACE_BYTES,
+        Injection::Photons => FACE_BYTES + FLUX_BYTES,
+    };
+    // The ranks: a word for each word of bits.
+    4 * cells.div_ceil(8) + 2 * nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
+}
+
+/// Bits, ranks, both side by side, lobes, and the faces' sums.
+fn kept_bytes(grid: &Grid, voxels: u64) -> u64 {
+    let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
+    let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let sums = size_of::<lumivox::voxels::FaceRecord>() as u64;
+    4 * cells.div_ceil(8) + voxels * 20 + faces * sums
+}
+
+/// A colour in full floats for each face.
+fn held_bytes(voxels: u64) -> u64 {
+    (voxels as f64 * FACES_PER_VOXEL) as u64 * 16
+}
+
+/// Each texture with its mips, once as colours and once as data if it is used as both.
+fn texture_bytes(scene: &Scene) -> u64 {
+    let used: HashSet<(usize, bool)> = scene.materials.iter().flat_map(texture_uses).collect();
+    used.iter().filter_map(|(index, _)| scene.textures.get(*index)).map(mip_bytes).sum()
+}
+
+/// The textures of a material, and whether each holds colours.
+fn texture_uses(material: &Material) -> impl Iterator<Item = (usize, bool)> {
+    let data = match &material.shading {
+        Shading::MetallicRoughness(m) => m.metallic_roughness_texture,
+        Shading::Phong(_) | Shading::Unlit(_) => None,
+    };
+    let data =
+        [data, material.normal_texture, material.clearcoat.texture, material.transmission.texture];
+    let is_data = move |texture: usize| data.iter().flatten().any(|data| data.texture == texture);
+    material.textures().map(move |used| (used.texture, !is_data(used.texture)))
+}
+
+/// All levels down to one texel, four bytes a texel.
+fn mip_bytes(texture: &Texture) -> u64 {
+    let levels = 0..=texture.width.max(texture.height).max(1).ilog2();
+    let edge = |edge: u32, level: u32| u64::from((edge >> level).max(1));
+    levels.map(|level| 4 * edge(texture.width, level) * edge(texture.height, level)).sum()
+}
+
+fn shadow_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
+    if settings.shadows != ShadowMethod::Map {
+        return 0;
+    }
+    let layers = scene.lights.iter().map(|light| match light.kind {
+        LightKind::Directional { .. } | LightKind::Spot { .. } => 1,
+        LightKind::Point { .. } => 6,
+    });
+    let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);
+    (layers.sum::<u64>() * layer_bytes).min(MAX_SHADOW_BYTES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Renderer;
+    use crate::testing::gpu;
+
+    /// The renderer's own account is the truth.
+    #[test]
+    fn what_was_estimated_is_what_is_allocated() {
+        let gpu = gpu();
+        let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());
+        for (name, resolution, bounces, moving, volume, injection) in [
+            ("spheres", 64, 8, 0, VolumeKind::Dense, Injection::Direct),
+            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense, Injection::Photons),
+            ("atrium", 96, 8, 0, octree, Injection::Direct),
+        ] {
+            let mut scene = lumivox_scene::builtin::scene(name).expect("a scene");
+            for instance in &mut scene.instances[..moving] {
+                instance.is_static = false;
+            }
+            let size = glam::UVec2::new(40, 24);
+            let settings = RenderSettings {
+                size,
+                resolution,
+                volume,
+                injection,
+                bounces,
+                ..Default::default()
+            };
+            let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
+            let mut quiet = |_| {};
+            let renderer = Renderer::new(&gpu, &scene, None, settings, &mut quiet);
+            let renderer = pollster::block_on(renderer).expect("a renderer");
+            let memory = renderer.memory();
+            let truth = |prefixes: &[&str]| -> f64 {
+                let is_meant =
+                    |part: &&MemoryUse| prefixes.iter().any(|p| part.name.starts_with(p));
+                memory.iter().filter(is_meant).map(|part| part.bytes as f64).sum()
+            };
+            for part in &estimate.parts {
+                let (truth, tolerance) = match part.name.as_str() {
+                    // The tilted walls' edges, and surfaces that share a voxel.
+                    "voxel list (about)" => (truth(&["voxels", "light"]), 0.4),
+                    // The white texel that stands for none.
+                    "textures" => (truth(&["textures"]), 0.001),
+                    "voxel volume" => (truth(&["volume"]), 0.001),
+                    // How voxels touch each other decides.
+                    "voxel volume (about)" => (truth(&["volume"]), 0.7),
+                    other => (truth(&[other]), 0.001),
+                };
+                let error = (part.bytes as f64 - truth).abs();
+                assert!(error <= truth * tolerance + 16.0, "{name}: {part:?}, is {truth}");
+            }
+            let voxels = f64::from(renderer.voxel_stats().voxels);
+            let ratio = estimate.voxels as f64 / voxels;
+            assert!((0.7..1.5).contains(&ratio), "{name}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn too_much_is_refused_with_numbers() {
+        let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
+        let settings = RenderSettings { resolution: 1024, ..RenderSettings::default() };
+        let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
+        let gpu = gpu();
+        let text = estimate.too_large(&gpu).to_string();
+        if gpu.is_software() {
+            assert!(text.contains(" MiB are free"), "{text}");
+        }
+        for needle in ["\"cornell\"", "voxel volume", "MiB", "lower the voxels' resolution"] {
+            assert!(text.contains(needle), "{text}");
+        }
+    }
+}

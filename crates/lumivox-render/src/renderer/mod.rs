@@ -1,0 +1,402 @@
+//! A scene rendered to a picture, pass by pass.
+
+mod change;
+pub(crate) mod estimate;
+mod overlay;
+mod passes;
+mod photometry;
+mod prepare;
+mod screen;
+
+use std::ops::ControlFlow;
+
+use lumivox::gpu::{Recorder, StageTime, Timing};
+use lumivox::{EnvironmentMap, Gi, Grid, Lights, VoxelizeStats};
+use lumivox_scene::{Bounds, Camera, Scene};
+
+use crate::gpu::memory::MemoryUse;
+use crate::gpu::times::Times;
+use crate::passes::gbuffer;
+use crate::passes::targets::Targets;
+use crate::scene::{GpuScene, Lighting, radiance_unit_within};
+use crate::vxct::{VxctFrame, VxctLook};
+use crate::{Gpu, Picture, RenderError, RenderSettings, View};
+use passes::Passes;
+pub use photometry::Photometry;
+pub use prepare::global_illumination;
+use prepare::{bind_lights, compile, environment_map, upload, voxelize};
+
+/// How far the work is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// What is under way: `upload`, `compile`, `voxelize`, `light` or `render`.
+    pub stage: &'static str,
+    /// Steps done, from 0 to `total`.
+    pub done: u32,
+    /// Steps of this stage.
+    pub total: u32,
+}
+
+/// Renders one scene with one set of settings.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Gpu,
+    settings: RenderSettings,
+    camera: Camera,
+    scene: GpuScene,
+    /// What the scene itself asks the grid to be fitted to.
+    scene_bounds: Bounds,
+    /// Whether nothing of it need be in the grid: it has one of its own.
+    may_be_empty: bool,
+    /// What it is fitted to.
+    grid_bounds: Bounds,
+    /// Around all that is shown; shadow maps hold what lies outside of the grid, too.
+    shown_bounds: Bounds,
+    lighting: Lighting,
+    gi: Gi,
+    lights: Lights,
+    voxels: VoxelizeStats,
+    voxels_are_stale: bool,
+    passes: Passes,
+    targets: Targets,
+    vxct: VxctLook,
+    environment: Option<EnvironmentMap>,
+    shadow_bytes: u64,
+    times: Times,
+}
+
+impl Renderer {
+    /// Prepares a scene: uploads it, fits the grid to its bounds, voxelizes it and lights the voxels.
+    ///
+    /// The camera is the one given, else the scene's first, else one that frames all of it. `progress`
+    /// hears of the stages `upload`, `compile` (if the device has not all pipelines yet), `voxelize` and `light`.
+    ///
+    /// # Errors
+    /// When a setting is out of range, when nothing of the scene is in the grid (unless it has a grid of its own,
+    /// [`Scene::grid_bounds`]), when something does not fit the device or its memory, and when the device fails.
+    pub async fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        settings: RenderSettings,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Self, RenderError> {
+        validate(&settings, gpu)?;
+        let scene_bounds = scene.voxel_bounds();
+        let may_be_empty = scene.grid_bounds.is_some();
+        let bounds = settings.grid_bounds.unwrap_or(scene_bounds);
+        let camera = camera.or(scene.cameras.first()).cloned();
+        let camera = camera.unwrap_or_else(|| {
+            scene.default_camera(settings.size.x as f32 / settings.size.y as f32)
+        });
+        let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
+        validate_level(&settings, &grid)?;
+        let mut times = Times::default();
+
+        progress(Progress { stage: "upload", done: 0, total: 1 });
+        let lighting = Lighting::of(scene);
+        let unit = radiance_unit_within(bounds, scene, &lighting);
+        let mut vxct = VxctLook::new(scene, bounds);
+        let given = scene;
+        let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
+        let shown_bounds = scene.bounds;
+        scene.bounds = bounds.union(shown_bounds);
+        progress(Progress { stage: "upload", done: 1, total: 1 });
+
+        let mut gi = global_illumination(gpu, settings.gi_config(grid)).await?;
+        let passes = Passes::new(gpu, &gi, &scene, &settings)?;
+        let targets = passes.targets(gpu, &gi, &scene, &settings).await?;
+        gpu.check("making the picture's textures")?;
+        if settings.shows_vxct() {
+            vxct.prepare(gpu, &passes.shaders, &gi, &scene, settings.resolution)?;
+        }
+        compile(gpu, progress).await?;
+
+        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+        let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await;
+        let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, given))?;
+        times.add(voxelized.times);
+        gpu.check("voxelizing")?;
+        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+
+        progress(Progress { stage: "light", done: 0, total: 1 });
+        let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
+        let map = environment_map(gpu, &lighting)?;
+        let (lights, shadow_bytes) = bind_lights(
+            gpu,
+            &mut recorder,
+            passes.shadows.as_ref(),
+            &scene,
+            (&lighting, map.as_ref()),
+            &gi,
+            &settings,
+        );
+        if settings.timing != Timing::Off && !settings.shows_vxct() {
+            // Drivers compile a kernel at its first use, which is no part of a stage's time.
+            let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
+            gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
+            first_use.submit();
+            gi.forget_light();
+        }
+        if !settings.shows_vxct() {
+            recorder.stage("light");
+            gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
+        }
+        times.add(recorder.finish().await?);
+        gpu.wait("lighting the voxels")?;
+        progress(Progress { stage: "light", done: 1, total: 1 });
+
+        Ok(Self {
+            gpu: gpu.clone(),
+            settings,
+            camera,
+            scene,
+            scene_bounds,
+            may_be_empty,
+            grid_bounds: bounds,
+            shown_bounds,
+            lighting,
+            gi,
+            lights,
+            voxels: voxelized.stats,
+            voxels_are_stale: false,
+            passes,
+            targets,
+            vxct,
+            environment: map,
+            shadow_bytes,
+            times,
+        })
+    }
+
+    /// Renders all frames that the settings ask for and are not there yet, and finishes the picture.
+    /// `progress` hears of the stage `render`, frame by frame.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render(
+        &mut self,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Picture, RenderError> {
+        let mut go_on = |step| {
+            progress(step);
+            ControlFlow::Continue(())
+        };
+        self.render_frames(&mut go_on).await?;
+        self.complete_overlay().await?;
+        self.finish().await
+    }
+
+    /// The same until `progress` breaks it off between two frames: then there is no picture, and the frames so far stay.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render_until(
+        &mut self,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Picture>, RenderError> {
+        self.render_frames(progress).await?;
+        if self.frame_count() < self.settings.frames {
+            return Ok(None);
+        }
+        self.complete_overlay().await?;
+        self.finish().await.map(Some)
+    }
+
+    async fn render_frames(
+        &mut self,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
+        let total = self.settings.frames;
+        let step = |done: u32| Progress { stage: "render", done: done.min(total), total };
+        let mut wish = progress(step(self.frame_count()));
+        while self.frame_count() < total && wish.is_continue() {
+            self.render_frame().await?;
+            // One frame in flight: progress is then the truth, and memory for commands stays small.
+            self.gpu.wait("rendering a frame")?;
+            wish = progress(step(self.frame_count()));
+        }
+        Ok(())
+    }
+
+    /// Renders one frame more into the mean.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn render_frame(&mut self) -> Result<(), RenderError> {
+        self.draw_frame(true).await
+    }
+
+    /// Renders the next frame for its time alone: the mean stays as it is.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub async fn rehearse_frame(&mut self) -> Result<(), RenderError> {
+        self.draw_frame(false).await
+    }
+
+    async fn draw_frame(&mut self, is_kept: bool) -> Result<(), RenderError> {
+        self.prepare_view().await?;
+        let frame = self.frame_count();
+        let Self { settings, camera, scene, gi, lights, passes, targets, .. } = self;
+        let jitter = gbuffer::jitter(frame, settings.frames);
+        let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
+        let (position, size) = (camera.position, settings.size);
+        let view = lumivox::View { clip_from_world, position, size, frame };
+        targets.gbuffer.set_view(&self.gpu.queue, view);
+
+        let mut recorder =
+            Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
+        if settings.shows_vxct() {
+            self.record_vxct(&mut recorder, &view);
+        } else if settings.view.is_of_voxels() {
+            recorder.stage("voxel view");
+            targets.voxel_view.record(
+                &mut recorder,
+                gi,
+                lights,
+                &targets.gbuffer,
+                (settings.view, settings.voxel_level),
+                camera.vertical_fov_rad,
+            )?;
+        } else {
+            recorder.stage("G-buffer");
+            let textures = &targets.gbuffer_textures;
+            passes.gbuffer.record(&mut recorder, scene, textures, (&view, jitter));
+            let gbuffer = &targets.gbuffer;
+            if settings.view == View::Lod {
+                recorder.stage("picture");
+                let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
+                targets.voxel_view.record(&mut recorder, gi, lights, gbuffer, what, fov)?;
+            } else {
+                if settings.view.needs_direct() {
+                    recorder.stage("direct light");
+                    passes.direct.record(&mut recorder, gi, lights, gbuffer, &targets.direct);
+                }
+                let has_cones = settings.view.needs_cones(settings.bounces);
+                if has_cones {
+                    recorder.stage("trace");
+                    gi.trace(&mut recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
+                }
+                recorder.stage("picture");
+                let composite = &targets.composite;
+                let shown = (settings.view, has_cones, frame);
+                passes.composite.record(&mut recorder, lights, gbuffer, composite, shown);
+            }
+        }
+        if is_kept {
+            recorder.stage("picture");
+            self.targets.accumulate.record(&mut recorder);
+            self.record_overlay(&mut recorder, &view)?;
+        }
+        self.times.add(recorder.finish().await?);
+        self.gpu.check("rendering a frame")
+    }
+
+    /// Makes a picture in the look of VXCT, and the depths and normals of what it shows.
+    fn record_vxct(&mut self, recorder: &mut Recorder, view: &lumivox::View) {
+        let Self { gpu, settings, scene, lights, targets, vxct, .. } = self;
+        let Some(look) = settings.vxct() else { return };
+        let (shown, level) = (settings.view, settings.voxel_level);
+        let gbuffer = &targets.gbuffer;
+        let frame = VxctFrame { scene, lights, gbuffer, targets, view, shown, level };
+        vxct.record(gpu, recorder, &frame, look);
+    }
+
+    /// Compiles what the view and the look need and no frame before did.
+    async fn prepare_view(&mut self) -> Result<(), RenderError> {
+        let Self { gpu, settings, scene, gi, passes, targets, vxct, .. } = self;
+        if settings.shows_vxct() {
+            vxct.prepare(gpu, &passes.shaders, gi, scene, settings.resolution)?;
+        } else if settings.view.is_of_voxels() || settings.view == View::Lod {
+            targets.voxel_view.prepare(gi, settings.view)?;
+        }
+        compile(gpu, &mut |_| {}).await
+    }
+
+    /// Frames in the picture so far.
+    pub fn frame_count(&self) -> u32 {
+        self.targets.accumulate.frames()
+    }
+
+    /// Moves the camera; the mean starts anew.
+    pub fn set_camera(&mut self, camera: Camera) {
+        self.camera = camera;
+        self.targets.accumulate.reset();
+    }
+
+    /// The camera in use.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The settings in use.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// The global illumination, for its grid and voxels.
+    pub fn gi(&self) -> &Gi {
+        &self.gi
+    }
+
+    /// What the voxelization found.
+    pub fn voxel_stats(&self) -> &VoxelizeStats {
+        &self.voxels
+    }
+
+    /// The times of all passes so far, in order: the mean over the frames that had them. Empty
+    /// unless the settings ask for times.
+    pub fn times(&self) -> Vec<StageTime> {
+        self.times.means()
+    }
+
+    /// Forgets the times so far: what comes runs with kernels that the driver has compiled.
+    pub fn forget_times(&mut self) {
+        self.times = Times::default();
+    }
+
+    /// Lets the next lighting store and filter all voxels, even those whose light is what the volume holds already:
+    /// for measurements.
+    pub fn forget_light(&mut self) {
+        self.gi.forget_light();
+    }
+
+    /// GPU memory by what it holds.
+    pub fn memory(&self) -> Vec<MemoryUse> {
+        let mut memory = self.scene.memory.clone();
+        memory.push(MemoryUse::new("shadow maps", self.shadow_bytes));
+        let environment_bytes = self.environment.as_ref().map_or(0, EnvironmentMap::memory);
+        memory.push(MemoryUse::new("environment", environment_bytes));
+        let gi = self.gi.memory();
+        memory.extend(gi.into_iter().map(|(name, bytes)| MemoryUse::new(name, bytes)));
+        memory.extend(self.vxct.memory());
+        memory.push(MemoryUse::new("picture", self.targets.bytes));
+        memory
+    }
+}
+
+fn validate(settings: &RenderSettings, gpu: &Gpu) -> Result<(), RenderError> {
+    settings.validate(&gpu.device.limits())?;
+    let has_timestamps = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+    if settings.timing == Timing::Timestamps && !has_timestamps {
+        return Err(RenderError::Setting {
+            name: "timing",
+            value: "by timestamps".to_owned(),
+            expected: "off or by waiting: this device has no timestamps".to_owned(),
+        });
+    }
+    Ok(())
+}
+
+fn validate_level(settings: &RenderSettings, grid: &Grid) -> Result<(), RenderError> {
+    let last = settings.last_level(grid);
+    if settings.voxel_level <= last {
+        return Ok(());
+    }
+    Err(RenderError::Setting {
+        name: "voxel level",
+        value: settings.voxel_level.to_string(),
+        expected: format!("from 0 to {last}"),
+    })
+}

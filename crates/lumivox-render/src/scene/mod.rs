@@ -1,0 +1,434 @@
+//! A scene on the GPU: buffers that rasterizer and voxelizer share, materials, lights.
+
+mod draws;
+mod geometry;
+mod lights;
+mod material_record;
+mod materials;
+mod mips;
+mod reference_white;
+mod sheen;
+mod textures;
+mod units;
+
+use std::mem::offset_of;
+
+use bytemuck::Zeroable as _;
+use glam::Vec3;
+use lumivox::gpu::{Buffer, ShaderLibrary};
+use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
+use lumivox_scene::{Bounds, InstanceBounds, Scene};
+use wgpu::util::DeviceExt as _;
+
+pub(crate) use draws::{DrawRecord, SceneDraw};
+pub(crate) use geometry::{AllAttributes, Attributes, Shading, VERTEX_BYTES};
+pub use lights::Lighting;
+#[cfg(test)]
+pub(crate) use material_record::TexturePlace;
+pub(crate) use material_record::{MaterialRecord, TEXTURE_COUNT, has_sheen, is_layered};
+pub(crate) use material_record::{record as material_record, textures as material_textures};
+pub(crate) use materials::{GpuMaterial, Presence, material_layout};
+pub(crate) use mips::{Alpha, Encoding, Level, mip_chain};
+pub(crate) use reference_white::reference_white;
+pub(crate) use sheen::{EDGE as SHEEN_EDGE, table as sheen_table};
+pub use units::radiance_unit;
+pub(crate) use units::radiance_unit_within;
+
+use crate::gpu::memory::MemoryUse;
+use crate::{Gpu, RenderError};
+use draws::{InstanceKind, InstanceParts, number_records};
+use geometry::{BatchKind, BatchLimits, pack};
+use materials::{MaterialUpload, VertexColors};
+
+/// Adds the shaders that read a scene: materials, their layers and textures, and points of surfaces.
+pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+    library
+        .add("render::scene::draws", include_str!("draws.wgsl"))
+        .add("render::scene::layer_textures", include_str!("layer_textures.wgsl"))
+        .add("render::scene::layers", include_str!("layers.wgsl"))
+        .add("render::scene::material", include_str!("material.wgsl"))
+        .add("render::scene::normals", include_str!("normals.wgsl"))
+        .add("render::scene::point", include_str!("point.wgsl"));
+}
+
+/// The vertex buffers of one batch.
+#[derive(Debug)]
+pub(crate) struct VertexBuffers {
+    pub(crate) kind: Attributes,
+    /// Of their content ([`geometry::Batch::fingerprint`]).
+    fingerprint: [u64; 2],
+    pub(crate) positions: Buffer,
+    pub(crate) attributes: Buffer,
+    pub(crate) shading: Buffer,
+    pub(crate) indices: Buffer,
+}
+
+/// A scene, uploaded.
+#[derive(Debug)]
+pub struct GpuScene {
+    /// The scene's triangles as the voxelizer reads them: the same buffers that are drawn from.
+    pub geometry: Geometry,
+    /// The box around all of it.
+    pub bounds: Bounds,
+    /// All radiances on the GPU are multiples of this, in cd/m².
+    pub radiance_unit: f32,
+    pub(crate) batches: Vec<VertexBuffers>,
+    pub(crate) draws: Vec<SceneDraw>,
+    /// Draws that differ in their transforms alone, as runs of their records: each is one call.
+    pub(crate) runs: Vec<std::ops::Range<u32>>,
+    /// For each record, the place of its draw in `draws`.
+    pub(crate) order: Vec<u32>,
+    parts: Vec<InstanceParts>,
+    boxes: InstanceBounds,
+    pub(crate) draw_records: Buffer,
+    pub(crate) materials: Vec<GpuMaterial>,
+    pub(crate) material_layout: wgpu::BindGroupLayout,
+    pub(crate) memory: Vec<MemoryUse>,
+}
+
+/// What of a scene changes when it moves: vertices, and where they are.
+struct Placed {
+    geometry: Vec<GeometryBatch>,
+    batches: Vec<VertexBuffers>,
+    draws: Vec<SceneDraw>,
+    runs: Vec<std::ops::Range<u32>>,
+    order: Vec<u32>,
+    parts: Vec<InstanceParts>,
+    boxes: InstanceBounds,
+    draw_records: Buffer,
+    memory: [MemoryUse; 2],
+}
+
+impl GpuScene {
+    /// Uploads a valid scene (see [`Scene::validate`]).
+    ///
+    /// `lighting` says how bright what takes no light is shown. `radiance_unit` is what one stands for in
+    /// emission, cd/m²; [`radiance_unit`] chooses it.
+    /// Textures get their mips here, on all cores of the CPU.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] when the scene has more instances than the device can bind.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        lighting: &Lighting,
+        radiance_unit: f32,
+    ) -> Result<Self, RenderError> {
+        let material_layout = material_layout(&gpu.pipelines);
+        let white = reference_white(scene, lighting);
+        let mut upload = MaterialUpload::new(gpu, scene, radiance_unit, white, &material_layout);
+        let colors = colors_of_materials(scene);
+        let (materials, surfaces): (Vec<_>, Vec<_>) = scene
+            .materials
+            .iter()
+            .zip(colors)
+            .map(|(material, colors)| upload.upload(material, colors))
+            .unzip();
+        let texture_bytes = upload.texture_bytes();
+
+        let placed = Placed::new(gpu, scene, &materials, Vec::new())?;
+        let [vertices, instances] = placed.memory;
+        Ok(Self {
+            geometry: Geometry { batches: placed.geometry, materials: surfaces },
+            bounds: placed.boxes.all(scene),
+            radiance_unit,
+            batches: placed.batches,
+            draws: placed.draws,
+            runs: placed.runs,
+            order: placed.order,
+            parts: placed.parts,
+            boxes: placed.boxes,
+            draw_records: placed.draw_records,
+            materials,
+            material_layout,
+            memory: vec![vertices, MemoryUse::new("textures", texture_bytes), instances],
+        })
+    }
+
+    /// Uploads the vertices and transforms of the same scene in another pose. Materials and textures
+    /// stay as they are, and so do the bounds, and buffers whose content does not change.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`], and [`RenderError::Setting`] when it is another scene, of other
+    /// materials.
+    pub(crate) fn repose(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        if scene.materials.len() != self.materials.len() {
+            return Err(RenderError::Setting {
+                name: "the scene in another pose",
+                value: format!("one of {} materials", scene.materials.len()),
+                expected: format!("the same scene, of {} materials", self.materials.len()),
+            });
+        }
+        self.geometry.batches.clear();
+        self.draws.clear();
+        let earlier = std::mem::take(&mut self.batches);
+        let placed = Placed::new(gpu, scene, &self.materials, earlier)?;
+        self.geometry.batches = placed.geometry;
+        self.batches = placed.batches;
+        self.draws = placed.draws;
+        (self.runs, self.order) = (placed.runs, placed.order);
+        (self.parts, self.boxes) = (placed.parts, placed.boxes);
+        self.draw_records = placed.draw_records;
+        let [vertices, instances] = placed.memory;
+        self.memory[0] = vertices;
+        self.memory[2] = instances;
+        Ok(())
+    }
+
+    /// The box around the scene, as [`Scene::bounds`] has it; the scene is the one that was uploaded last.
+    pub(crate) fn bounds_of(&self, scene: &Scene) -> Bounds {
+        self.boxes.all(scene)
+    }
+
+    /// Moves instances to where a scene has them, which is the one that was uploaded but for their places; `false` where it
+    /// is not, and has to be uploaded again.
+    pub(crate) fn move_instances(&mut self, gpu: &Gpu, scene: &Scene, moved: &[usize]) -> bool {
+        let is_same = |&number: &usize| {
+            let (instance, parts) = (scene.instances.get(number), self.parts.get(number));
+            instance.zip(parts).is_some_and(|(i, parts)| InstanceKind::of(i) == parts.kind)
+        };
+        if scene.instances.len() != self.parts.len() || !moved.iter().all(is_same) {
+            return false;
+        }
+        for &number in moved {
+            let (parts, instance) = (&self.parts[number], &scene.instances[number]);
+            self.boxes.follow(scene, number);
+            let record = DrawRecord::new(instance.world_from_local);
+            for draw in &mut self.draws[parts.draws.clone()] {
+                draw.bounds = self.boxes.get(number);
+                let offset = u64::from(draw.record) * size_of::<DrawRecord>() as u64;
+                gpu.queue.write_buffer(&self.draw_records, offset, bytemuck::bytes_of(&record));
+            }
+            for &(batch, place) in &parts.voxelized {
+                self.geometry.batches[batch].draws[place].world_from_local =
+                    instance.world_from_local;
+            }
+        }
+        true
+    }
+
+    /// Takes other materials for the same instances, if they name the textures that they named; else says so, and has to
+    /// be uploaded again. Those of a kind that draws nothing come into effect with the next pose.
+    pub(crate) fn set_materials(&mut self, gpu: &Gpu, scene: &Scene, lighting: &Lighting) -> bool {
+        let white = reference_white(scene, lighting);
+        let colors = colors_of_materials(scene);
+        scene.materials.len() == self.materials.len()
+            && self
+                .materials
+                .iter_mut()
+                .zip(&mut self.geometry.materials)
+                .zip(scene.materials.iter().zip(colors))
+                .all(|((gpu_material, surface), (material, colors))| {
+                    let units = (self.radiance_unit, white);
+                    gpu_material.set(&gpu.queue, scene, material, units, colors, surface)
+                })
+    }
+
+    /// The draw of a record.
+    pub(crate) fn draw_of(&self, record: u32) -> &SceneDraw {
+        &self.draws[self.order[record as usize] as usize]
+    }
+
+    /// Whether light that passes something may change its colour.
+    pub(crate) fn is_tinted(&self) -> bool {
+        self.materials.iter().any(|material| material.is_tinted)
+    }
+}
+
+impl Placed {
+    /// `earlier` are buffers of which those are used again that hold what is needed.
+    fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        materials: &[GpuMaterial],
+        mut earlier: Vec<VertexBuffers>,
+    ) -> Result<Self, RenderError> {
+        let limits = gpu.device.limits();
+        let kinds = batch_kinds(scene);
+        let (packed, pieces) = pack(&scene.meshes, &kinds, BatchLimits::of_device(&limits));
+        let prints: Vec<_> = packed.iter().map(geometry::Batch::fingerprint).collect();
+        // Gone first: two poses at a time could be more than the device holds.
+        earlier.retain(|buffers| prints.contains(&buffers.fingerprint));
+        let reuse = |(batch, print): (&geometry::Batch, &[u64; 2])| {
+            let place = earlier.iter().position(|buffers| buffers.fingerprint == *print);
+            match place {
+                Some(place) => earlier.swap_remove(place),
+                None => VertexBuffers::new(&gpu.device, batch, *print),
+            }
+        };
+        let batches: Vec<VertexBuffers> = packed.iter().zip(&prints).map(reuse).collect();
+        let mut geometry: Vec<GeometryBatch> =
+            batches.iter().map(VertexBuffers::for_voxels).collect();
+        let boxes = InstanceBounds::of(scene);
+        let mut draws: Vec<SceneDraw> = Vec::new();
+        let mut parts = Vec::with_capacity(scene.instances.len());
+        for (number, instance) in scene.instances.iter().enumerate() {
+            let kind = InstanceKind::of(instance);
+            let first = draws.len();
+            let mut voxelized = Vec::new();
+            let material = &materials[instance.material];
+            let is_drawn = kind.is_some() && material.presence != Presence::Absent;
+            for piece in pieces[instance.mesh].iter().filter(|_| is_drawn) {
+                draws.push(SceneDraw {
+                    batch: piece.batch,
+                    indices: piece.first_index..piece.first_index + piece.index_count,
+                    base_vertex: piece.base_vertex as i32,
+                    material: instance.material,
+                    bounds: boxes.get(number),
+                    is_voxelized: instance.is_voxelized,
+                    is_mirrored: instance.world_from_local.determinant() < 0.0,
+                    record: 0,
+                });
+                if !instance.is_voxelized {
+                    continue;
+                }
+                let of_batch = &mut geometry[piece.batch].draws;
+                voxelized.push((piece.batch, of_batch.len()));
+                of_batch.push(Draw {
+                    first_index: piece.first_index,
+                    index_count: piece.index_count,
+                    base_vertex: piece.base_vertex,
+                    material: instance.material as u32,
+                    world_from_local: instance.world_from_local,
+                    is_static: instance.is_static,
+                });
+            }
+            parts.push(InstanceParts { kind, draws: first..draws.len(), voxelized });
+        }
+        let (runs, order) = number_records(&mut draws);
+        let mut records = vec![DrawRecord::zeroed(); draws.len()];
+        for (instance, parts) in scene.instances.iter().zip(&parts) {
+            for draw in &draws[parts.draws.clone()] {
+                records[draw.record as usize] = DrawRecord::new(instance.world_from_local);
+            }
+        }
+        let draw_bytes = records.len() as u64 * size_of::<DrawRecord>() as u64;
+        if draw_bytes > limits.max_storage_buffer_binding_size {
+            return Err(RenderError::Limit {
+                what: format!("the transforms of {} instances", records.len()),
+                needed: draw_bytes,
+                unit: "bytes",
+                limit: "max_storage_buffer_binding_size",
+                available: limits.max_storage_buffer_binding_size,
+                remedy: "join meshes that share a material".to_owned(),
+            });
+        }
+        let vertex_bytes = batches.iter().map(VertexBuffers::bytes).sum();
+        Ok(Self {
+            geometry,
+            batches,
+            draws,
+            runs,
+            order,
+            parts,
+            boxes,
+            draw_records: lumivox::gpu::upload(&gpu.device, "draws", &records),
+            memory: [
+                MemoryUse::new("vertices and indices", vertex_bytes),
+                MemoryUse::new("instances", draw_bytes),
+            ],
+        })
+    }
+}
+
+/// For each material, the colours of the vertices on which it is used.
+pub(crate) fn colors_of_materials(scene: &Scene) -> Vec<VertexColors> {
+    let of_meshes: Vec<VertexColors> = scene
+        .meshes
+        .iter()
+        .map(|mesh| VertexColors {
+            has_colors: !mesh.colors.is_empty(),
+            has_alpha: mesh.colors.iter().any(|color| color.w < 1.0),
+        })
+        .collect();
+    let mut materials = vec![VertexColors::default(); scene.materials.len()];
+    for instance in &scene.instances {
+        let (material, mesh) = (&mut materials[instance.material], of_meshes[instance.mesh]);
+        material.has_colors |= mesh.has_colors;
+        material.has_alpha |= mesh.has_alpha;
+    }
+    materials
+}
+
+/// For each mesh, the attributes that its vertices need on the GPU, and whether anything static shows it.
+fn batch_kinds(scene: &Scene) -> Vec<BatchKind> {
+    let mut uses_second_set = vec![false; scene.meshes.len()];
+    let mut is_static = vec![false; scene.meshes.len()];
+    for instance in &scene.instances {
+        let mut textures = scene.materials[instance.material].textures();
+        uses_second_set[instance.mesh] |= textures.any(|texture| texture.uv_set == 1);
+        is_static[instance.mesh] |= instance.is_static;
+    }
+    let kind = |((mesh, uses), is_static)| BatchKind {
+        attributes: Attributes::needed(mesh, uses),
+        is_static,
+    };
+    scene.meshes.iter().zip(uses_second_set).zip(is_static).map(kind).collect()
+}
+
+impl VertexBuffers {
+    fn new(device: &wgpu::Device, batch: &geometry::Batch, fingerprint: [u64; 2]) -> Self {
+        let buffer = |label, contents: &[u8], usage| {
+            // A scene of no visible triangles still needs buffers to bind.
+            let contents = if contents.is_empty() { &[0; 16] } else { contents };
+            let label = Some(label);
+            let descriptor = wgpu::util::BufferInitDescriptor { label, contents, usage };
+            Buffer::own(device.create_buffer_init(&descriptor))
+        };
+        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
+        let storage = wgpu::BufferUsages::STORAGE;
+        let cast = bytemuck::cast_slice::<[f32; 3], u8>;
+        Self {
+            kind: batch.kind.attributes,
+            fingerprint,
+            positions: buffer("positions", cast(&batch.positions), vertex | storage),
+            attributes: buffer("attributes", &batch.attribute_bytes, vertex | storage),
+            shading: buffer("normals", bytemuck::cast_slice(&batch.shading), vertex | storage),
+            indices: buffer("indices", bytemuck::cast_slice(&batch.indices), index | storage),
+        }
+    }
+
+    fn for_voxels(&self) -> GeometryBatch {
+        GeometryBatch {
+            positions: wgpu::Buffer::clone(&self.positions),
+            attributes: Some(self.attributes_for_voxels()),
+            indices: wgpu::Buffer::clone(&self.indices),
+            draws: Vec::new(),
+        }
+    }
+
+    fn attributes_for_voxels(&self) -> VertexAttributes {
+        let buffer = wgpu::Buffer::clone(&self.attributes);
+        match self.kind {
+            Attributes::Texcoords => VertexAttributes::texcoords(buffer),
+            Attributes::All => VertexAttributes {
+                buffer,
+                stride: size_of::<AllAttributes>() as u32,
+                texcoords: [
+                    Some(offset_of!(AllAttributes, texcoord) as u32),
+                    Some(offset_of!(AllAttributes, texcoord_1) as u32),
+                ],
+                color: Some(offset_of!(AllAttributes, color) as u32),
+            },
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        [&self.positions, &self.attributes, &self.shading, &self.indices]
+            .map(|buffer| buffer.size())
+            .iter()
+            .sum()
+    }
+}
+
+/// The eight corners of a box.
+pub(crate) fn corners(bounds: Bounds) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        let pick = |bit: usize, low: f32, high: f32| if corner & bit == 0 { low } else { high };
+        Vec3::new(
+            pick(1, bounds.min.x, bounds.max.x),
+            pick(2, bounds.min.y, bounds.max.y),
+            pick(4, bounds.min.z, bounds.max.z),
+        )
+    })
+}

@@ -1,0 +1,357 @@
+//! Everything that can be set about a rendering: [`RenderSettings`] holds it, [`parameters`] says of each setting what it
+//! is, and [`preset`] where one can start from.
+
+pub mod parameters;
+pub(crate) mod preset;
+mod view;
+
+use glam::{UVec2, Vec3};
+use lumivox::gpu::Timing;
+use lumivox::{
+    Directionality, GiConfig, Grid, Injection, TraceSettings, VolumeKind, VoxelizeMethod,
+};
+use lumivox_scene::Bounds;
+
+use crate::passes::overlay::LineRecord;
+use crate::{Look, Overlay, RenderError, VxctSettings};
+
+pub use view::{COST_SCALE_SAMPLES, View};
+
+/// How radiance becomes brightness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Exposure {
+    /// The geometric mean of the picture's luminance becomes 0.18, a middle grey (Reinhard et al.
+    /// 2002, section 3.1). Pixels without a surface, and those that are black, do not count.
+    #[default]
+    Auto,
+    /// Radiance in cd/m² times 2 to the power of this many stops is the value that is tone mapped.
+    Stops(f32),
+}
+
+/// The curve from exposed radiance to the range of a screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum ToneMap {
+    /// Khronos PBR Neutral (2024): keeps the hue and saturation of what is darker than white, and
+    /// compresses and desaturates highlights alone.
+    #[default]
+    Neutral,
+    /// Narkowicz's fit (2015) of the ACES film curve: more contrast, highlights shift in hue.
+    Aces,
+    /// None: what is above 1 is clipped.
+    Linear,
+    /// Not even the screen's encoding: values are the code, from 0 to 1, and clipped. For the look of VXCT, which
+    /// computes with display values; anything else comes out too dark.
+    Raw,
+}
+
+impl ToneMap {
+    /// All curves.
+    pub const ALL: [Self; 4] = [Self::Neutral, Self::Aces, Self::Linear, Self::Raw];
+
+    /// The curve's name in lower case, as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Neutral => "neutral",
+            Self::Aces => "aces",
+            Self::Linear => "linear",
+            Self::Raw => "raw",
+        }
+    }
+
+    /// The constant of the shaders that stands for the curve; its value is `self as u32`.
+    pub(crate) fn constant(self) -> &'static str {
+        match self {
+            Self::Neutral => "TONE_MAP_NEUTRAL",
+            Self::Aces => "TONE_MAP_ACES",
+            Self::Linear => "TONE_MAP_LINEAR",
+            Self::Raw => "TONE_MAP_RAW",
+        }
+    }
+}
+
+/// How shadows of lamps and sun are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShadowMethod {
+    /// By depth maps: sharp, and exact to a texel. Lights that find no room in them use cones.
+    #[default]
+    Map,
+    /// By cones through the voxels, as wide as the source: soft, and as coarse as the voxels.
+    Cone,
+}
+
+/// Parameters of a rendering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Width and height in pixels, at least 1, at most the device's `max_texture_dimension_2d`.
+    /// Default: 640 x 360. Cost and memory (about 120 bytes) are per pixel.
+    pub size: UVec2,
+    /// Voxels along the scene's longest axis, a multiple of 8 from 16 to 1024. Default: 128. Higher
+    /// resolves finer detail and leaks less; memory and time for voxels grow with its square.
+    pub resolution: u32,
+    /// Shift of the voxel grid in voxels, each at least 0 and below 1. Default: 0. Errors depend on
+    /// where walls fall in the grid, so measurements try several.
+    pub grid_offset: Vec3,
+    /// The box that the grid is fitted to, and the shadow maps at least. Default: `None`, that of
+    /// [`Scene::voxel_bounds`](lumivox_scene::Scene::voxel_bounds).
+    /// A scene that moves needs the union over all its poses: a grid that follows a pose would make the
+    /// light flicker. What lies outside has no voxels.
+    pub grid_bounds: Option<Bounds>,
+    /// Whether voxels keep a radiance for each direction. Default: six lobes.
+    pub directionality: Directionality,
+    /// Where cells are stored. Default: dense.
+    pub volume: VolumeKind,
+    /// The most bytes that the volume may take. Default: `None`, what the device gives.
+    pub volume_memory: Option<u64>,
+    /// How triangles become voxels. Default: exactly.
+    pub voxelizer: VoxelizeMethod,
+    /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
+    pub injection: Injection,
+    /// How the picture comes about. Default: by the physics.
+    pub look: Look,
+    /// The cones.
+    pub trace: TraceSettings,
+    /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
+    /// light alone, 1 is light over one other surface. Default: 8, which leaves out a^8 of the light in a
+    /// room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the voxels, once.
+    pub bounces: u32,
+    /// Frames that are averaged, 1 to 65 536. Default: 16. More: smoother edges and less noise, at
+    /// proportional cost. A single frame has no anti-aliasing.
+    pub frames: u32,
+    /// What the picture shows.
+    pub view: View,
+    /// The level of the cells that the views of voxels, [`View::Lod`] and [`Overlay::wire_voxels`] show: 0 (the
+    /// default) is the finest, each one more has cubes of twice the size.
+    pub voxel_level: u32,
+    /// What is drawn over the picture on the screen. Default: nothing.
+    pub overlay: Overlay,
+    /// How radiance becomes brightness. Default: automatic.
+    pub exposure: Exposure,
+    /// The curve to the screen's range. Default: neutral.
+    pub tone_map: ToneMap,
+    /// How shadows are found. Default: maps.
+    pub shadows: ShadowMethod,
+    /// Edge of a shadow map in texels, 16 to the device's `max_texture_dimension_2d`. Default: 1024.
+    /// Higher: sharper shadows that begin nearer to their caster; four bytes a texel, six maps for a
+    /// point light. Photons need texels of at most half a voxel.
+    pub shadow_resolution: u32,
+    /// How times of the stages are taken. Default: not at all.
+    pub timing: Timing,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            size: UVec2::new(640, 360),
+            resolution: 128,
+            grid_offset: Vec3::ZERO,
+            grid_bounds: None,
+            directionality: Directionality::default(),
+            volume: VolumeKind::default(),
+            volume_memory: None,
+            voxelizer: VoxelizeMethod::default(),
+            injection: Injection::default(),
+            look: Look::default(),
+            trace: TraceSettings::default(),
+            bounces: 8,
+            frames: 16,
+            view: View::default(),
+            voxel_level: 0,
+            overlay: Overlay::default(),
+            exposure: Exposure::default(),
+            tone_map: ToneMap::default(),
+            shadows: ShadowMethod::default(),
+            shadow_resolution: 1024,
+            timing: Timing::Off,
+        }
+    }
+}
+
+/// The most bounces: with an albedo of 0.9, a seventeenth would still add 2 % of the light.
+const MAX_BOUNCES: u32 = 16;
+/// The most frames: their running mean in `f32` still moves by a 65 536th.
+const MAX_FRAMES: u32 = 65_536;
+/// Beyond this, f32 overflows.
+pub(crate) const MAX_STOPS: f32 = 64.0;
+const MIN_SHADOW_RESOLUTION: u32 = 16;
+
+impl RenderSettings {
+    /// What the library is made for.
+    pub(crate) fn gi_config(&self, grid: Grid) -> GiConfig {
+        GiConfig {
+            grid,
+            directionality: self.directionality,
+            volume: self.volume,
+            memory_budget: self.volume_memory,
+            method: self.voxelizer,
+            injection: self.injection,
+        }
+    }
+
+    /// The bounces that the voxels get: a view of where light comes in shows nothing else.
+    pub(crate) fn voxel_bounces(&self) -> u32 {
+        if self.view == View::Lit { 0 } else { self.bounces }
+    }
+
+    /// The parameters of VXCT's look, if that is the one.
+    pub fn vxct(&self) -> Option<&VxctSettings> {
+        match &self.look {
+            Look::Vxct(settings) => Some(settings),
+            Look::Physical => None,
+        }
+    }
+
+    /// Whether VXCT's look makes the picture, and the volume needs no light. It has no octree to show.
+    pub(crate) fn shows_vxct(&self) -> bool {
+        self.vxct().is_some() && !self.view.needs_octree()
+    }
+
+    /// The coarsest level of voxels that can be shown, of a grid with so many of them. VXCT's look has its own, up to 6 at
+    /// any resolution; where there are fewer the last is shown.
+    pub fn last_level(&self, grid: &Grid) -> u32 {
+        let last = grid.levels - 1;
+        if self.shows_vxct() { last.max(crate::vxct::LAST_LEVEL) } else { last }
+    }
+
+    /// Checks every value against its range and the device's limits. What belongs to the voxel grid
+    /// (`resolution`, `grid_offset`) is checked where the grid is fitted to the scene.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] or [`RenderError::Limit`], naming the first one that is out of range,
+    /// and [`RenderError::Gi`] for the cones' settings.
+    pub fn validate(&self, limits: &wgpu::Limits) -> Result<(), RenderError> {
+        validate_size(self.size, limits)?;
+        let in_range = |name, value: u32, low: u32, high: u32| {
+            if (low..=high).contains(&value) {
+                return Ok(());
+            }
+            let expected = format!("from {low} to {high}");
+            Err(RenderError::Setting { name, value: value.to_string(), expected })
+        };
+        in_range("bounces", self.bounces, 0, MAX_BOUNCES)?;
+        in_range("frames", self.frames, 1, MAX_FRAMES)?;
+        let most = limits.max_texture_dimension_2d;
+        in_range("shadow resolution", self.shadow_resolution, MIN_SHADOW_RESOLUTION, most)?;
+        if let Exposure::Stops(stops) = self.exposure
+            && (stops.is_nan() || stops.abs() > MAX_STOPS)
+        {
+            return Err(RenderError::Setting {
+                name: "exposure",
+                value: stops.to_string(),
+                expected: "from -64 to 64 stops".to_owned(),
+            });
+        }
+        if self.view.needs_octree() && self.volume == VolumeKind::Dense {
+            return Err(RenderError::Setting {
+                name: "view",
+                value: self.view.name().to_owned(),
+                expected:
+                    "a view that a dense volume has; nodes and bricks are those of an octree \
+                           (--volume octree)"
+                        .to_owned(),
+            });
+        }
+        validate_lines(self.overlay.lines.len(), limits)?;
+        self.look.validate()?;
+        Ok(self.trace.validate()?)
+    }
+}
+
+fn validate_lines(count: usize, limits: &wgpu::Limits) -> Result<(), RenderError> {
+    let needed = count as u64 * size_of::<LineRecord>() as u64;
+    // The grid's box takes a few besides.
+    let available = limits.max_storage_buffer_binding_size - (1 << 12);
+    if needed <= available {
+        return Ok(());
+    }
+    Err(RenderError::Limit {
+        what: format!("an overlay of {count} lines"),
+        needed,
+        unit: "bytes",
+        limit: "max_storage_buffer_binding_size",
+        available,
+        remedy: format!("draw at most {}", available / size_of::<LineRecord>() as u64),
+    })
+}
+
+fn validate_size(size: UVec2, limits: &wgpu::Limits) -> Result<(), RenderError> {
+    let most = limits.max_texture_dimension_2d;
+    if size.min_element() == 0 {
+        return Err(RenderError::Setting {
+            name: "size",
+            value: format!("{}x{}", size.x, size.y),
+            expected: format!("at least 1x1 and at most {most}x{most} pixels"),
+        });
+    }
+    if size.max_element() > most {
+        return Err(RenderError::Limit {
+            what: format!("a picture of {}x{}", size.x, size.y),
+            needed: size.max_element().into(),
+            unit: "pixels along an edge",
+            limit: "max_texture_dimension_2d",
+            available: most.into(),
+            remedy: format!("ask for at most {most}x{most}"),
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error_of(settings: &RenderSettings) -> RenderError {
+        settings.validate(&wgpu::Limits::default()).expect_err("out of range")
+    }
+
+    #[test]
+    fn the_defaults_are_valid() {
+        RenderSettings::default().validate(&wgpu::Limits::default()).expect("valid");
+    }
+
+    #[test]
+    fn impossible_sizes_name_the_limit() {
+        let nothing = RenderSettings { size: UVec2::ZERO, ..Default::default() };
+        assert!(matches!(error_of(&nothing), RenderError::Setting { name: "size", .. }));
+        let huge = RenderSettings { size: UVec2::splat(100_000), ..Default::default() };
+        let error = error_of(&huge);
+        assert!(
+            matches!(error, RenderError::Limit { limit: "max_texture_dimension_2d", .. }),
+            "{error}"
+        );
+        assert!(error.to_string().contains("100000x100000"), "{error}");
+        assert!(error.to_string().contains("at most 8192x8192"), "{error}");
+    }
+
+    #[test]
+    fn other_settings_are_checked() {
+        let cases = [
+            RenderSettings { bounces: 17, ..Default::default() },
+            RenderSettings { frames: 0, ..Default::default() },
+            RenderSettings { shadow_resolution: 8, ..Default::default() },
+            RenderSettings { exposure: Exposure::Stops(f32::NAN), ..Default::default() },
+        ];
+        for settings in cases {
+            assert!(matches!(error_of(&settings), RenderError::Setting { .. }), "{settings:?}");
+        }
+    }
+
+    #[test]
+    fn more_lines_than_a_buffer_holds_are_refused() {
+        let limits = wgpu::Limits::default();
+        let most = (limits.max_storage_buffer_binding_size - (1 << 12)) / 48;
+        assert!(validate_lines(most as usize, &limits).is_ok());
+        let error = validate_lines(most as usize + 1, &limits).expect_err("too many");
+        assert!(error.to_string().contains("draw at most 2796"), "{error}");
+    }
+
+    #[test]
+    fn codes_are_the_position_in_all() {
+        for (index, view) in View::ALL.into_iter().enumerate() {
+            assert_eq!(view as usize, index);
+        }
+        for (index, tone_map) in ToneMap::ALL.into_iter().enumerate() {
+            assert_eq!(tone_map as usize, index);
+        }
+    }
+}

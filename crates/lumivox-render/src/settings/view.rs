@@ -1,0 +1,150 @@
+//! What a picture can show.
+
+/// What the picture shows.
+///
+/// Views of light (`Final` to `Specular`) are exposed and tone mapped, and hold cd/m² in OpenEXR.
+/// The others are data: they bypass both, and OpenEXR holds the quantity itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum View {
+    /// All light: `Direct` + `Indirect`.
+    #[default]
+    Final,
+    /// Emission and the light that lamps and sun send to the surface without a detour.
+    Direct,
+    /// Light that came by way of other surfaces or from the environment, reflected by this one.
+    Indirect,
+    /// Indirect light as a white diffuse surface would reflect it: irradiance / pi, without albedo.
+    Diffuse,
+    /// Indirect light that the surface reflects glossily.
+    Specular,
+    /// Ambient visibility: 1 where the surface sees nothing but sky, 0 where it sees none.
+    Occlusion,
+    /// The share of the lamps' and the sun's light that is not blocked, weighted by luminance; a
+    /// surface that faces away from a light blocks it itself. 1 without lights.
+    Shadow,
+    /// Diffuse albedo. Metals have none: they are black.
+    Albedo,
+    /// Shading normal in the world, with -1 to 1 of x, y and z shown as 0 to 255 in red, green, blue.
+    Normal,
+    /// Distance from the camera in metres; white is near, black as far as the scene's farthest corner.
+    Depth,
+    /// Cone samples taken for the pixel, as colours from dark violet (0) over green to yellow
+    /// ([`COST_SCALE_SAMPLES`] and above).
+    Cost,
+    /// The voxels of one level as cubes, in the light that they hold.
+    Voxels,
+    /// Which voxels of one level lamps and sun reach, or emit themselves (yellow), and which not (grey).
+    Lit,
+    /// The nodes of an octree that hold the cells of one level, as wire boxes around these: blue with cells of their
+    /// own, orange for their neighbours' sake.
+    Nodes,
+    /// The bricks of these nodes, their 3x3x3 texels pulled apart; those of the neighbours' layer are orange.
+    Bricks,
+    /// What the volume holds of one level at the visible surfaces, filtered as cones see it, against the surface's
+    /// normal: radiance, whatever the opacity; black where there is nothing.
+    Lod,
+    /// The voxels of one level as wire cubes in the colours of their light, seen through each other; faces between
+    /// two of them are left out.
+    WireVoxels,
+}
+
+/// The number of cone samples at the upper end of [`View::Cost`]'s colours.
+pub const COST_SCALE_SAMPLES: f32 = 512.0;
+
+impl View {
+    /// All views.
+    pub const ALL: [Self; 17] = [
+        Self::Final,
+        Self::Direct,
+        Self::Indirect,
+        Self::Diffuse,
+        Self::Specular,
+        Self::Occlusion,
+        Self::Shadow,
+        Self::Albedo,
+        Self::Normal,
+        Self::Depth,
+        Self::Cost,
+        Self::Voxels,
+        Self::Lit,
+        Self::Nodes,
+        Self::Bricks,
+        Self::Lod,
+        Self::WireVoxels,
+    ];
+
+    /// The view's name in lower case, as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Final => "final",
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
+            Self::Diffuse => "diffuse",
+            Self::Specular => "specular",
+            Self::Occlusion => "occlusion",
+            Self::Shadow => "shadow",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+            Self::Cost => "cost",
+            Self::Voxels => "voxels",
+            Self::Lit => "lit",
+            Self::Nodes => "nodes",
+            Self::Bricks => "bricks",
+            Self::Lod => "lod",
+            Self::WireVoxels => "wire-voxels",
+        }
+    }
+
+    /// The constant of the shaders that stands for the view; its value is `self as u32`.
+    pub(crate) fn constant(self) -> &'static str {
+        match self {
+            Self::Final => "VIEW_FINAL",
+            Self::Direct => "VIEW_DIRECT",
+            Self::Indirect => "VIEW_INDIRECT",
+            Self::Diffuse => "VIEW_DIFFUSE",
+            Self::Specular => "VIEW_SPECULAR",
+            Self::Occlusion => "VIEW_OCCLUSION",
+            Self::Shadow => "VIEW_SHADOW",
+            Self::Albedo => "VIEW_ALBEDO",
+            Self::Normal => "VIEW_NORMAL",
+            Self::Depth => "VIEW_DEPTH",
+            Self::Cost => "VIEW_COST",
+            Self::Voxels => "VIEW_VOXELS",
+            Self::Lit => "VIEW_LIT",
+            Self::Nodes => "VIEW_NODES",
+            Self::Bricks => "VIEW_BRICKS",
+            Self::Lod => "VIEW_LOD",
+            Self::WireVoxels => "VIEW_WIRE_VOXELS",
+        }
+    }
+
+    /// Whether the values are radiances, to be exposed and tone mapped.
+    pub fn is_light(self) -> bool {
+        use View::{Bricks, Diffuse, Direct, Final, Indirect, Lod, Specular, Voxels, WireVoxels};
+        let is_of_surfaces = matches!(self, Final | Direct | Indirect | Diffuse | Specular);
+        is_of_surfaces || matches!(self, Voxels | Bricks | Lod | WireVoxels)
+    }
+
+    /// Whether voxels are shown instead of surfaces.
+    pub fn is_of_voxels(self) -> bool {
+        matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks | Self::WireVoxels)
+    }
+
+    /// Whether there must be an octree to look at.
+    pub fn needs_octree(self) -> bool {
+        matches!(self, Self::Nodes | Self::Bricks)
+    }
+
+    /// Whether the analytic lights are needed.
+    pub(crate) fn needs_direct(self) -> bool {
+        matches!(self, Self::Final | Self::Direct | Self::Shadow)
+    }
+
+    /// Whether cones are needed, given the number of bounces.
+    pub(crate) fn needs_cones(self, bounces: u32) -> bool {
+        let light = matches!(self, Self::Final | Self::Indirect | Self::Diffuse | Self::Specular);
+        matches!(self, Self::Occlusion | Self::Cost) || (light && bounces > 0)
+    }
+}
