@@ -7,18 +7,18 @@
 #[path = "../crates/lumivox-console/src/line.rs"]
 mod line;
 #[allow(dead_code)]
-#[path = "../crates/lumivox-render/src/settings/parameters/value.rs"]
+#[path = "../crates/lumivox/src/settings/value.rs"]
 mod value;
 
-use value::{Kind, Value};
+use value::{Choice, Kind, Value};
 
 const KINDS: [Kind; 6] = [
     Kind::Switch,
     Kind::Whole { low: 16, high: 1024, multiple: 8 },
-    Kind::Number { low: -64.0, high: 64.0, word: Some("auto"), off: None },
-    Kind::Number { low: 0.1, high: 1.0, word: None, off: Some(0.0) },
+    Kind::Number { low: -64.0, high: 64.0, words: &["auto", "auto-each"], off: None },
+    Kind::Number { low: 0.1, high: 1.0, words: &[], off: Some(0.0) },
     Kind::Vector { low: 0.0, below: 1.0 },
-    Kind::Choice(&["dense", "octree"]),
+    Kind::Choice(&[Choice::new("dense", ""), Choice::new("octree", "")]),
 ];
 
 /// Runs one input.
@@ -55,8 +55,8 @@ pub fn run(data: &[u8]) {
 
 /// A value that is read is written so that it is read again, and what is allowed lies in the range.
 fn read(kind: Kind, text: &str) {
-    let Some(value) = kind.parse(text) else { return };
-    assert_eq!(kind.parse(&value.to_string()), Some(value), "{text}");
+    let Some(value) = kind.parse(text, "") else { return };
+    assert_eq!(kind.parse(&value.to_string(), ""), Some(value), "{text}");
     if let (true, Value::Number(number)) = (kind.allows(value), value) {
         assert!(number.is_finite());
     }

@@ -3,6 +3,7 @@
 //! Each option states its unit, range and default; the tests below hold it to that.
 
 mod compare;
+mod cones;
 mod explore;
 mod light;
 mod load;
@@ -19,9 +20,11 @@ mod window;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
-use lumivox_console::SceneSource;
+use lumivox_console::{Failure, SceneSource};
+use lumivox_render::RenderSettings;
 
 pub use compare::CompareArgs;
+pub use cones::ConeArgs;
 pub use explore::ExploreArgs;
 pub use light::LightArgs;
 pub use load::SceneArg;
@@ -32,11 +35,12 @@ pub use reference::ReferenceArgs;
 pub use run::{CommandsArgs, RunArgs};
 pub use view::ViewArgs;
 pub use volumes::VolumesArgs;
-pub use voxels::{VoxelArgs, VoxelsArgs};
+pub use voxels::VoxelsArgs;
 pub use window::WindowArgs;
 
-use crate::args::cones::ConeArgs;
 use crate::args::number;
+use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::commands::settings;
 use crate::exit;
 use crate::motion::{AnimationName, animation};
 use load::scene_source;
@@ -190,7 +194,7 @@ pub struct RenderArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: VoxelArgs,
+    pub voxels: SettingArgs<Volume>,
 
     /// What shines.
     #[command(flatten)]
@@ -209,6 +213,22 @@ pub struct RenderArgs {
     pub json: bool,
 }
 
+impl RenderArgs {
+    /// The settings that the command line gives.
+    pub fn given(&self) -> Vec<Given> {
+        let Self { picture, voxels, light, cones, .. } = self;
+        explore::given([picture.settings.given(), voxels.given(), light.settings.given()], cones)
+    }
+
+    /// All settings of the picture, or of the first one.
+    ///
+    /// # Errors
+    /// When two options contradict each other.
+    pub fn settings(&self) -> Result<RenderSettings, Failure> {
+        settings::of(self.cones.preset(), self.picture.size, &self.given())
+    }
+}
+
 /// The arguments of `info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
@@ -223,7 +243,7 @@ pub struct InfoArgs {
 
     /// The voxels whose memory is told.
     #[command(flatten)]
-    pub voxels: VoxelArgs,
+    pub voxels: SettingArgs<Volume>,
 
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use lumivox_render::parameters::{Kind, PARAMETERS, Parameter};
+use lumivox_render::parameters::{PARAMETERS, Parameter};
 
 use super::line::{self, Word};
 use super::names::is_scene;
@@ -95,19 +95,13 @@ fn possible(
 fn commands_and_parameters() -> Vec<String> {
     let commands = COMMANDS.iter().flat_map(Command::names);
     let mut all: Vec<String> =
-        commands.chain(PARAMETERS.iter().map(|p| p.name)).map(str::to_owned).collect();
+        commands.chain(PARAMETERS.iter().flat_map(Parameter::names)).map(str::to_owned).collect();
     all.sort_unstable();
     all.dedup();
     all
 }
 
 /// The values of a setting that are words.
-pub(super) fn values(parameter: &Parameter) -> Vec<String> {
-    let words = match parameter.kind {
-        Kind::Switch => vec!["on", "off"],
-        Kind::Choice(names) => names.to_vec(),
-        Kind::Number { word, .. } => word.into_iter().collect(),
-        Kind::Whole { .. } | Kind::Vector { .. } => Vec::new(),
-    };
-    words.into_iter().map(str::to_owned).collect()
+fn values(parameter: &Parameter) -> Vec<String> {
+    parameter.kind.words().into_iter().map(str::to_owned).collect()
 }

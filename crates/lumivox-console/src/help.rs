@@ -1,6 +1,6 @@
 //! What the help says.
 
-use lumivox_render::parameters::{Group as Of, PARAMETERS, Parameter};
+use lumivox_render::parameters::{Group as Of, Kind, PARAMETERS, Parameter};
 
 use super::arguments::in_words;
 use super::{COMMANDS, Command, Group, Reply, suggest};
@@ -18,7 +18,7 @@ pub(crate) fn tell(name: Option<&str>) -> anyhow::Result<Reply> {
         command.map(of_command).into_iter().chain(parameter.map(of_parameter)).collect();
     if parts.is_empty() {
         let commands = COMMANDS.iter().flat_map(Command::names);
-        let known = commands.chain(PARAMETERS.iter().map(|parameter| parameter.name));
+        let known = commands.chain(PARAMETERS.iter().flat_map(Parameter::names));
         let remedy = suggest::remedy(name, known, "help");
         return Err(Failure::input(format!("there is no command \"{name}\"{remedy}")).into());
     }
@@ -43,14 +43,21 @@ fn of_command(command: &Command) -> String {
 
 /// All about a setting.
 fn of_parameter(parameter: &Parameter) -> String {
-    let unit =
-        if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };
-    format!(
-        "{} [VALUE]\n  {}: {}{unit}.",
-        parameter.name,
-        parameter.summary,
-        parameter.kind.in_words()
-    )
+    let Parameter { name, unit, summary, kind, help, .. } = parameter;
+    let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+    let mut text = format!("{name} [VALUE]\n  {summary}: {}{unit}.", kind.in_words());
+    if !help.is_empty() {
+        text += &format!("\n  {help}");
+    }
+    if let Kind::Choice(choices) = kind {
+        for choice in *choices {
+            text += &format!("\n  {}: {}", choice.name, choice.help);
+        }
+    }
+    if !parameter.aliases.is_empty() {
+        text += &format!("\n  Also: {}.", parameter.aliases.join(", "));
+    }
+    text
 }
 
 /// The names of all commands and settings.

@@ -46,7 +46,7 @@ const SETTINGS_HEAD: &str = "
 
 Each setting is a command of its own: its name alone prints the value, with a value it is set. Those of the look `vxct` that
 are among the commands above do as it says there: its switches toggle without a value. `reset NAME` gives a setting the
-value of the preset, `parameters` lists all with their values.
+value of the preset, `parameters` lists all with their values, and `help NAME` says more about one.
 
 | setting | unit | value | is |
 | --- | --- | --- | --- |
@@ -80,6 +80,12 @@ pub fn markdown() -> String {
             );
         }
     }
+    let of_vxct = PARAMETERS.iter().filter(|p| p.needs == Some(("look", "vxct")));
+    for parameter in of_vxct.filter(|parameter| Command::find(parameter.name).is_none()) {
+        let names: Vec<String> = parameter.names().map(|name| format!("`{name}`")).collect();
+        let name = parameter.name;
+        text += &format!("| {} | `{name} [VALUE]` | {} |\n", names.join(", "), parameter.help);
+    }
     text
 }
 
@@ -97,8 +103,9 @@ fn of_command(command: &Command) -> String {
 }
 
 fn of_parameter(parameter: &Parameter) -> String {
-    let Parameter { name, unit, summary, kind, .. } = parameter;
-    format!("| `{name}` | {unit} | {} | {summary} |\n", escaped(&kind.in_words()))
+    let Parameter { name, aliases, unit, summary, kind, .. } = parameter;
+    let aliases: String = aliases.iter().map(|alias| format!(", `{alias}`")).collect();
+    format!("| `{name}`{aliases} | {unit} | {} | {summary} |\n", escaped(&kind.in_words()))
 }
 
 fn escaped(text: &str) -> String {

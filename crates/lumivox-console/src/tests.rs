@@ -160,7 +160,7 @@ fn words_are_completed_by_what_stands_there() {
     assert_eq!(completed("material i"), (9, strings(&["\"it's\""])));
     assert_eq!(completed("material red rough"), (13, strings(&["roughness"])));
     assert_eq!(completed("volume o"), (7, strings(&["octree"])));
-    assert_eq!(completed("exposure "), (9, strings(&["auto"])));
+    assert_eq!(completed("exposure "), (9, strings(&["auto", "auto-each"])));
     assert_eq!(completed("volume octree "), (14, vec![]));
     assert_eq!(completed("screenshot a"), (11, strings(&["a.png"])));
     assert_eq!(completed("load "), (5, strings(&["builtin:cornell", "hall", "b.glb", "dir/"])));

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use lumivox::GiError;
 use lumivox::gpu::ShaderError;
+use lumivox::settings::SettingError;
 use lumivox_scene::Scene;
 
 /// An error of the renderer. Every message says what was asked, what stands in the way and what
@@ -180,5 +181,12 @@ mod tests {
         );
         assert!(text(None, Some(700)).contains("more GPU memory than the 700 MiB that are free"));
         assert!(text(None, None).contains("more GPU memory than the driver gave, which"));
+    }
+}
+
+impl From<SettingError> for RenderError {
+    fn from(error: SettingError) -> Self {
+        let SettingError { name, expected, got } = error;
+        Self::Setting { name, value: got, expected }
     }
 }

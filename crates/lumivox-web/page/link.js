@@ -77,15 +77,15 @@ function readField(state, name, text, { parameters, presets }) {
 /** The value that a text gives a setting. Its range is left to the renderer, whose error tells it.
  * @param {ParameterInfo} info @param {string} text @returns {Value} */
 export function valueOf(info, text) {
-    if (info.word !== undefined && text === info.word) return text;
+    const words = info.words ?? [];
+    if (words.includes(text)) return text;
     if (info.kind === "switch") return oneOf(info.name, text, ["on", "off"]) === "on";
     if (info.kind === "choice") return oneOf(info.name, text, info.choices ?? []);
     if (info.kind !== "whole" && info.kind !== "number") return text;
     const number = numberOf(text);
     if (number === undefined || (info.kind === "whole" && !Number.isInteger(number))) {
         const what = info.kind === "whole" ? "a whole number" : "a number";
-        const word = info.word === undefined ? "" : ` or ${info.word}`;
-        throw new Error(`${info.name} must be ${what}${word}, not "${text}"`);
+        throw new Error(`${info.name} must be ${[what, ...words].join(" or ")}, not "${text}"`);
     }
     return number;
 }

@@ -111,7 +111,7 @@ function numberField(info, change, id) {
     const control = h("span", { class: "pair" }, input);
     /** @type {HTMLInputElement | undefined} */
     let slider;
-    if (span <= WIDEST_SLIDER && info.word === undefined) {
+    if (span <= WIDEST_SLIDER && !info.words?.length) {
         slider = h("input", { type: "range", min, max, step: info.kind === "whole" ? step : "any", "aria-label": title(info.name) });
         const slide = slider;
         slide.addEventListener("input", () => {
@@ -123,8 +123,8 @@ function numberField(info, change, id) {
     }
     /** @type {HTMLButtonElement | undefined} */
     let word;
-    if (info.word !== undefined) {
-        const text = info.word;
+    const [text] = info.words ?? [];
+    if (text !== undefined) {
         word = h("button", { "aria-pressed": "false", "aria-label": `${title(info.name)}: ${text}`, click: () => change(text) }, text);
         control.append(word);
     }

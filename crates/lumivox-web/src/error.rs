@@ -4,7 +4,7 @@ use lumivox::GiError;
 use lumivox_console::Failure;
 use lumivox_explorer::ExplorerError;
 use lumivox_render::RenderError;
-use lumivox_render::parameters::ParameterError;
+use lumivox_render::parameters::SettingError;
 use lumivox_scene::SceneError;
 
 /// What a page can tell errors by: the property `code` of the exception.
@@ -135,8 +135,8 @@ impl From<SceneError> for WebError {
     }
 }
 
-impl From<ParameterError> for WebError {
-    fn from(error: ParameterError) -> Self {
+impl From<SettingError> for WebError {
+    fn from(error: SettingError) -> Self {
         Self::value(error.to_string())
     }
 }

@@ -2,8 +2,8 @@
 export interface Settings {
   /** Frames that are averaged: a whole number from 1 to 65536, frames. Default: 16. */
   frames?: number;
-  /** Radiance in cd/m2 times 2 to this power is shown; auto makes the average a middle grey: a number from -64 to 64, or auto, stops. Default: auto. */
-  exposure?: number | "auto";
+  /** Radiance in cd/m2 times 2 to this power is shown; auto makes the average a middle grey: a number from -64 to 64, or auto, or auto-each, stops. Default: auto. */
+  exposure?: number | "auto" | "auto-each";
   /** Curve from radiance to the screen's range: neutral, aces, linear or raw. Default: neutral. */
   tone_map?: "neutral" | "aces" | "linear" | "raw";
   /** What the picture shows: final, direct, indirect, diffuse, specular, occlusion, shadow, albedo, normal, depth, cost, voxels, lit, nodes, bricks, lod or wire-voxels. Default: final. */
@@ -32,7 +32,7 @@ export interface Settings {
   octree_duplication?: "ranks" | "pointers" | "search";
   /** Over which cells coarser levels are filtered; asks for an octree: occupied or every. Default: occupied. */
   octree_mipmaps?: "occupied" | "every";
-  /** The most memory that the volume may take: a number from 1 to 1048576, or unlimited, MiB. Default: unlimited. */
+  /** The most memory that the volume may take: a number from 0 to 1048576, or unlimited, MiB. Default: unlimited. */
   volume_memory?: number | "unlimited";
   /** How triangles become voxels: exact, dominant-axis, conservative or three-plane. Default: exact. */
   voxelizer?: "exact" | "dominant-axis" | "conservative" | "three-plane";
@@ -40,9 +40,9 @@ export interface Settings {
   injection?: "direct" | "photons";
   /** Reflections of indirect light, the one at the visible surface included: a whole number from 0 to 16. Default: 8. */
   bounces?: number;
-  /** How shadows are found: map or cone. Default: map. */
+  /** How shadows of lamps and sun are found: map or cone. Default: map. */
   shadows?: "map" | "cone";
-  /** Edge of a shadow map: a whole number from 16 to 16384, texels. Default: 1024. */
+  /** Edge of a shadow map: a whole number from 16 to 32768, texels. Default: 1024. */
   shadow_resolution?: number;
   /** Diffuse cones a pixel and frame: 6, 9 or 12. Default: 6. */
   cones?: "6" | "9" | "12";
@@ -68,11 +68,11 @@ export interface Settings {
   jitter?: boolean;
   /** Start cones farther where a wall is felt at their start: on or off. Default: true. */
   clear_of_walls?: boolean;
-  /** What radiance loses for the cone's width; 0 is the physics: a number from 0 to 64. Default: 0. */
+  /** Radiance that is lost for the cone's width; 0 is the physics: a number from 0 to 64. Default: 0. */
   width_attenuation?: number;
-  /** What radiance gains with each level; 1 is the physics: a number from 1 to 8, factor. Default: 1. */
+  /** Radiance that is gained with each level; 1 is the physics: a number from 1 to 8, factor. Default: 1. */
   level_gain?: number;
-  /** How the picture comes about; preset vxct takes what goes with that look besides: physical or vxct. Default: physical. */
+  /** How the picture comes about; preset vxct takes what goes with that look as well: physical or vxct. Default: physical. */
   look?: "physical" | "vxct";
   /** Cones; without them Phong's shader shows all of its terms, and no shadows: on or off. Default: true. */
   indirect_light?: boolean;

@@ -92,8 +92,8 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
     for name in changes.keys() {
         find(name)?;
     }
-    for parameter in PARAMETERS {
-        let Some(value) = changes.get(parameter.name) else { continue };
+    for parameter in PARAMETERS.iter() {
+        let Some(value) = parameter.names().find_map(|name| changes.get(name)) else { continue };
         let value = match value.of_kind(parameter.kind) {
             Some(value) => value,
             // Texts are read as on a command line, so that fields and addresses need no types.
@@ -110,7 +110,7 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
 /// The parameter of a name.
 fn find(name: &str) -> Result<&'static Parameter, WebError> {
     Parameter::find(name).ok_or_else(|| {
-        let known = PARAMETERS.iter().map(|parameter| parameter.name);
+        let known = PARAMETERS.iter().flat_map(Parameter::names);
         let remedy = suggest::remedy(name, known, "parameters()");
         WebError::value(format!("there is no setting \"{name}\"{remedy}"))
     })
@@ -123,7 +123,7 @@ pub fn declarations() -> String {
          export interface Settings {\n",
     );
     let defaults = RenderSettings::default();
-    for parameter in PARAMETERS {
+    for parameter in PARAMETERS.iter() {
         let unit = match parameter.unit {
             "" => String::new(),
             unit => format!(", {unit}"),
@@ -142,11 +142,14 @@ pub fn declarations() -> String {
 fn type_of(kind: Kind) -> String {
     match kind {
         Kind::Switch => "boolean".to_owned(),
-        Kind::Whole { .. } | Kind::Number { word: None, .. } => "number".to_owned(),
-        Kind::Number { word: Some(word), .. } => format!("number | \"{word}\""),
+        Kind::Whole { .. } => "number".to_owned(),
+        Kind::Number { words, .. } => {
+            words.iter().fold("number".to_owned(), |text, word| format!("{text} | \"{word}\""))
+        }
         Kind::Vector { .. } => "[number, number, number]".to_owned(),
-        Kind::Choice(names) => {
-            let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+        Kind::Choice(_) => {
+            let quoted: Vec<String> =
+                kind.words().iter().map(|name| format!("\"{name}\"")).collect();
             quoted.join(" | ")
         }
     }

@@ -1,6 +1,7 @@
 //! What can go wrong, typed, with the remedy in the message.
 
 use crate::gpu::ShaderError;
+use crate::settings::SettingError;
 
 /// An error of the library. Every message says what was asked, what stands in the way and what would help.
 #[derive(Debug, thiserror::Error)]
@@ -76,4 +77,11 @@ pub enum GiError {
         /// What the driver said.
         reason: String,
     },
+}
+
+impl From<SettingError> for GiError {
+    fn from(error: SettingError) -> Self {
+        let SettingError { name, expected, got } = error;
+        Self::Setting { name, value: got, expected }
+    }
 }

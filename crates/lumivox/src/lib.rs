@@ -21,6 +21,7 @@ mod grid;
 #[cfg(test)]
 mod layouts_test;
 mod light;
+pub mod settings;
 pub mod shaders;
 #[cfg(test)]
 mod testing;

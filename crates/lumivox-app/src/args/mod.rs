@@ -6,9 +6,8 @@
 //! range is 3 whichever option it stands behind, and so is one that a script or a file gives.
 
 pub mod choices;
-pub mod cones;
 pub mod output;
-pub mod overlay;
 pub mod scene;
+pub mod settings;
 
-pub use lumivox_console::values::{Refused, camera, light, load, number, size};
+pub use lumivox_console::values::{Refused, camera, light, number, size};

@@ -7,8 +7,8 @@ use glam::UVec2;
 use lumivox_console::{LoadArgs, SceneSource};
 
 use super::load::scene_source;
-use super::{GpuArgs, LightArgs, ViewArgs, VoxelArgs};
-use crate::args::cones::ConeArgs;
+use super::{ConeArgs, GpuArgs, LightArgs, ViewArgs};
+use crate::args::settings::{SettingArgs, Volume};
 use crate::args::{number, size};
 
 /// Examples for the help.
@@ -94,7 +94,7 @@ pub struct CompareArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: VoxelArgs,
+    pub voxels: SettingArgs<Volume>,
 
     /// What shines.
     #[command(flatten)]

@@ -1,11 +1,13 @@
 //! What the window and scripts start from.
 
 use clap::Args;
-use lumivox_console::{LoadArgs, SceneSource};
+use lumivox_console::{Failure, LoadArgs, SceneSource};
+use lumivox_render::RenderSettings;
 
 use super::load::scene_source;
-use super::{GpuArgs, LightArgs, PictureArgs, VoxelArgs};
-use crate::args::cones::ConeArgs;
+use super::{ConeArgs, GpuArgs, LightArgs, PictureArgs};
+use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::commands::settings;
 
 /// A scene, or none yet, and the settings that its first picture has.
 #[derive(Args, Debug)]
@@ -26,7 +28,7 @@ pub struct ExploreArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: VoxelArgs,
+    pub voxels: SettingArgs<Volume>,
 
     /// What shines.
     #[command(flatten)]
@@ -39,4 +41,25 @@ pub struct ExploreArgs {
     /// The GPU.
     #[command(flatten)]
     pub gpu: GpuArgs,
+}
+
+impl ExploreArgs {
+    /// The settings that the command line gives.
+    pub fn given(&self) -> Vec<Given> {
+        let Self { picture, voxels, light, cones, .. } = self;
+        given([picture.settings.given(), voxels.given(), light.settings.given()], cones)
+    }
+
+    /// All settings that the first picture has.
+    ///
+    /// # Errors
+    /// When two options contradict each other.
+    pub fn settings(&self) -> Result<RenderSettings, Failure> {
+        settings::of(self.cones.preset(), self.picture.size, &self.given())
+    }
+}
+
+/// All settings that a command line gives, those of the cones last.
+pub fn given(others: [&[Given]; 3], cones: &ConeArgs) -> Vec<Given> {
+    [others.concat().as_slice(), cones.settings.given()].concat()
 }

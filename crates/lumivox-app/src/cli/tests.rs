@@ -8,7 +8,7 @@ use lumivox_render::{
 
 use super::*;
 use crate::Exit;
-use crate::commands::settings::{self, expose_for_look};
+use crate::commands::settings::expose_for_look;
 
 fn commands() -> Vec<Definition> {
     let mut root = Cli::command();
@@ -18,7 +18,7 @@ fn commands() -> Vec<Definition> {
 }
 
 fn settings(args: &RenderArgs) -> RenderSettings {
-    settings::of(&args.picture, &args.voxels, &args.light, &args.cones)
+    args.settings().unwrap()
 }
 
 /// The arguments of our own making.
@@ -268,7 +268,7 @@ fn the_look_of_vxct_brings_its_companions() {
     let shown = |options: &str, scene: &lumivox_scene::Scene| {
         let args = args_of(options);
         let mut settings = settings(&args);
-        expose_for_look(&mut settings, &args.picture, scene);
+        expose_for_look(&mut settings, &args.given(), scene);
         (settings.exposure, settings.tone_map)
     };
     let display = lumivox_render::vxct_display(&scene);

@@ -10,7 +10,6 @@ use lumivox_console::{
 use lumivox_explorer::Explorer;
 use lumivox_render::Progress as Step;
 
-use super::settings;
 use crate::cli::RunArgs;
 use crate::disk::{self, Disk};
 use crate::exit::{self, Located, Told};
@@ -88,10 +87,7 @@ struct Runner {
 impl Runner {
     fn new(args: &RunArgs, host: &Host) -> anyhow::Result<Self> {
         let explore = &args.explore;
-        let settings =
-            settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
-        explore.cones.check()?;
-        settings.trace.validate()?;
+        let settings = explore.settings()?;
         let gpu = host.open_gpu(&explore.gpu)?;
         let explorer = Explorer::new(gpu, settings.clone(), explore.cones.preset());
         let mut console = Console::new(explorer, Box::new(Disk))

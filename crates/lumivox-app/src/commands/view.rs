@@ -3,7 +3,6 @@
 use lumivox_console::{Console, Opening};
 use lumivox_explorer::Explorer;
 
-use super::settings;
 use crate::cli::WindowArgs;
 use crate::disk::Disk;
 use crate::host::Host;
@@ -20,6 +19,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(source) = args.scene() {
         crate::args::scene::check(source)?;
     }
+    let settings = args.explore.settings()?;
     // First what is cheap to fail.
     let event_loop = window::event_loop()?;
     // What the driver starts gives way as the thread does that opens the device.
@@ -31,10 +31,8 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     let gpu = gpu.map_err(|_| anyhow::anyhow!("the driver's thread has failed"))??;
     let mut config = Config::load(args.fresh);
     let explore = &args.explore;
-    explore.cones.check()?;
-    let settings = settings::of(&explore.picture, &explore.voxels, &explore.light, &explore.cones);
     let mut explorer = Explorer::new(gpu, settings, explore.cones.preset());
-    config.apply(&mut explorer, std::env::args());
+    config.apply(&mut explorer, &explore.given(), explore.cones.preset.is_some());
     let opening = args.scene().map(|source| Opening {
         camera: explore.picture.camera.clone(),
         ..opening::of(explore, source.clone())

@@ -16,8 +16,7 @@ use serde::Serialize;
 
 use super::light;
 use crate::args::camera::resolve_with;
-use crate::args::scene;
-use crate::args::{choices, output};
+use crate::args::{output, scene};
 use crate::cli::VolumesArgs;
 use crate::host::Host;
 use crate::progress::Progress;
@@ -143,7 +142,7 @@ impl Row {
         let row = Self {
             resolution,
             name: variant.name,
-            volume: choices::volume_name(variant.volume),
+            volume: if dense { "dense" } else { "octree" },
             voxels: None,
             bytes: dense.then(|| dense_volume_bytes(&grid, directionality)),
             build_ms: None,

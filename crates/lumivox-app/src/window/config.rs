@@ -9,8 +9,10 @@ use std::path::PathBuf;
 
 use lumivox_explorer::Explorer;
 use lumivox_render::PresetChoice;
-use lumivox_render::parameters::{Group, PARAMETERS, Parameter};
+use lumivox_render::parameters::{PARAMETERS, Parameter};
 use serde::{Deserialize, Serialize};
+
+use crate::args::settings::Given;
 
 /// Scenes that are remembered.
 const RECENT: usize = 10;
@@ -55,26 +57,6 @@ pub struct Config {
 struct Once {
     preset: Option<PresetChoice>,
     values: BTreeMap<&'static str, String>,
-}
-
-/// Options of the command line that set a parameter of another name.
-const OTHER_NAMES: [(&str, &str); 8] = [
-    ("isotropic", "directionality"),
-    ("six-lobes", "directionality"),
-    ("half", "trace_resolution"),
-    ("full", "trace_resolution"),
-    ("no-specular", "specular"),
-    ("octree-builder", "volume"),
-    ("octree-duplication", "volume"),
-    ("octree-mipmaps", "volume"),
-];
-
-/// Whether a word of a command line is an option that sets a parameter.
-fn sets(word: &str, parameter: &str) -> bool {
-    let Some(option) = word.split('=').next().and_then(|option| option.strip_prefix("--")) else {
-        return false;
-    };
-    option.replace('-', "_") == parameter || OTHER_NAMES.contains(&(option, parameter))
 }
 
 impl Default for Config {
@@ -152,16 +134,14 @@ impl Config {
         Ok(())
     }
 
-    /// Gives an explorer the settings that were kept, but for those that the command line names; with a preset named
-    /// there, none.
-    pub fn apply(&mut self, explorer: &mut Explorer, command_line: impl Iterator<Item = String>) {
-        let command_line: Vec<String> = command_line.collect();
-        let is_named = |name: &str| command_line.iter().any(|word| sets(word, name));
-        for parameter in PARAMETERS.iter().filter(|parameter| is_named(parameter.name)) {
+    /// Gives an explorer the settings that were kept, except for those that the command line gives; if it names a preset,
+    /// none.
+    pub fn apply(&mut self, explorer: &mut Explorer, given: &[Given], names_preset: bool) {
+        for (parameter, _) in given {
             let value = parameter.get(explorer.settings()).to_string();
             self.once.values.insert(parameter.name, value);
         }
-        if is_named("preset") {
+        if names_preset {
             self.once.preset = Some(explorer.preset());
             return;
         }
@@ -180,11 +160,9 @@ impl Config {
                 self.warning = Some(format!("a kept setting was passed over: {error}"));
             }
         }
-        for parameter in PARAMETERS {
-            if is_named(parameter.name) {
-                // A value that it had is one that it can have.
-                let _ = parameter.set(&mut settings, parameter.get(&old.0));
-            }
+        for (parameter, _) in given {
+            // A value that it had is one that it can have.
+            let _ = parameter.set(&mut settings, parameter.get(&old.0));
         }
         match explorer.set_settings(settings) {
             Ok(()) => explorer.note_preset(preset.unwrap_or(old.1)),
@@ -205,9 +183,8 @@ impl Config {
         let before = std::mem::take(&mut self.settings);
         self.preset = Some(model.preset.name().to_owned());
         let differs = |p: &&Parameter| p.get(&model.settings) != p.get(&model.usual);
-        // What VXCT's cones are is no matter to another look.
-        let is_physical = model.settings.look == lumivox_render::Look::Physical;
-        let counts = |p: &&Parameter| !(is_physical && p.group == Group::Vxct);
+        // VXCT's cones do not matter to another look.
+        let counts = |p: &&Parameter| p.means_something(&model.settings);
         let kept = PARAMETERS.iter().filter(counts).filter(differs);
         self.settings =
             kept.map(|p| (p.name.to_owned(), p.get(&model.settings).to_string())).collect();
@@ -265,47 +242,6 @@ mod tests {
         // What is missing has its default, what is unknown is passed over, and nonsense is not believed.
         let config = Config::read("{\"future\": 1, \"window\": [1e9, -5], \"speed\": 0}", None);
         assert_eq!(config, Config::default());
-    }
-
-    /// Each option of `view` sets a parameter, or is none of them.
-    #[test]
-    fn options_are_known_by_their_parameters() {
-        const OTHERS: [&str; 25] = [
-            "adapter",
-            "allow-outside",
-            "camera",
-            "crease",
-            "environment",
-            "environment-intensity",
-            "environment-rotation",
-            "fresh",
-            "geometry-memory",
-            "ignore-required",
-            "no-default-light",
-            "portable",
-            "preset",
-            "rotate",
-            "scene",
-            "scene-in-file",
-            "size",
-            "sky",
-            "sun",
-            "surroundings",
-            "texture-memory",
-            "turbidity",
-            "unit",
-            "up",
-            // Comes with a preset, which is not kept with all that belongs to it.
-            "vxct",
-        ];
-        let command = <crate::cli::WindowArgs as clap::Args>::augment_args(clap::Command::new(""));
-        for argument in command.get_arguments() {
-            let Some(option) = argument.get_long() else { continue };
-            let word = format!("--{option}");
-            let is_set = PARAMETERS.iter().any(|parameter| sets(&word, parameter.name));
-            assert_eq!(is_set, !OTHERS.contains(&option), "{word}");
-        }
-        assert!(sets("--bounces=3", "bounces") && !sets("bounces", "bounces"));
     }
 
     #[test]

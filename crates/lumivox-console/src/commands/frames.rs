@@ -158,7 +158,7 @@ fn frames(count: usize) -> String {
 
 async fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if !arguments.is_empty() {
-        return super::look::shininess_falloff(console, arguments);
+        return super::parameters::run(console, "shininess_falloff", arguments);
     }
     console.update().await?;
     let Console { explorer, hear, .. } = console;

@@ -1,14 +1,13 @@
-//! Light, cones, the look: VXCT's switches and numbers.
+//! Light, cones, the look: the switches of VXCT that mean something in the physical look, too.
 //!
-//! Its numbers belong to the look `vxct` alone. Switches that mean something in the physical look, too, do that there.
+//! All its other switches and numbers are settings of the look `vxct`, and commands by their names.
 
-use lumivox_render::parameters::Parameter;
 use lumivox_render::{Look, RenderSettings, ShadowMethod, View, VxctSettings};
 
 use crate::arguments::{on_or_off, toggled};
 use crate::command::Run::Now;
 use crate::command::{Command, Group, PLAIN, Takes};
-use crate::{Console, Failure, Reply};
+use crate::{Console, Reply};
 
 const LOOK: Command = Command {
     group: Group::Look,
@@ -17,42 +16,6 @@ const LOOK: Command = Command {
     takes: &[Takes::Switch],
     ..PLAIN
 };
-
-/// A switch of the look `vxct`.
-macro_rules! switch {
-    ($name:literal, $aliases:expr, $summary:literal, $($field:ident).+) => {
-        Command {
-            name: $name,
-            aliases: &$aliases,
-            summary: $summary,
-            details: "Of the look vxct. Without a value it toggles, and prints what it is.",
-            example: concat!($name, " on"),
-            vxct: Some(""),
-            run: Now(|console, arguments| {
-                vxct_switch(console, arguments, $name, |settings| &mut settings.$($field).+)
-            }),
-            ..LOOK
-        }
-    };
-}
-
-/// A number of the look `vxct`.
-macro_rules! number {
-    ($name:literal, $aliases:expr, $summary:literal, $details:literal, $example:literal, $vxct:literal) => {
-        Command {
-            name: $name,
-            aliases: &$aliases,
-            usage: "[NUMBER]",
-            takes: &[Takes::Anything],
-            summary: $summary,
-            details: concat!($details, " Of the look vxct. Prints it without a value."),
-            example: $example,
-            vxct: Some($vxct),
-            run: Now(|console, arguments| super::parameters::run(console, $name, arguments)),
-            ..LOOK
-        }
-    };
-}
 
 /// A component of light by itself.
 macro_rules! only {
@@ -82,17 +45,6 @@ pub const TABLE: &[Command] = &[
         run: Now(phong),
         ..LOOK
     },
-    switch!("phong_ambient", [], "Add Phong's ambient term, or leave it out", phong_ambient),
-    switch!("phong_diffuse", [], "Add Phong's diffuse term, or leave it out", phong_diffuse),
-    switch!("phong_specular", [], "Add Phong's highlights, or leave them out", phong_specular),
-    switch!("front_cone", [], "Trace the diffuse cone along the normal, or not", front_cone),
-    switch!("side_cones", [], "Trace the four diffuse cones along the surface, or not", side_cones),
-    switch!(
-        "intermediate_cones",
-        [],
-        "Trace the four diffuse cones half-way between normal and sides, or not",
-        intermediate_cones
-    ),
     Command {
         name: "vox_diffuse",
         aliases: &["vdiff"],
@@ -125,102 +77,6 @@ pub const TABLE: &[Command] = &[
         run: Now(shadows),
         ..LOOK
     },
-    number!(
-        "diffuse_offset",
-        ["do"],
-        "Set where diffuse cones start",
-        "Along the cone, 0 to 4, in half edges of the scene.",
-        "do 0.19",
-        ""
-    ),
-    number!(
-        "specular_offset",
-        ["so"],
-        "Set where specular cones start",
-        "Along the cone, 0 to 4, in half edges of the scene.",
-        "so 0.15",
-        ""
-    ),
-    number!(
-        "occlusion_offset",
-        ["oo"],
-        "Set where shadow cones start",
-        "Along the cone, 0 to 4, in half edges of the scene.",
-        "oo 0.08",
-        ""
-    ),
-    number!(
-        "diffuse_origin_offset",
-        ["doo"],
-        "Set how far above the surface diffuse cones begin",
-        "Along the normal, 0 to 1, in half edges of the scene.",
-        "doo 0.05",
-        "prints it, too; VXCT's only sets it"
-    ),
-    number!(
-        "diffuse_dist_factor",
-        ["ddf"],
-        "Set the step of diffuse cones",
-        "As a share of the cone's diameter, 0.001 to 4.",
-        "ddf 0.1",
-        ""
-    ),
-    number!(
-        "occlusion_dist_factor",
-        ["odf"],
-        "Set the step of shadow cones",
-        "As a share of the cone's diameter, 0.001 to 4. Finer steps are darker: opacity is not corrected for them.",
-        "odf 0.35",
-        "VXCT's documentation calls it `ddf` by mistake"
-    ),
-    number!(
-        "specular_dist_factor",
-        ["sdf"],
-        "Set the step of specular cones",
-        "As a share of the cone's diameter, 0.001 to 4. Finer steps are darker: opacity is not corrected for them.",
-        "sdf 0.3",
-        "VXCT's documentation calls it `ddf` by mistake"
-    ),
-    number!(
-        "diffuse_aperture",
-        ["da"],
-        "Set the angle of diffuse cones",
-        "The whole angle in radians, 0.001 to 2.",
-        "da 0.55",
-        ""
-    ),
-    number!(
-        "occlusion_aperture",
-        ["oa"],
-        "Set the angle of shadow cones",
-        "The whole angle in radians, 0.001 to 2.",
-        "oa 0.4",
-        ""
-    ),
-    number!(
-        "specular_aperture",
-        ["sa"],
-        "Set the angle of specular cones",
-        "The whole angle in radians, 0.001 to 2.",
-        "sa 0.02",
-        ""
-    ),
-    number!(
-        "shadow_str",
-        ["ss"],
-        "Set how fast what is in the way of light becomes a full shadow",
-        "From 0, no shadows, to 16.",
-        "ss 1.5",
-        ""
-    ),
-    number!(
-        "shininess_falloff",
-        [],
-        "Set how fast reflections fade where a light stands off the mirrored direction",
-        "From 0, not at all, to 16. `sf NUMBER` is the same.",
-        "shininess_falloff 3",
-        "`sf` is a name of its own here: alone it renders a frame"
-    ),
     only!("all", "Show all light", "Physical look: the view `final`.", View::Final, [true; 4]),
     only!(
         "phong_only",
@@ -252,36 +108,8 @@ pub const TABLE: &[Command] = &[
     ),
 ];
 
-/// Refuses what the physical look does not have.
-///
-/// # Errors
-/// When the look is not VXCT's.
-pub fn check(settings: &RenderSettings, name: &str) -> Result<(), Failure> {
-    match settings.look {
-        Look::Vxct(_) => Ok(()),
-        Look::Physical => Err(Failure::input(format!(
-            "{name} belongs to the look vxct, and the look is physical; `preset vxct` takes it with its settings"
-        ))),
-    }
-}
-
 fn vxct_of(settings: &mut RenderSettings) -> Option<&mut VxctSettings> {
     if let Look::Vxct(vxct) = &mut settings.look { Some(vxct) } else { None }
-}
-
-fn vxct_switch(
-    console: &mut Console,
-    arguments: &[&str],
-    name: &str,
-    field: fn(&mut VxctSettings) -> &mut bool,
-) -> anyhow::Result<Reply> {
-    let mut settings = console.explorer.settings().clone();
-    check(&settings, name)?;
-    let Some(vxct) = vxct_of(&mut settings) else { return Ok(Reply::default()) };
-    let is_on = toggled(arguments, name, *field(vxct))?;
-    *field(vxct) = is_on;
-    console.change(|now| *now = settings)?;
-    Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
 }
 
 fn is_vxct(console: &Console) -> bool {
@@ -290,7 +118,7 @@ fn is_vxct(console: &Console) -> bool {
 
 fn phong(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if is_vxct(console) {
-        return vxct_switch(console, arguments, "phong", |settings| &mut settings.phong);
+        return super::parameters::run(console, "phong", arguments);
     }
     let was_on = super::view::base(console) != View::Indirect;
     let is_on = toggled(arguments, "phong", was_on)?;
@@ -300,7 +128,7 @@ fn phong(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 
 fn diffuse(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if is_vxct(console) {
-        return vxct_switch(console, arguments, "vox_diffuse", |settings| &mut settings.diffuse);
+        return super::parameters::run(console, "vox_diffuse", arguments);
     }
     let now = console.explorer.settings().bounces;
     let is_on = toggled(arguments, "vox_diffuse", now > 0)?;
@@ -318,7 +146,7 @@ fn diffuse(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 
 fn specular(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if is_vxct(console) {
-        return vxct_switch(console, arguments, "vox_specular", |settings| &mut settings.specular);
+        return super::parameters::run(console, "vox_specular", arguments);
     }
     let is_on = toggled(arguments, "vox_specular", console.explorer.settings().trace.specular)?;
     console.change(|settings| settings.trace.specular = is_on)?;
@@ -327,7 +155,7 @@ fn specular(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
 
 fn shadows(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if is_vxct(console) {
-        return vxct_switch(console, arguments, "vox_shadows", |settings| &mut settings.shadows);
+        return super::parameters::run(console, "vox_shadows", arguments);
     }
     let was_on = console.explorer.settings().shadows == ShadowMethod::Cone;
     let is_on = toggled(arguments, "vox_shadows", was_on)?;
@@ -335,11 +163,6 @@ fn shadows(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     console.change(|settings| settings.shadows = shadows)?;
     let how = if is_on { "cone" } else { "map" };
     Ok(Reply::say(format!("vox_shadows {}: shadows {how}", on_or_off(is_on))))
-}
-
-/// `shininess_falloff [NUMBER]`
-pub fn shininess_falloff(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    super::parameters::run(console, "shininess_falloff", arguments)
 }
 
 /// Shows a part of light. `on` is what VXCT's switches become: phong, diffuse, specular, shadows.
@@ -355,9 +178,4 @@ fn only(console: &mut Console, view: View, on: [bool; 4]) -> anyhow::Result<Repl
     })?;
     super::view::show(console, View::Final)?;
     Ok(Reply::default())
-}
-
-/// Whether a setting belongs to VXCT's look alone.
-pub fn is_of_vxct(parameter: &Parameter) -> bool {
-    parameter.group == lumivox_render::parameters::Group::Vxct && parameter.name != "look"
 }

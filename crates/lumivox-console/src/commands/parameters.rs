@@ -1,10 +1,9 @@
 //! Settings by their names.
 
-use lumivox::VolumeKind;
-use lumivox_render::parameters::{Group as Of, PARAMETERS, Parameter};
-use lumivox_render::{Look, PresetChoice, RenderSettings};
+use lumivox_render::parameters::{Group as Of, Kind, PARAMETERS, Parameter, Value};
+use lumivox_render::{PresetChoice, RenderSettings};
 
-use crate::arguments::{choice, in_words, refused};
+use crate::arguments::{choice, in_words, on_or_off, refused, toggled};
 use crate::command::Run::Now;
 use crate::command::{Command, Group, PLAIN, Takes};
 use crate::report::Table;
@@ -73,20 +72,30 @@ const PRESETS: [&str; PresetChoice::ALL.len()] = {
 /// `SETTING [VALUE]`: prints or sets it.
 pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(parameter) = Parameter::find(name) else { return Err(unknown(name).into()) };
-    if super::look::is_of_vxct(parameter) {
-        super::look::check(console.explorer.settings(), name)?;
+    let settings = console.explorer.settings();
+    let name = parameter.name;
+    let is_of_look = parameter.needs.is_some_and(|(needed, _)| needed == "look");
+    if is_of_look && !parameter.means_something(settings) {
+        return Err(Failure::input(format!(
+            "{name} belongs to the look vxct, and the look is physical; `preset vxct` takes it with its settings"
+        ))
+        .into());
     }
     match arguments {
-        [] => {
-            let value = parameter.get(console.explorer.settings());
-            Ok(Reply::say(format!("{name} {value}")))
+        // VXCT's switches toggle, and say so.
+        [] | [_] if is_of_look && parameter.kind == Kind::Switch => {
+            let is_on = toggled(arguments, name, parameter.get(settings).is_on())?;
+            console.change(|settings| {
+                let _ = parameter.set(settings, Value::Switch(is_on));
+            })?;
+            Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
         }
+        [] => Ok(Reply::say(format!("{name} {}", parameter.get(settings)))),
         words => {
             // Vectors may be written with blanks, too.
             let text = words.join(",");
             let value = parameter.parse(&text).map_err(|error| {
-                let known = crate::complete::values(parameter);
-                let like = suggest::like(&text, known.iter().map(String::as_str));
+                let like = suggest::like(&text, parameter.kind.words().into_iter());
                 let like = like.map(|like| format!("; did you mean \"{like}\"?"));
                 Failure::input(format!("{error}{}", like.unwrap_or_default()))
             })?;
@@ -118,18 +127,13 @@ pub fn differing<'a>(
     from: &'a RenderSettings,
 ) -> impl Iterator<Item = &'static Parameter> + 'a {
     PARAMETERS.iter().filter(|parameter| {
-        let has_meaning = match () {
-            () if parameter.name.starts_with("octree_") => settings.volume != VolumeKind::Dense,
-            () if super::look::is_of_vxct(parameter) => settings.look != Look::Physical,
-            () => true,
-        };
-        has_meaning && parameter.get(settings) != parameter.get(from)
+        parameter.means_something(settings) && parameter.get(settings) != parameter.get(from)
     })
 }
 
 fn unknown(name: &str) -> Failure {
     let commands = COMMANDS.iter().flat_map(Command::names);
-    let known = commands.chain(PARAMETERS.iter().map(|parameter| parameter.name));
+    let known = commands.chain(PARAMETERS.iter().flat_map(Parameter::names));
     let remedy = suggest::remedy(name, known, "help");
     Failure::input(format!("there is no command \"{name}\"{remedy}"))
 }
@@ -138,7 +142,7 @@ fn unknown(name: &str) -> Failure {
 fn list(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let group = arguments.first().map(|name| choice(name, "the group", &GROUPS)).transpose()?;
     let mut table = Table::left(&["setting", "value", "is"]);
-    for parameter in PARAMETERS {
+    for parameter in PARAMETERS.iter() {
         if group.is_none_or(|group| group == parameter.group.name()) {
             let value = parameter.get(console.explorer.settings()).to_string();
             let unit = if parameter.unit.is_empty() {
@@ -176,7 +180,7 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         }
         [name, ..] => {
             let Some(parameter) = Parameter::find(name) else {
-                let known = PARAMETERS.iter().map(|parameter| parameter.name).chain(["all"]);
+                let known = PARAMETERS.iter().flat_map(Parameter::names).chain(["all"]);
                 let remedy = suggest::remedy(name, known, "parameters");
                 return Err(
                     Failure::input(format!("there is no setting \"{name}\"{remedy}")).into()
@@ -196,20 +200,13 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 /// Whether a setting can be taken from others without more than it changing: the options of an octree ask for one, and
 /// those of VXCT's look for that.
 fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettings) -> bool {
-    let is_vxct = |settings: &RenderSettings| settings.look != Look::Physical;
-    if parameter.name.starts_with("octree_") {
-        settings.volume != VolumeKind::Dense && from.volume != VolumeKind::Dense
-    } else if super::look::is_of_vxct(parameter) {
-        is_vxct(settings) && is_vxct(from)
-    } else {
-        true
-    }
+    parameter.means_something(settings) && parameter.means_something(from)
 }
 
 /// Takes all parameters of other settings.
 fn set_all(settings: &mut RenderSettings, from: &RenderSettings) {
     (settings.volume, settings.look) = (from.volume, from.look);
-    for parameter in PARAMETERS {
+    for parameter in PARAMETERS.iter() {
         if is_free(parameter, settings, from) {
             let _ = parameter.set(settings, parameter.get(from));
         }

@@ -1,9 +1,6 @@
 //! Numbers and lists of numbers.
 
-use std::fmt;
 use std::ops::RangeInclusive;
-
-use lumivox_render::Exposure;
 
 use super::Refused;
 
@@ -40,15 +37,6 @@ pub fn resolution(text: &str) -> Result<u32, Refused> {
         })
 }
 
-/// The shift of the voxel grid: three numbers, each at least 0 and below 1.
-pub fn grid_offset(text: &str) -> Result<glam::Vec3, Refused> {
-    let offset = list::<3>(text, "X,Y,Z, such as 0.5,0,0.25")?;
-    if offset.iter().all(|shift| (0.0..1.0).contains(shift)) {
-        return Ok(offset.into());
-    }
-    Err(Refused::OutOfRange("each of the three must be at least 0 and below 1 voxel".to_owned()))
-}
-
 /// Three angles in degrees, each from -360 to 360.
 pub fn angles(text: &str) -> Result<glam::Vec3, Refused> {
     let angles = list::<3>(text, "X,Y,Z in degrees, such as 0,30,0")?;
@@ -56,62 +44,6 @@ pub fn angles(text: &str) -> Result<glam::Vec3, Refused> {
         in_range(angle, &(-360.0..=360.0), "each angle")?;
     }
     Ok(angles.into())
-}
-
-/// How pictures are exposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ExposureChoice {
-    /// By this many stops.
-    Stops(f32),
-    /// By what the picture asks for; in a sequence, all by the median of what some ask for.
-    Auto,
-    /// Each picture by what it asks for itself.
-    AutoEach,
-}
-
-impl ExposureChoice {
-    /// The exposure of the first picture.
-    pub fn first(self) -> Exposure {
-        match self {
-            Self::Stops(stops) => Exposure::Stops(stops),
-            Self::Auto | Self::AutoEach => Exposure::Auto,
-        }
-    }
-}
-
-impl From<Exposure> for ExposureChoice {
-    fn from(exposure: Exposure) -> Self {
-        match exposure {
-            Exposure::Stops(stops) => Self::Stops(stops),
-            Exposure::Auto => Self::Auto,
-        }
-    }
-}
-
-impl fmt::Display for ExposureChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Stops(stops) => stops.fmt(f),
-            Self::Auto => f.write_str("auto"),
-            Self::AutoEach => f.write_str("auto-each"),
-        }
-    }
-}
-
-/// Stops of exposure, `auto` or `auto-each`.
-pub fn exposure(text: &str) -> Result<ExposureChoice, Refused> {
-    match text.to_ascii_lowercase().as_str() {
-        "auto" => return Ok(ExposureChoice::Auto),
-        "auto-each" => return Ok(ExposureChoice::AutoEach),
-        _ => {}
-    }
-    let stops = one(text).map_err(|refused| match refused {
-        Refused::Malformed(_) => Refused::Malformed(
-            "expected a number of stops, such as -2.5, or auto, or auto-each".to_owned(),
-        ),
-        Refused::OutOfRange(_) => refused,
-    })?;
-    in_range(stops, &(-64.0..=64.0), "it").map(ExposureChoice::Stops)
 }
 
 /// One finite number.
@@ -172,6 +104,8 @@ fn digits(text: &str) -> Result<i128, Refused> {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt;
+
     use super::*;
 
     fn is_out_of_range<T: fmt::Debug>(result: Result<T, Refused>, needle: &str) {
@@ -233,30 +167,9 @@ mod tests {
     }
 
     #[test]
-    fn offsets_are_below_a_voxel() {
-        assert_eq!(grid_offset("0,0.5,0.999"), Ok(glam::Vec3::new(0.0, 0.5, 0.999)));
-        is_out_of_range(grid_offset("0,1,0"), "below 1");
-        is_out_of_range(grid_offset("-0.1,0,0"), "at least 0");
-        is_out_of_range(grid_offset("nan,0,0"), "finite");
-        is_malformed(&grid_offset("0,0"));
-        is_malformed(&grid_offset("0,0,0,0"));
-        is_malformed(&grid_offset("0,,0"));
-    }
-
-    #[test]
     fn angles_are_three_within_a_turn() {
         assert_eq!(angles("-30,0,360"), Ok(glam::Vec3::new(-30.0, 0.0, 360.0)));
         is_out_of_range(angles("0,361,0"), "from -360 to 360");
         is_malformed(&angles("30"));
-    }
-
-    #[test]
-    fn exposure_is_stops_or_auto() {
-        assert_eq!(exposure("auto"), Ok(ExposureChoice::Auto));
-        assert_eq!(exposure("auto-each"), Ok(ExposureChoice::AutoEach));
-        assert_eq!(exposure("-3.5"), Ok(ExposureChoice::Stops(-3.5)));
-        is_out_of_range(exposure("65"), "from -64 to 64");
-        is_out_of_range(exposure("inf"), "finite");
-        is_malformed(&exposure("bright"));
     }
 }

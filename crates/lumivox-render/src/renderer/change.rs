@@ -3,6 +3,7 @@
 //! Each redoes what depends on the change and nothing else, so that the picture afterwards is the one that a new
 //! renderer would make. The mean over frames starts anew wherever the picture changes.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use lumivox::gpu::Recorder;
@@ -14,6 +15,7 @@ use super::prepare::{
     bind_lights, compile, environment_map, global_illumination, upload, voxelize,
 };
 use super::{Progress, Renderer, validate, validate_level};
+use crate::parameters::{PARAMETERS, Redoes};
 use crate::scene::{Lighting, radiance_unit_within};
 use crate::{Exposure, Look, RenderError, RenderSettings, View};
 
@@ -32,50 +34,18 @@ struct Redo {
 }
 
 impl Redo {
-    /// `old` has a grid that equals that of `new` if `is_same_grid`. Each setting is named once, so that none can be
-    /// forgotten.
+    /// `old` has a grid that equals that of `new` if `is_same_grid`.
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
-        let RenderSettings {
-            // They are the grid.
-            resolution: _,
-            grid_offset: _,
-            grid_bounds: _,
-            directionality,
-            volume,
-            volume_memory,
-            voxelizer,
-            injection,
-            size,
-            trace,
-            shadows,
-            shadow_resolution,
-            bounces,
-            look,
-            view,
-            voxel_level,
-            frames,
-            // They are about the picture that is there, or about what is told of it.
-            overlay: _,
-            exposure: _,
-            tone_map: _,
-            timing: _,
-        } = old;
-        let volume = !is_same_grid
-            || *directionality != new.directionality
-            || *volume != new.volume
-            || *volume_memory != new.volume_memory
-            || *voxelizer != new.voxelizer
-            || *injection != new.injection;
-        let targets = volume || *size != new.size || trace.resolution != new.trace.resolution;
+        let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
+        let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
+        let volume = !is_same_grid || changed.contains(&Redoes::Voxels);
+        let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;
         let light = volume
-            || *trace != new.trace
+            || changed.contains(&Redoes::Light)
             || (old.shows_vxct() && !new.shows_vxct())
-            || old.voxel_bounces() != new.voxel_bounces()
-            || *shadows != new.shadows
-            || *shadow_resolution != new.shadow_resolution;
-        let shown = (*view, *voxel_level, *bounces, *frames)
-            != (new.view, new.voxel_level, new.bounces, new.frames);
-        Self { volume, targets, light, mean: targets || light || shown || *look != new.look }
+            || old.voxel_bounces() != new.voxel_bounces();
+        let mean = targets || light || changed.contains(&Redoes::Frames);
+        Self { volume, targets, light, mean }
     }
 }
 

@@ -15,6 +15,7 @@ use lumivox_scene::Bounds;
 use crate::passes::overlay::LineRecord;
 use crate::{Look, Overlay, RenderError, VxctSettings};
 
+use parameters::{Choices as _, PARAMETERS};
 pub use view::{COST_SCALE_SAMPLES, View};
 
 /// How radiance becomes brightness.
@@ -24,6 +25,8 @@ pub enum Exposure {
     /// 2002, section 3.1). Pixels without a surface, and those that are black, do not count.
     #[default]
     Auto,
+    /// As `Auto`; where a sequence of pictures shares one exposure, each finds its own instead.
+    AutoEach,
     /// Radiance in cd/m² times 2 to the power of this many stops is the value that is tone mapped.
     Stops(f32),
 }
@@ -49,14 +52,9 @@ impl ToneMap {
     /// All curves.
     pub const ALL: [Self; 4] = [Self::Neutral, Self::Aces, Self::Linear, Self::Raw];
 
-    /// The curve's name in lower case, as on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Neutral => "neutral",
-            Self::Aces => "aces",
-            Self::Linear => "linear",
-            Self::Raw => "raw",
-        }
+    /// The curve's name in lower case.
+    pub fn name(self) -> &'static str {
+        self.choice()
     }
 
     /// The constant of the shaders that stands for the curve; its value is `self as u32`.
@@ -167,17 +165,9 @@ impl Default for RenderSettings {
     }
 }
 
-/// The most bounces: with an albedo of 0.9, a seventeenth would still add 2 % of the light.
-const MAX_BOUNCES: u32 = 16;
-/// The most frames: their running mean in `f32` still moves by a 65 536th.
-const MAX_FRAMES: u32 = 65_536;
-/// Beyond this, f32 overflows.
-pub(crate) const MAX_STOPS: f32 = 64.0;
-const MIN_SHADOW_RESOLUTION: u32 = 16;
-
 impl RenderSettings {
     /// What the library is made for.
-    pub(crate) fn gi_config(&self, grid: Grid) -> GiConfig {
+    pub fn gi_config(&self, grid: Grid) -> GiConfig {
         GiConfig {
             grid,
             directionality: self.directionality,
@@ -213,32 +203,24 @@ impl RenderSettings {
         if self.shows_vxct() { last.max(crate::vxct::LAST_LEVEL) } else { last }
     }
 
-    /// Checks every value against its range and the device's limits. What belongs to the voxel grid
-    /// (`resolution`, `grid_offset`) is checked where the grid is fitted to the scene.
+    /// Checks every value against its range and the device's limits.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] or [`RenderError::Limit`], naming the first one that is out of range,
-    /// and [`RenderError::Gi`] for the cones' settings.
+    /// [`RenderError::Setting`] or [`RenderError::Limit`], naming the first one that is out of range.
     pub fn validate(&self, limits: &wgpu::Limits) -> Result<(), RenderError> {
         validate_size(self.size, limits)?;
-        let in_range = |name, value: u32, low: u32, high: u32| {
-            if (low..=high).contains(&value) {
-                return Ok(());
+        for parameter in PARAMETERS.iter().filter(|parameter| parameter.means_something(self)) {
+            let value = parameter.get(self);
+            if !parameter.kind.allows(value) {
+                return Err(parameter.error(&value.to_string()).into());
             }
-            let expected = format!("from {low} to {high}");
-            Err(RenderError::Setting { name, value: value.to_string(), expected })
-        };
-        in_range("bounces", self.bounces, 0, MAX_BOUNCES)?;
-        in_range("frames", self.frames, 1, MAX_FRAMES)?;
+        }
         let most = limits.max_texture_dimension_2d;
-        in_range("shadow resolution", self.shadow_resolution, MIN_SHADOW_RESOLUTION, most)?;
-        if let Exposure::Stops(stops) = self.exposure
-            && (stops.is_nan() || stops.abs() > MAX_STOPS)
-        {
+        if self.shadow_resolution > most {
             return Err(RenderError::Setting {
-                name: "exposure",
-                value: stops.to_string(),
-                expected: "from -64 to 64 stops".to_owned(),
+                name: "shadow_resolution",
+                value: self.shadow_resolution.to_string(),
+                expected: format!("at most {most}, this device's max_texture_dimension_2d"),
             });
         }
         if self.view.needs_octree() && self.volume == VolumeKind::Dense {
@@ -251,9 +233,7 @@ impl RenderSettings {
                         .to_owned(),
             });
         }
-        validate_lines(self.overlay.lines.len(), limits)?;
-        self.look.validate()?;
-        Ok(self.trace.validate()?)
+        validate_lines(self.overlay.lines.len(), limits)
     }
 }
 

@@ -1,5 +1,7 @@
 //! What a picture can show.
 
+use lumivox::settings::Choices as _;
+
 /// What the picture shows.
 ///
 /// Views of light (`Final` to `Specular`) are exposed and tone mapped, and hold cd/m² in OpenEXR.
@@ -74,27 +76,9 @@ impl View {
         Self::WireVoxels,
     ];
 
-    /// The view's name in lower case, as on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Final => "final",
-            Self::Direct => "direct",
-            Self::Indirect => "indirect",
-            Self::Diffuse => "diffuse",
-            Self::Specular => "specular",
-            Self::Occlusion => "occlusion",
-            Self::Shadow => "shadow",
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::Depth => "depth",
-            Self::Cost => "cost",
-            Self::Voxels => "voxels",
-            Self::Lit => "lit",
-            Self::Nodes => "nodes",
-            Self::Bricks => "bricks",
-            Self::Lod => "lod",
-            Self::WireVoxels => "wire-voxels",
-        }
+    /// The view's name in lower case.
+    pub fn name(self) -> &'static str {
+        self.choice()
     }
 
     /// The constant of the shaders that stands for the view; its value is `self as u32`.

@@ -2,8 +2,8 @@
 
 use lumivox_scene::{Attenuation, LightKind, Scene};
 
+use crate::parameters::MAX_STOPS;
 use crate::scene::{Lighting, reference_white};
-use crate::settings::MAX_STOPS;
 use crate::{Exposure, ToneMap};
 
 /// How a screen shows a scene in this look.

@@ -1,5 +1,7 @@
 //! Everything that can be set about the look of VXCT: units, ranges, defaults.
 
+use lumivox::settings::{self, Kind, Redoes, Setting, Value};
+
 use crate::RenderError;
 
 /// How a picture comes about.
@@ -126,31 +128,220 @@ impl VxctSettings {
     /// # Errors
     /// [`RenderError::Setting`], naming the first one that is out of range.
     pub fn validate(&self) -> Result<(), RenderError> {
-        let check = |name, value: f32, low: f32, high: f32| {
-            if value >= low && value <= high {
-                return Ok(());
-            }
-            let expected = format!("from {low} to {high}");
-            Err(RenderError::Setting { name, value: value.to_string(), expected })
-        };
-        let cone = |names: [&'static str; 3], cone: ConeShape| {
-            check(names[0], cone.aperture_rad, 0.001, 2.0)?;
-            check(names[1], cone.offset, 0.0, 4.0)?;
-            check(names[2], cone.distance_factor, 0.001, 4.0)
-        };
-        cone(["diffuse aperture", "diffuse offset", "diffuse distance factor"], self.diffuse_cone)?;
-        cone(
-            ["occlusion aperture", "occlusion offset", "occlusion distance factor"],
-            self.occlusion_cone,
-        )?;
-        cone(
-            ["specular aperture", "specular offset", "specular distance factor"],
-            self.specular_cone,
-        )?;
-        check("diffuse origin offset", self.diffuse_origin_offset, 0.0, 1.0)?;
-        check("shadow strength", self.shadow_strength, 0.0, 16.0)?;
-        check("shininess falloff", self.shininess_falloff, 0.0, 16.0)
+        Ok(settings::check(&Self::SETTINGS, self)?)
     }
+
+    /// The table of the settings, under the names of VXCT's console.
+    pub const SETTINGS: [Setting<Self>; 23] = [
+        Setting {
+            name: "indirect_light",
+            summary: "Cones; without them Phong's shader shows all of its terms, and no shadows",
+            get: |s| Value::Switch(s.indirect_light),
+            set: |s, v| s.indirect_light = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "phong",
+            summary: "Phong's terms",
+            get: |s| Value::Switch(s.phong),
+            set: |s, v| s.phong = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "phong_ambient",
+            summary: "Phong's ambient term",
+            get: |s| Value::Switch(s.phong_ambient),
+            set: |s, v| s.phong_ambient = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "phong_diffuse",
+            summary: "Phong's diffuse term",
+            get: |s| Value::Switch(s.phong_diffuse),
+            set: |s, v| s.phong_diffuse = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "phong_specular",
+            summary: "Phong's highlights",
+            get: |s| Value::Switch(s.phong_specular),
+            set: |s, v| s.phong_specular = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "vox_diffuse",
+            summary: "Light by diffuse cones",
+            get: |s| Value::Switch(s.diffuse),
+            set: |s, v| s.diffuse = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "vox_specular",
+            summary: "Reflections by specular cones",
+            get: |s| Value::Switch(s.specular),
+            set: |s, v| s.specular = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "vox_shadows",
+            summary: "Shadows by cones towards the lights",
+            get: |s| Value::Switch(s.shadows),
+            set: |s, v| s.shadows = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "front_cone",
+            summary: "The diffuse cone along the normal",
+            get: |s| Value::Switch(s.front_cone),
+            set: |s, v| s.front_cone = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "side_cones",
+            summary: "Four diffuse cones along the surface",
+            get: |s| Value::Switch(s.side_cones),
+            set: |s, v| s.side_cones = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "intermediate_cones",
+            summary: "Four diffuse cones half-way between normal and sides",
+            get: |s| Value::Switch(s.intermediate_cones),
+            set: |s, v| s.intermediate_cones = v.is_on(),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "diffuse_aperture",
+            aliases: &["da"],
+            unit: "rad",
+            summary: "Angle of diffuse cones",
+            kind: Kind::number(0.001, 2.0),
+            get: |s| Value::Number(s.diffuse_cone.aperture_rad),
+            set: |s, v| s.diffuse_cone.aperture_rad = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "occlusion_aperture",
+            aliases: &["oa"],
+            unit: "rad",
+            summary: "Angle of shadow cones",
+            kind: Kind::number(0.001, 2.0),
+            get: |s| Value::Number(s.occlusion_cone.aperture_rad),
+            set: |s, v| s.occlusion_cone.aperture_rad = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "specular_aperture",
+            aliases: &["sa"],
+            unit: "rad",
+            summary: "Angle of specular cones",
+            kind: Kind::number(0.001, 2.0),
+            get: |s| Value::Number(s.specular_cone.aperture_rad),
+            set: |s, v| s.specular_cone.aperture_rad = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "diffuse_offset",
+            aliases: &["do"],
+            unit: "half edges",
+            summary: "Start of diffuse cones",
+            kind: Kind::number(0.0, 4.0),
+            get: |s| Value::Number(s.diffuse_cone.offset),
+            set: |s, v| s.diffuse_cone.offset = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "occlusion_offset",
+            aliases: &["oo"],
+            unit: "half edges",
+            summary: "Start of shadow cones",
+            kind: Kind::number(0.0, 4.0),
+            get: |s| Value::Number(s.occlusion_cone.offset),
+            set: |s, v| s.occlusion_cone.offset = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "specular_offset",
+            aliases: &["so"],
+            unit: "half edges",
+            summary: "Start of specular cones",
+            kind: Kind::number(0.0, 4.0),
+            get: |s| Value::Number(s.specular_cone.offset),
+            set: |s, v| s.specular_cone.offset = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "diffuse_dist_factor",
+            aliases: &["ddf"],
+            unit: "diameters",
+            summary: "Step of diffuse cones",
+            kind: Kind::number(0.001, 4.0),
+            get: |s| Value::Number(s.diffuse_cone.distance_factor),
+            set: |s, v| s.diffuse_cone.distance_factor = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "occlusion_dist_factor",
+            aliases: &["odf"],
+            unit: "diameters",
+            summary: "Step of shadow cones",
+            help: "Finer steps are darker: opacity is not corrected for them. VXCT's documentation calls it `ddf` by mistake.",
+            kind: Kind::number(0.001, 4.0),
+            get: |s| Value::Number(s.occlusion_cone.distance_factor),
+            set: |s, v| s.occlusion_cone.distance_factor = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "specular_dist_factor",
+            aliases: &["sdf"],
+            unit: "diameters",
+            summary: "Step of specular cones",
+            help: "Finer steps are darker: opacity is not corrected for them. VXCT's documentation calls it `ddf` by mistake.",
+            kind: Kind::number(0.001, 4.0),
+            get: |s| Value::Number(s.specular_cone.distance_factor),
+            set: |s, v| s.specular_cone.distance_factor = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "diffuse_origin_offset",
+            aliases: &["doo"],
+            unit: "half edges",
+            summary: "Start of diffuse cones above the surface",
+            help: "VXCT sets it and does not print it.",
+            kind: Kind::number(0.0, 1.0),
+            get: |s| Value::Number(s.diffuse_origin_offset),
+            set: |s, v| s.diffuse_origin_offset = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "shadow_str",
+            aliases: &["ss"],
+            summary: "How fast what is in the way of light becomes a full shadow",
+            help: "At 0 there are no shadows.",
+            kind: Kind::number(0.0, 16.0),
+            get: |s| Value::Number(s.shadow_strength),
+            set: |s, v| s.shadow_strength = number(v),
+            ..OF_VXCT
+        },
+        Setting {
+            name: "shininess_falloff",
+            summary: "How fast reflections fade where a light stands off the mirrored direction",
+            help: "At 0 they do not fade at all. `sf NUMBER` is the same; without a number `sf` renders a frame.",
+            kind: Kind::number(0.0, 16.0),
+            get: |s| Value::Number(s.shininess_falloff),
+            set: |s, v| s.shininess_falloff = number(v),
+            ..OF_VXCT
+        },
+    ];
+}
+
+/// A row of the table.
+const OF_VXCT: Setting<VxctSettings> =
+    Setting { needs: Some(("look", "vxct")), redoes: Redoes::Frames, ..Setting::ROW };
+
+/// A number of a row whose values are all numbers.
+fn number(value: Value) -> f32 {
+    value.number().unwrap_or(f32::NAN)
 }
 
 impl Look {

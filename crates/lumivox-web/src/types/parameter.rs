@@ -37,10 +37,10 @@ pub struct ParameterInfo {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<String>,
-    /// What stands for no number: `auto`, `unlimited`.
+    /// Words for values that have no number: `auto`, `unlimited`.
     #[tsify(optional)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub word: Option<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub words: Vec<String>,
     /// Where nobody has set anything.
     #[tsify(type = "boolean | number | string | [number, number, number]")]
     pub default: SettingValue,
@@ -72,7 +72,7 @@ impl ParameterInfo {
             max: None,
             multiple: None,
             choices: Vec::new(),
-            word: None,
+            words: Vec::new(),
             default,
         };
         match parameter.kind {
@@ -81,15 +81,15 @@ impl ParameterInfo {
                 (info.min, info.max) = (Some(low.into()), Some(high.into()));
                 info.multiple = Some(multiple.into());
             }
-            Kind::Number { low, high, word, .. } => {
+            Kind::Number { low, high, words, .. } => {
                 (info.min, info.max) = (Some(low.into()), Some(high.into()));
-                info.word = word.map(str::to_owned);
+                info.words = words.iter().map(|word| (*word).to_owned()).collect();
             }
             Kind::Vector { low, below } => {
                 (info.min, info.max) = (Some(low.into()), Some(below.into()));
             }
-            Kind::Choice(names) => {
-                info.choices = names.iter().map(|name| (*name).to_owned()).collect();
+            Kind::Choice(choices) => {
+                info.choices = choices.iter().map(|choice| choice.name.to_owned()).collect();
             }
         }
         info
@@ -105,7 +105,7 @@ mod tests {
         let all = ParameterInfo::all();
         let of = |name: &str| all.iter().find(|info| info.name == name).unwrap();
         assert_eq!((of("frames").min, of("frames").max), (Some(1.0), Some(65_536.0)));
-        assert_eq!(of("exposure").word.as_deref(), Some("auto"));
+        assert_eq!(of("exposure").words, ["auto", "auto-each"]);
         assert!(of("view").choices.iter().any(|view| view == "indirect"));
         assert_eq!(all.len(), PARAMETERS.len());
     }

@@ -1,6 +1,7 @@
 //! Everything that can be set about the cones, in one type: units, ranges, and neutral defaults.
 
 use crate::GiError;
+use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
 
 /// How much is spent on the cones. All presets but the last obey the same physics; they differ in noise and
 /// sharpness.
@@ -140,30 +141,177 @@ impl TraceSettings {
     /// # Errors
     /// [`GiError::Setting`], naming the first one that is out of range.
     pub fn validate(&self) -> Result<(), GiError> {
-        let check = |name, value: f32, low: f32, high: f32| {
-            if value.is_nan() || value < low || value > high {
-                let expected = format!("from {low} to {high}");
-                return Err(GiError::Setting { name, value: value.to_string(), expected });
-            }
-            Ok(())
-        };
-        if ![6, 9, 12].contains(&self.diffuse_cones) {
-            return Err(GiError::Setting {
-                name: "diffuse cones",
-                value: self.diffuse_cones.to_string(),
-                expected: "6, 9 or 12".to_owned(),
-            });
-        }
-        check("voxel per diameter", self.voxel_per_diameter, 0.05, 1.0)?;
-        if self.clearance != 0.0 {
-            check("clearance", self.clearance, 0.1, 1.0)?;
-        }
-        check("normal offset", self.normal_offset_voxels, 0.0, 4.0)?;
-        check("step per voxel", self.step_per_voxel, 0.25, 1.0)?;
-        check("least transmittance", self.min_transmittance, 0.0, 0.25)?;
-        check("specular share", self.specular_share, 0.02, 1.0)?;
-        check("width attenuation", self.width_attenuation, 0.0, 64.0)?;
-        check("level gain", self.level_gain, 1.0, 8.0)?;
-        check("occlusion distance", self.occlusion_distance_m, 0.0, f32::INFINITY)
+        settings::check(&Self::SETTINGS, self).map_err(GiError::from)
     }
+
+    /// The table of the settings: names, ranges and meaning.
+    pub const SETTINGS: [Setting<Self>; 14] = [
+        Setting {
+            name: "cones",
+            unit: "",
+            summary: "Diffuse cones a pixel and frame",
+            help: "More: less noise and bias, at proportional cost.",
+            kind: Kind::Choice(&[
+                Choice::new("6", "the cheapest"),
+                Choice::new("9", "in between"),
+                Choice::new("12", "the least noise"),
+            ]),
+            get: |s| match s.diffuse_cones {
+                6 => Value::Choice("6"),
+                9 => Value::Choice("9"),
+                12 => Value::Choice("12"),
+                other => Value::Whole(other),
+            },
+            set: |s, v| s.diffuse_cones = v.name().parse().unwrap_or(s.diffuse_cones),
+            ..CONES
+        },
+        Setting {
+            name: "trace_resolution",
+            summary: "Cones from every pixel, or from one of each 2x2 block",
+            help: "In each frame another pixel of the block is traced; the rest is filled in by depth and normal. half \
+                   is a quarter of the cost, and softer at edges.",
+            kind: Kind::Choice(TraceResolution::CHOICES),
+            shorthands: &[("half", Value::Choice("half")), ("full", Value::Choice("full"))],
+            redoes: Redoes::Targets,
+            get: |s| Value::Choice(s.resolution.choice()),
+            set: |s, v| s.resolution.choose(v),
+            ..CONES
+        },
+        Setting {
+            name: "voxel_per_diameter",
+            unit: "share",
+            summary: "Sampled voxel's edge as a share of the cone's diameter",
+            help: "Finer (lower): sharper indirect light, at a higher cost.",
+            kind: Kind::number(0.05, 1.0),
+            get: |s| Value::Number(s.voxel_per_diameter),
+            set: |s, v| s.voxel_per_diameter = number(v),
+            ..CONES
+        },
+        Setting {
+            name: "clearance",
+            unit: "ratio",
+            summary: "Growth of the sampled voxels by metre and cosine, at most; 0 is off",
+            help: "Cones that leave at a grazing angle then keep clear of the surface that they start from. Lower: finer \
+                   samples near the surface, at a higher cost.",
+            kind: Kind::Number { low: 0.1, high: 1.0, words: &[], off: Some(0.0) },
+            get: |s| Value::Number(s.clearance),
+            set: |s, v| s.clearance = number(v),
+            ..CONES
+        },
+        Setting {
+            name: "normal_offset",
+            unit: "voxels",
+            summary: "Start of the cones above the surface",
+            help: "Cones move away from walls beside them by themselves. Higher passes over near detail, lower makes \
+                   oblique surfaces darken themselves.",
+            kind: Kind::number(0.0, 4.0),
+            get: |s| Value::Number(s.normal_offset_voxels),
+            set: |s, v| s.normal_offset_voxels = number(v),
+            ..CONES
+        },
+        Setting {
+            name: "step",
+            unit: "share",
+            summary: "Distance between samples as a share of the sampled voxel's edge",
+            help: "Lower: less noise at a higher cost. The brightness does not depend on it.",
+            kind: Kind::number(0.25, 1.0),
+            get: |s| Value::Number(s.step_per_voxel),
+            set: |s, v| s.step_per_voxel = number(v),
+            ..CONES
+        },
+        Setting {
+            name: "min_transmittance",
+            unit: "share",
+            summary: "Share of light below which a cone ends",
+            help: "The rest of the cone is taken to look like what the cone met. With a lower share a bright sky leaks \
+                   into closed rooms; with a higher one the light through dark glass is lost.",
+            kind: Kind::number(0.0, 0.25),
+            get: |s| Value::Number(s.min_transmittance),
+            set: |s, v| s.min_transmittance = number(v),
+            ..CONES
+        },
+        Setting {
+            name: "specular",
+            summary: "Glossy reflections of indirect light",
+            shorthands: &[("no_specular", Value::Switch(false))],
+            redoes: Redoes::Frames,
+            get: |s| Value::Switch(s.specular),
+            set: |s, v| s.specular = v.is_on(),
+            ..CONES
+        },
+        Setting {
+            name: "specular_share",
+            unit: "share",
+            summary: "Width of a glossy cone as a share of the lobe's solid angle",
+            help: "Lower: sharper but noisier reflections; frames draw other directions, so that their mean is the whole \
+                   lobe.",
+            kind: Kind::number(0.02, 1.0),
+            redoes: Redoes::Frames,
+            get: |s| Value::Number(s.specular_share),
+            set: |s, v| s.specular_share = number(v),
+            ..CONES
+        },
+        Setting {
+            name: "occlusion_distance",
+            unit: "m",
+            summary: "Reach of ambient occlusion; it never changes the light",
+            help: "It changes the view `occlusion` only.",
+            kind: Kind::Number { low: 0.0, high: 1e9, words: &[UNLIMITED], off: None },
+            redoes: Redoes::Frames,
+            get: |s| match s.occlusion_distance_m {
+                f32::INFINITY => Value::Word(UNLIMITED),
+                reach_m => Value::Number(reach_m),
+            },
+            set: |s, v| s.occlusion_distance_m = v.number().unwrap_or(f32::INFINITY),
+            ..CONES
+        },
+        Setting {
+            name: "jitter",
+            summary: "Draw the cones' directions at random, in each frame others",
+            help: "Without, a fixed set of cones makes bands in place of noise.",
+            get: |s| Value::Switch(s.jitter),
+            set: |s, v| s.jitter = v.is_on(),
+            ..CONES
+        },
+        Setting {
+            name: "clear_of_walls",
+            summary: "Start cones farther where a wall is felt at their start",
+            help: "Without, only the offset along the normal counts, and light leaks along walls.",
+            get: |s| Value::Switch(s.clear_of_walls),
+            set: |s, v| s.clear_of_walls = v.is_on(),
+            ..CONES
+        },
+        Setting {
+            name: "width_attenuation",
+            summary: "Radiance that is lost for the cone's width; 0 is the physics",
+            help: "The share of a sample's radiance that is lost when the cone is as wide as the scene. Higher dims what is \
+                   far away.",
+            kind: Kind::number(0.0, 64.0),
+            get: |s| Value::Number(s.width_attenuation),
+            set: |s, v| s.width_attenuation = number(v),
+            ..CONES
+        },
+        Setting {
+            name: "level_gain",
+            unit: "factor",
+            summary: "Radiance that is gained with each level; 1 is the physics",
+            help: "A sample's radiance is multiplied by it for each level of its voxel. Higher brightens what is far away, \
+                   up to what full voxels would give.",
+            kind: Kind::number(1.0, 8.0),
+            get: |s| Value::Number(s.level_gain),
+            set: |s, v| s.level_gain = number(v),
+            ..CONES
+        },
+    ];
+}
+
+/// The word for a reach without end.
+const UNLIMITED: &str = "unlimited";
+
+/// A row of the table: the light of the voxels is gathered by the same cones as the picture's.
+const CONES: Setting<TraceSettings> = Setting { redoes: Redoes::Light, ..Setting::ROW };
+
+/// A number of a row whose values are all numbers.
+fn number(value: Value) -> f32 {
+    value.number().unwrap_or(f32::NAN)
 }

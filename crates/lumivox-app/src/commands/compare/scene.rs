@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use lumivox_console::report::AdapterReport;
 use lumivox_console::{Comparison, SceneSource, shown};
+use lumivox_render::RenderSettings;
 use lumivox_render::reference::ReferenceSettings;
 use serde::Serialize;
 
@@ -11,7 +12,7 @@ use super::write_strip;
 use crate::args::output;
 use crate::cli::CompareArgs;
 use crate::commands::light;
-use crate::commands::settings::{SettingsReport, still};
+use crate::commands::settings;
 use crate::commands::staged::stage;
 use crate::host::Host;
 use crate::progress::Progress;
@@ -22,8 +23,10 @@ use crate::quality::{Measured, Subject, reference, strip};
 /// # Errors
 /// When the scene cannot be read or rendered, or a file cannot be written.
 pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Result<()> {
-    let settings = still(args.size, args.frames, &args.voxels, &args.light, &args.cones);
-    settings.trace.validate()?;
+    let given =
+        [args.voxels.given(), args.light.settings.given(), args.cones.settings.given()].concat();
+    let settings = settings::of(args.cones.preset(), args.size, &given)?;
+    let settings = RenderSettings { frames: args.frames, ..settings };
     if let Some(file) = &args.reference {
         output::check_kind(file, "exr", "references are written as OpenEXR")?;
     }
@@ -69,7 +72,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Res
         grid_offsets: args.offsets,
         frame_ms: measured.cost.frame_ms,
         samples_per_pixel: measured.cost.samples_per_pixel,
-        settings: SettingsReport::new(&settings),
+        settings,
         seconds: start.elapsed().as_secs_f64(),
         adapter: AdapterReport::new(&gpu.adapter_info),
     };
@@ -89,7 +92,8 @@ struct Report {
     frame_ms: f64,
     /// Cone samples of a frame.
     samples_per_pixel: f64,
-    settings: SettingsReport,
+    #[serde(serialize_with = "settings::serialize")]
+    settings: RenderSettings,
     seconds: f64,
     adapter: AdapterReport,
 }

@@ -4,6 +4,7 @@ mod machine;
 mod scene;
 
 use crate::cli::InfoArgs;
+use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::Progress;
 
@@ -18,11 +19,10 @@ pub fn run(args: &InfoArgs, host: &Host) -> anyhow::Result<()> {
         return if args.json { host.print_json(&report) } else { host.print(&report.text()) };
     };
     crate::args::scene::check(source)?;
+    let settings = settings::of_voxels(&args.voxels)?;
     let progress = Progress::start(host, "loading");
-    let report = scene::Report::new(
-        &crate::args::scene::load(source, &args.load, &progress)?,
-        &args.voxels,
-    )?;
+    let scene = crate::args::scene::load(source, &args.load, &progress)?;
+    let report = scene::Report::new(&scene, &settings)?;
     drop(progress);
     if args.json { host.print_json(&report) } else { host.print(&report.text()) }
 }

@@ -51,9 +51,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     } else {
         output::check(&args.output)?;
     }
-    let mut settings = settings::of(&args.picture, &args.voxels, &args.light, &args.cones);
-    args.cones.check()?;
-    settings.trace.validate()?;
+    let mut settings = args.settings()?;
     let path = args.motion.camera_path.as_deref().map(PathFile::read).transpose()?;
     scene::check(&args.scene.scene)?;
     light::check(&args.light.sources)?;
@@ -91,7 +89,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     scene.light_up(&sight);
     // For a million triangles it holds 130 MB.
     drop(framing);
-    settings::expose_for_look(&mut settings, &args.picture, &scene);
+    settings::expose_for_look(&mut settings, &args.given(), &scene);
     clock.seconds.loading = clock.lap();
 
     let is_verbose = verbosity > 0;

@@ -7,13 +7,13 @@ use lumivox_console::report::{
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
-use lumivox_render::{ExposureWarning, Gpu, Picture, Renderer};
+use lumivox_render::{ExposureWarning, Gpu, Picture, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Note, Scene};
 use serde::Serialize;
 
 use super::clock::Seconds;
 use crate::commands::light::REMEDY;
-use crate::commands::settings::SettingsReport;
+use crate::commands::settings;
 
 /// What was rendered, and what it cost.
 #[derive(Clone, Debug, Serialize)]
@@ -32,7 +32,8 @@ pub struct Report {
     exposure: Option<f32>,
     /// What was chosen for the scene, and what is wrong with its light.
     notes: Vec<NoteReport>,
-    settings: SettingsReport,
+    #[serde(serialize_with = "settings::serialize")]
+    settings: RenderSettings,
     adapter: AdapterReport,
 }
 
@@ -144,7 +145,7 @@ impl Report {
             seconds,
             exposure: metering.map(|metering| metering.stops),
             notes: NoteReport::all(notes, metering.and_then(|metering| metering.warning)),
-            settings: SettingsReport::new(settings),
+            settings: settings.clone(),
             adapter: AdapterReport::new(&gpu.adapter_info),
         }
     }
@@ -157,7 +158,7 @@ impl Report {
         let [x, y, z] = grid.dimensions;
         let frames = counted(settings.frames as usize, "frame", "frames");
         let frame_ms = seconds.rendering * 1e3 / f64::from(settings.frames);
-        let mut text = format!("{file}: {width}x{height}, view {}, {frames}", settings.view);
+        let mut text = format!("{file}: {width}x{height}, view {}, {frames}", settings.view.name());
         if let Some(stops) = self.exposure {
             text += &format!(", exposure {stops:.2}");
         }

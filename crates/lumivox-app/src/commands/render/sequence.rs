@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use lumivox_console::report::{AdapterReport, SceneCounts, bytes, count, counted, memory_table};
 use lumivox_console::{Failure, shown};
-use lumivox_render::{Exposure, Metering, Picture, Renderer};
+use lumivox_render::{Exposure, Metering, Picture, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -12,9 +12,8 @@ use serde_json::{Map, Value, json};
 use super::clock::Seconds;
 use super::report::{CameraReport, NoteReport, RendererReport};
 use super::{Stage, light};
-use crate::args::number::ExposureChoice;
 use crate::cli::RenderArgs;
-use crate::commands::settings::{self, SettingsReport};
+use crate::commands::settings;
 use crate::motion::{Moments, PathFile, When};
 use crate::progress::Progress;
 use crate::progress::words;
@@ -54,9 +53,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
     };
 
     let mut renderer: Option<Renderer> = None;
-    let is_shared = settings::exposure(&stage.args.picture, &stage.args.cones)
-        == ExposureChoice::Auto
-        && files.are_exposed();
+    let is_shared = stage.settings.exposure == Exposure::Auto && files.are_exposed();
     if is_shared && stage.settings.view.is_light() && !missing.is_empty() {
         if index.exposure.is_none() {
             let Some((metered, stops)) = meter(&mut stage, &moments)? else {
@@ -119,7 +116,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
         scene: SceneCounts::new(&stage.scene),
         renderer: renderer.as_ref().map(RendererReport::new),
         seconds: stage.clock.seconds,
-        settings: SettingsReport::new(&stage.settings),
+        settings: stage.settings.clone(),
         adapter: AdapterReport::new(&stage.gpu.adapter_info),
     };
     if stage.args.json {
@@ -220,15 +217,11 @@ fn settings_of(
     path: Option<&PathFile>,
 ) -> Map<String, Value> {
     let args = stage.args;
-    let mut settings = match serde_json::to_value(SettingsReport::new(&stage.settings)) {
-        Ok(Value::Object(settings)) => settings,
-        _ => Map::new(),
-    };
+    let mut settings = settings::report(&stage.settings);
     let more = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": scene_settings(args),
         "size": args.picture.size.to_array(),
-        "exposure": settings::exposure(&args.picture, &args.cones).to_string(),
         "light": light::settings(&args.light.sources),
         "time": [moments.range_s.start, moments.range_s.end],
         "fps": moments.fps,
@@ -289,7 +282,8 @@ struct Report {
     renderer: Option<RendererReport>,
     /// By the clock on the wall.
     seconds: Seconds,
-    settings: SettingsReport,
+    #[serde(serialize_with = "settings::serialize")]
+    settings: RenderSettings,
     adapter: AdapterReport,
 }
 
@@ -298,7 +292,8 @@ impl Report {
         let Self { files, scene, seconds, settings, .. } = self;
         let [width, height] = self.size;
         let pictures = counted(self.pictures as usize, "picture", "pictures");
-        let mut text = format!("{files}: {pictures} of {width}x{height}, view {}", settings.view);
+        let mut text =
+            format!("{files}: {pictures} of {width}x{height}, view {}", settings.view.name());
         if let Some(stops) = self.exposure {
             text += &format!(", exposure {stops:.2}");
         }

@@ -15,6 +15,7 @@ use crate::args::output;
 use crate::args::scene;
 use crate::cli::VoxelsArgs;
 use crate::commands::compare::write_strip;
+use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::Progress;
 
@@ -30,6 +31,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(file) = &comparison.output {
         output::check_kind(file, "png", "pictures of voxelizers are written as PNG")?;
     }
+    let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
     let progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
@@ -43,7 +45,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
         None => None,
     };
     let bounds = scene.voxel_bounds();
-    let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
+    let (resolution, offset) = (settings.resolution, settings.grid_offset);
     let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
     progress.set("uploading", 0, 1);
     let lighting = Lighting::of(&scene);

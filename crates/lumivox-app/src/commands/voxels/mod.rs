@@ -19,6 +19,7 @@ use serde::Serialize;
 
 use crate::args::scene;
 use crate::cli::VoxelsArgs;
+use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::Progress;
 
@@ -30,6 +31,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     if args.comparison.compare_voxelizers {
         return compare::run(args, host);
     }
+    let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
     let progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
@@ -39,14 +41,14 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let scene = scene;
     let bounds = scene.voxel_bounds();
-    let (resolution, offset) = (args.voxels.resolution, args.voxels.grid_offset);
+    let (resolution, offset) = (settings.resolution, settings.grid_offset);
     let grid = Grid::fit(bounds.min, bounds.max, resolution, offset)?;
 
     progress.set("uploading", 0, 1);
     let lighting = Lighting::of(&scene);
     let unit = radiance_unit(&scene, &lighting);
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
-    let config = args.voxels.config(grid);
+    let config = settings.gi_config(grid);
     if args.dynamic_share.is_some() {
         let report = dynamic::measure(&gpu, &scene, &uploaded, config, args.moves, &progress)?;
         drop(progress);

@@ -88,10 +88,10 @@ fn field(
                 .changed()
                 .then_some(Value::Whole(number))
         }
-        (Kind::Number { low, high, word, off }, value) => number_field(
+        (Kind::Number { low, high, words, off }, value) => number_field(
             ui,
             (title, tip),
-            (low, high, word, off),
+            (low, high, words.first().copied(), off),
             unit_suffix(parameter.unit),
             value,
             width,
@@ -107,13 +107,14 @@ fn field(
             let numbers = numbers.map(|number| number.clamp(low, highest));
             response.inner.then(|| Value::Vector(Vec3::from(numbers)))
         }
-        (Kind::Choice(names), Value::Choice(mut name)) => {
+        (Kind::Choice(choices), Value::Choice(mut name)) => {
             let before = name;
             let combo = ComboBox::from_id_salt(parameter.name).width(width).selected_text(before);
             combo
                 .show_ui(ui, |ui| {
-                    for choice in names {
-                        ui.selectable_value(&mut name, *choice, *choice);
+                    for choice in choices {
+                        ui.selectable_value(&mut name, choice.name, choice.name)
+                            .on_hover_text(choice.help);
                     }
                 })
                 .response
@@ -188,7 +189,7 @@ mod tests {
         let settings = lumivox_render::RenderSettings::default();
         let mut names = 0;
         let output = context.run_ui(egui::RawInput::default(), |ui| {
-            for parameter in PARAMETERS {
+            for parameter in PARAMETERS.iter() {
                 let value = parameter.get(&settings);
                 let before = ui.cursor();
                 ui.push_id(parameter.name, |ui| {

@@ -181,7 +181,7 @@ impl Exposure {
     /// The stops, where they do not depend on a picture.
     pub fn fixed_stops(self) -> Option<f32> {
         match self {
-            Self::Auto => None,
+            Self::Auto | Self::AutoEach => None,
             Self::Stops(stops) => Some(stops),
         }
     }
@@ -191,7 +191,7 @@ impl Exposure {
     pub fn stops(self, picture: &[[f32; 4]]) -> f32 {
         match self {
             Self::Stops(stops) => stops,
-            Self::Auto => automatic(picture).0,
+            Self::Auto | Self::AutoEach => automatic(picture).0,
         }
     }
 

@@ -1,436 +1,333 @@
-//! The table.
+//! The rows of the table, but for those of the cones and of VXCT's look.
 
 use lumivox::{
-    Directionality, Duplication, Injection, MAX_RESOLUTION, Mipmapping, OctreeBuilder,
-    OctreeOptions, TraceResolution, VolumeKind, VoxelizeMethod,
+    Directionality, Duplication, Injection, MAX_RESOLUTION, MIN_RESOLUTION, Mipmapping,
+    OctreeBuilder, OctreeOptions, VolumeKind, VoxelizeMethod,
 };
 
-use super::names::{Named, octree};
-use super::{Group, Kind, Parameter, Value, vxct};
-use crate::{Exposure, ShadowMethod, ToneMap, View, Wireframe, Wires};
+use super::{Choice, Choices as _, Kind, Redoes, Setting, Value, vxct};
+use crate::{Exposure, Look, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
-/// The word for a reach or a memory without end.
-const UNLIMITED: &str = "unlimited";
-/// The word for an exposure that is found from the picture.
-const AUTO: &str = "auto";
+type Row = Setting<RenderSettings>;
 
-/// A parameter.
-macro_rules! parameter {
-    ($name:literal, $group:ident, $unit:literal, $summary:literal, $kind:expr, $get:expr, $set:expr $(,)?) => {
-        Parameter {
-            name: $name,
-            group: Group::$group,
-            unit: $unit,
-            summary: $summary,
-            kind: $kind,
-            get: $get,
-            set: $set,
-        }
-    };
-}
-
-/// A setting that is on or off.
-macro_rules! switch {
-    ($name:literal, $group:ident, $summary:literal, $($field:ident).+) => {
-        parameter!($name, $group, "", $summary, Kind::Switch, |s| Value::Switch(s.$($field).+), |s, v| {
-            if let Value::Switch(on) = v {
-                s.$($field).+ = on;
-            }
-        })
-    };
-}
-
-/// A whole number.
-macro_rules! whole {
-    ($name:literal, $group:ident, $unit:literal, $summary:literal, $kind:expr, $($field:ident).+) => {
-        parameter!($name, $group, $unit, $summary, $kind, |s| Value::Whole(s.$($field).+), |s, v| {
-            if let Value::Whole(number) = v {
-                s.$($field).+ = number;
-            }
-        })
-    };
-}
-
-/// A number.
-macro_rules! number {
-    ($name:literal, $group:ident, $unit:literal, $summary:literal, $kind:expr, $($field:ident).+) => {
-        parameter!($name, $group, $unit, $summary, $kind, |s| Value::Number(s.$($field).+), |s, v| {
-            if let Value::Number(number) = v {
-                s.$($field).+ = number;
-            }
-        })
-    };
-}
-
-/// One of a few names.
-macro_rules! choice {
-    ($name:literal, $group:ident, $summary:literal, $names:expr, $kind:ty, $($field:ident).+) => {
-        parameter!(
-            $name, $group, "", $summary, Kind::Choice($names),
-            |s| Value::Choice(<$kind as Named>::name(s.$($field).+)),
-            |s, v| {
-                if let Value::Choice(name) = v
-                    && let Some(value) = <$kind as Named>::named(name)
-                {
-                    s.$($field).+ = value;
-                }
-            }
-        )
-    };
-}
-
-/// An option of the octree, which asks for one.
-macro_rules! octree_option {
-    ($name:literal, $summary:literal, $names:expr, $kind:ty, $field:ident) => {
-        parameter!(
-            $name,
-            Volume,
-            "",
-            $summary,
-            Kind::Choice($names),
-            |s| Value::Choice(<$kind as Named>::name(octree(s).$field)),
-            |s, v| {
-                if let Value::Choice(name) = v
-                    && let Some($field) = <$kind as Named>::named(name)
-                {
-                    s.volume = VolumeKind::Octree(OctreeOptions { $field, ..octree(s) });
-                }
-            }
-        )
-    };
-}
-
-/// All parameters, group by group.
-pub static PARAMETERS: &[Parameter] = &{
-    let mut all = [OWN[0]; OWN.len() + vxct::PARAMETERS.len()];
-    let mut index = 0;
-    while index < all.len() {
-        all[index] =
-            if index < OWN.len() { OWN[index] } else { vxct::PARAMETERS[index - OWN.len()] };
-        index += 1;
-    }
-    all
-};
-
-/// All but those of VXCT's look.
-const OWN: &[Parameter] = &[
-    whole!("frames", Picture, "frames", "Frames that are averaged", Kind::whole(1, 65_536), frames),
-    parameter!(
-        "exposure",
-        Picture,
-        "stops",
-        "Radiance in cd/m2 times 2 to this power is shown; auto makes the average a middle grey",
-        Kind::Number { low: -64.0, high: 64.0, word: Some(AUTO), off: None },
-        |s| match s.exposure {
+/// Frames, exposure, curve.
+pub(super) const PICTURE: &[Row] = &[
+    Row {
+        name: "frames",
+        unit: "frames",
+        summary: "Frames that are averaged",
+        help: "More: smoother edges and less noise, at proportional cost. A single frame is jagged.",
+        // The running mean in f32 still moves by a 65 536th.
+        kind: Kind::whole(1, 65_536),
+        redoes: Redoes::Frames,
+        get: |s| Value::Whole(s.frames),
+        set: |s, v| s.frames = v.whole(),
+        ..Row::ROW
+    },
+    Row {
+        name: "exposure",
+        unit: "stops",
+        summary: "Radiance in cd/m2 times 2 to this power is shown; auto makes the average a middle grey",
+        help: "auto stays within what cameras do (EV100 -6 to 17) and goes up to 1.5 stops brighter or two darker so that \
+               white is nearly white; a warning says where that is not enough. The pictures of a sequence all take the \
+               median of what five of them ask for, so that they do not flicker; with auto-each every picture finds its \
+               own. No effect on OpenEXR.",
+        kind: Kind::Number {
+            low: -MAX_STOPS,
+            high: MAX_STOPS,
+            words: &[AUTO, AUTO_EACH],
+            off: None,
+        },
+        get: |s| match s.exposure {
             Exposure::Auto => Value::Word(AUTO),
+            Exposure::AutoEach => Value::Word(AUTO_EACH),
             Exposure::Stops(stops) => Value::Number(stops),
         },
-        |s, v| match v {
-            Value::Number(stops) => s.exposure = Exposure::Stops(stops),
-            _ => s.exposure = Exposure::Auto,
-        },
-    ),
-    parameter!(
-        "tone_map",
-        Picture,
-        "",
-        "Curve from radiance to the screen's range",
-        Kind::Choice(&TONE_MAPS),
-        |s| Value::Choice(s.tone_map.name()),
-        |s, v| s.tone_map = by_name(&ToneMap::ALL, ToneMap::name, v, s.tone_map),
-    ),
-    parameter!(
-        "view",
-        View,
-        "",
-        "What the picture shows",
-        Kind::Choice(&VIEWS),
-        |s| Value::Choice(s.view.name()),
-        |s, v| s.view = by_name(&View::ALL, View::name, v, s.view),
-    ),
-    whole!(
-        "level",
-        View,
-        "",
-        "Level of the voxels that are shown; 0 is the finest",
-        Kind::whole(0, MAX_RESOLUTION.ilog2()),
-        voxel_level
-    ),
-    choice!(
-        "wireframe",
-        Overlay,
-        "Edges of triangles over the picture: those that are visible, or all through surfaces",
-        &["off", "over", "through"],
-        Wireframe,
-        overlay.wireframe
-    ),
-    choice!(
-        "wire_voxels",
-        Overlay,
-        "Voxels as wire cubes over the picture: those that are visible, or all through surfaces",
-        &["off", "over", "through"],
-        Wires,
-        overlay.wire_voxels
-    ),
-    switch!("show_grid", Overlay, "The box that the voxels lie in", overlay.grid_box),
-    switch!(
-        "hide_surfaces",
-        Overlay,
-        "A plain background instead of the picture under the overlay",
-        overlay.hides_surfaces
-    ),
-    whole!(
-        "resolution",
-        Volume,
-        "voxels",
-        "Voxels along the longest axis",
-        Kind::Whole { low: 16, high: MAX_RESOLUTION, multiple: 8 },
-        resolution
-    ),
-    parameter!(
-        "grid_offset",
-        Volume,
-        "voxels",
-        "Shift of the grid against the scene",
-        Kind::Vector { low: 0.0, below: 1.0 },
-        |s| Value::Vector(s.grid_offset),
-        |s, v| {
-            if let Value::Vector(offset) = v {
-                s.grid_offset = offset;
+        set: |s, v| {
+            s.exposure = match v {
+                Value::Number(stops) => Exposure::Stops(stops),
+                Value::Word(AUTO_EACH) => Exposure::AutoEach,
+                _ => Exposure::Auto,
             }
         },
-    ),
-    choice!(
-        "directionality",
-        Volume,
-        "A radiance for each of six directions, or one a voxel",
-        &["six_lobes", "isotropic"],
-        Directionality,
-        directionality
-    ),
-    parameter!(
-        "volume",
-        Volume,
-        "",
-        "Where the voxels' light is stored",
-        Kind::Choice(&["dense", "octree"]),
-        |s| Value::Choice(if s.volume == VolumeKind::Dense { "dense" } else { "octree" }),
-        |s, v| {
+        ..Row::ROW
+    },
+    Row {
+        name: "tone_map",
+        summary: "Curve from radiance to the screen's range",
+        help: "It is for PNG and the screen; OpenEXR stays radiance.",
+        kind: Kind::Choice(ToneMap::CHOICES),
+        get: |s| Value::Choice(s.tone_map.choice()),
+        set: |s, v| s.tone_map.choose(v),
+        ..Row::ROW
+    },
+];
+
+/// What the picture shows.
+pub(super) const VIEW: &[Row] = &[
+    Row {
+        name: "view",
+        summary: "What the picture shows",
+        help: "Views of light are exposed and tone mapped in PNG and in cd/m2 in OpenEXR. The others are data: the \
+               quantity itself.",
+        kind: Kind::Choice(View::CHOICES),
+        redoes: Redoes::Frames,
+        get: |s| Value::Choice(s.view.choice()),
+        set: |s, v| s.view.choose(v),
+        ..Row::ROW
+    },
+    Row {
+        name: "level",
+        summary: "Level of the voxels that are shown; 0 is the finest",
+        help: "It is for the views lod, voxels, wire-voxels, lit, nodes and bricks and for wire_voxels. Each level more has \
+               voxels of twice the edge.",
+        kind: Kind::whole(0, MAX_RESOLUTION.ilog2()),
+        redoes: Redoes::Frames,
+        get: |s| Value::Whole(s.voxel_level),
+        set: |s, v| s.voxel_level = v.whole(),
+        ..Row::ROW
+    },
+];
+
+/// What is drawn over the picture.
+pub(super) const OVERLAY: &[Row] = &[
+    Row {
+        name: "wireframe",
+        summary: "Edges of triangles over the picture: those that are visible, or all through surfaces",
+        help: "An overlay is in PNG and on the screen only; OpenEXR stays what it is.",
+        kind: Kind::Choice(Wireframe::CHOICES),
+        get: |s| Value::Choice(s.overlay.wireframe.choice()),
+        set: |s, v| s.overlay.wireframe.choose(v),
+        ..Row::ROW
+    },
+    Row {
+        name: "wire_voxels",
+        summary: "Voxels as wire cubes over the picture: those that are visible, or all through surfaces",
+        help: "They are those of one level; faces between two voxels are left out.",
+        kind: Kind::Choice(Wires::CHOICES),
+        get: |s| Value::Choice(s.overlay.wire_voxels.choice()),
+        set: |s, v| s.overlay.wire_voxels.choose(v),
+        ..Row::ROW
+    },
+    Row {
+        name: "show_grid",
+        summary: "The box that the voxels lie in",
+        help: "It is faint where surfaces hide it.",
+        get: |s| Value::Switch(s.overlay.grid_box),
+        set: |s, v| s.overlay.grid_box = v.is_on(),
+        ..Row::ROW
+    },
+    Row {
+        name: "hide_surfaces",
+        summary: "A plain background instead of the picture under the overlay",
+        help: "Surfaces still hide what they hide of it.",
+        get: |s| Value::Switch(s.overlay.hides_surfaces),
+        set: |s, v| s.overlay.hides_surfaces = v.is_on(),
+        ..Row::ROW
+    },
+];
+
+/// Voxels, and where they are stored.
+pub(super) const VOLUME: &[Row] = &[
+    Row {
+        name: "resolution",
+        unit: "voxels",
+        summary: "Voxels along the longest axis",
+        help: "Higher resolves finer detail and leaks less. Memory grows with the cube in a dense volume (169 MiB at 128 \
+               for a cube-shaped scene; `lumivox info` says what fits), with the square in an octree; time with the square.",
+        kind: Kind::Whole { low: MIN_RESOLUTION, high: MAX_RESOLUTION, multiple: 8 },
+        redoes: Redoes::Voxels,
+        get: |s| Value::Whole(s.resolution),
+        set: |s, v| s.resolution = v.whole(),
+        ..Row::ROW
+    },
+    Row {
+        name: "grid_offset",
+        unit: "voxels",
+        summary: "Shift of the grid against the scene",
+        help: "Errors of voxels depend on where walls fall in the grid; measurements try several.",
+        kind: Kind::Vector { low: 0.0, below: 1.0 },
+        redoes: Redoes::Voxels,
+        get: |s| Value::Vector(s.grid_offset),
+        set: |s, v| s.grid_offset = v.vector(),
+        ..Row::ROW
+    },
+    Row {
+        name: "directionality",
+        summary: "A radiance for each of six directions, or one a voxel",
+        help: "One a voxel is a ninth of a dense volume's memory, half of an octree's; surfaces light and shadow \
+               themselves, thin walls leak.",
+        kind: Kind::Choice(Directionality::CHOICES),
+        shorthands: &[
+            ("isotropic", Value::Choice("isotropic")),
+            ("six_lobes", Value::Choice("six_lobes")),
+        ],
+        redoes: Redoes::Voxels,
+        get: |s| Value::Choice(s.directionality.choice()),
+        set: |s, v| s.directionality.choose(v),
+        ..Row::ROW
+    },
+    Row {
+        name: "volume",
+        summary: "Where the voxels' light is stored",
+        help: "The picture is the same to 0.2 % in the mean. A dense volume is faster below 256 voxels (docs/octree.md has \
+               figures) and takes memory with the cube of the resolution; an octree takes it with the surface.",
+        kind: Kind::Choice(&[
+            Choice::new("dense", "3D textures over the whole grid"),
+            Choice::new("octree", "nodes and bricks where there is surface"),
+        ]),
+        redoes: Redoes::Voxels,
+        get: |s| Value::Choice(if s.volume == VolumeKind::Dense { "dense" } else { "octree" }),
+        set: |s, v| {
             s.volume = match v {
                 Value::Choice("octree") => VolumeKind::Octree(octree(s)),
                 _ => VolumeKind::Dense,
             }
         },
-    ),
-    octree_option!(
-        "octree_builder",
-        "How an octree's nodes come into being; asks for an octree",
-        &["ranks", "locks"],
-        OctreeBuilder,
-        builder
-    ),
-    octree_option!(
-        "octree_duplication",
-        "How bricks find their neighbours' texels; asks for an octree",
-        &["ranks", "pointers", "search"],
-        Duplication,
-        duplication
-    ),
-    octree_option!(
-        "octree_mipmaps",
-        "Over which cells coarser levels are filtered; asks for an octree",
-        &["occupied", "every"],
-        Mipmapping,
-        mipmapping
-    ),
-    parameter!(
-        "volume_memory",
-        Volume,
-        "MiB",
-        "The most memory that the volume may take",
-        Kind::Number { low: 1.0, high: 1_048_576.0, word: Some(UNLIMITED), off: None },
-        |s| match s.volume_memory {
+        ..Row::ROW
+    },
+    Row {
+        name: "octree_builder",
+        summary: "How an octree's nodes come into being; asks for an octree",
+        kind: Kind::Choice(OctreeBuilder::CHOICES),
+        get: |s| Value::Choice(octree(s).builder.choice()),
+        set: |s, v| set_octree(s, |octree| octree.builder.choose(v)),
+        ..OF_OCTREE
+    },
+    Row {
+        name: "octree_duplication",
+        summary: "How bricks find their neighbours' texels; asks for an octree",
+        kind: Kind::Choice(Duplication::CHOICES),
+        get: |s| Value::Choice(octree(s).duplication.choice()),
+        set: |s, v| set_octree(s, |octree| octree.duplication.choose(v)),
+        ..OF_OCTREE
+    },
+    Row {
+        name: "octree_mipmaps",
+        summary: "Over which cells coarser levels are filtered; asks for an octree",
+        kind: Kind::Choice(Mipmapping::CHOICES),
+        get: |s| Value::Choice(octree(s).mipmapping.choice()),
+        set: |s, v| set_octree(s, |octree| octree.mipmapping.choose(v)),
+        ..OF_OCTREE
+    },
+    Row {
+        name: "volume_memory",
+        unit: "MiB",
+        summary: "The most memory that the volume may take",
+        help: "A volume that does not fit is refused before it is allocated, with both numbers.",
+        kind: Kind::Number { low: 0.0, high: 1_048_576.0, words: &[UNLIMITED], off: None },
+        redoes: Redoes::Voxels,
+        get: |s| match s.volume_memory {
             None => Value::Word(UNLIMITED),
             Some(bytes) => Value::Number(bytes as f32 / MIB),
         },
-        |s, v| match v {
-            Value::Number(mib) => s.volume_memory = Some((mib * MIB) as u64),
-            _ => s.volume_memory = None,
-        },
-    ),
-    parameter!(
-        "voxelizer",
-        Volume,
-        "",
-        "How triangles become voxels",
-        Kind::Choice(&VOXELIZERS),
-        |s| Value::Choice(s.voxelizer.name()),
-        |s, v| s.voxelizer = by_name(&VoxelizeMethod::ALL, VoxelizeMethod::name, v, s.voxelizer),
-    ),
-    choice!(
-        "injection",
-        Light,
-        "How light comes into the voxels",
-        &["direct", "photons"],
-        Injection,
-        injection
-    ),
-    whole!(
-        "bounces",
-        Light,
-        "",
-        "Reflections of indirect light, the one at the visible surface included",
-        Kind::whole(0, 16),
-        bounces
-    ),
-    choice!("shadows", Light, "How shadows are found", &["map", "cone"], ShadowMethod, shadows),
-    whole!(
-        "shadow_resolution",
-        Light,
-        "texels",
-        "Edge of a shadow map",
-        Kind::whole(16, 16_384),
-        shadow_resolution
-    ),
-    parameter!(
-        "cones",
-        Cones,
-        "",
-        "Diffuse cones a pixel and frame",
-        Kind::Choice(&["6", "9", "12"]),
-        |s| Value::Choice(match s.trace.diffuse_cones {
-            12 => "12",
-            9 => "9",
-            _ => "6",
-        }),
-        |s, v| {
-            if let Value::Choice(name) = v {
-                s.trace.diffuse_cones = name.parse().unwrap_or(s.trace.diffuse_cones);
-            }
-        },
-    ),
-    choice!(
-        "trace_resolution",
-        Cones,
-        "Cones from every pixel, or from one of each 2x2 block",
-        &["full", "half"],
-        TraceResolution,
-        trace.resolution
-    ),
-    number!(
-        "voxel_per_diameter",
-        Cones,
-        "share",
-        "Sampled voxel's edge as a share of the cone's diameter",
-        Kind::number(0.05, 1.0),
-        trace.voxel_per_diameter
-    ),
-    number!(
-        "clearance",
-        Cones,
-        "ratio",
-        "Growth of the sampled voxels by metre and cosine, at most; 0 is off",
-        Kind::Number { low: 0.1, high: 1.0, word: None, off: Some(0.0) },
-        trace.clearance
-    ),
-    number!(
-        "normal_offset",
-        Cones,
-        "voxels",
-        "Start of the cones above the surface",
-        Kind::number(0.0, 4.0),
-        trace.normal_offset_voxels
-    ),
-    number!(
-        "step",
-        Cones,
-        "share",
-        "Distance between samples as a share of the sampled voxel's edge",
-        Kind::number(0.25, 1.0),
-        trace.step_per_voxel
-    ),
-    number!(
-        "min_transmittance",
-        Cones,
-        "share",
-        "Share of light below which a cone ends",
-        Kind::number(0.0, 0.25),
-        trace.min_transmittance
-    ),
-    switch!("specular", Cones, "Glossy reflections of indirect light", trace.specular),
-    number!(
-        "specular_share",
-        Cones,
-        "share",
-        "Width of a glossy cone as a share of the lobe's solid angle",
-        Kind::number(0.02, 1.0),
-        trace.specular_share
-    ),
-    parameter!(
-        "occlusion_distance",
-        Cones,
-        "m",
-        "Reach of ambient occlusion; it never changes the light",
-        Kind::Number { low: 0.0, high: 1e9, word: Some(UNLIMITED), off: None },
-        |s| {
-            let reach_m = s.trace.occlusion_distance_m;
-            if reach_m.is_finite() { Value::Number(reach_m) } else { Value::Word(UNLIMITED) }
-        },
-        |s, v| match v {
-            Value::Number(reach_m) => s.trace.occlusion_distance_m = reach_m,
-            _ => s.trace.occlusion_distance_m = f32::INFINITY,
-        },
-    ),
-    switch!(
-        "jitter",
-        Cones,
-        "Draw the cones' directions at random, in each frame others",
-        trace.jitter
-    ),
-    switch!(
-        "clear_of_walls",
-        Cones,
-        "Start cones farther where a wall is felt at their start",
-        trace.clear_of_walls
-    ),
-    number!(
-        "width_attenuation",
-        Cones,
-        "",
-        "What radiance loses for the cone's width; 0 is the physics",
-        Kind::number(0.0, 64.0),
-        trace.width_attenuation
-    ),
-    number!(
-        "level_gain",
-        Cones,
-        "factor",
-        "What radiance gains with each level; 1 is the physics",
-        Kind::number(1.0, 8.0),
-        trace.level_gain
-    ),
+        set: |s, v| s.volume_memory = v.number().map(|mib| (mib * MIB) as u64),
+        ..Row::ROW
+    },
+    Row {
+        name: "voxelizer",
+        summary: "How triangles become voxels",
+        help: "All but the exact way use the GPU's rasterizer, and are there to be compared with it (`lumivox voxels SCENE \
+               --compare-voxelizers`).",
+        kind: Kind::Choice(VoxelizeMethod::CHOICES),
+        redoes: Redoes::Voxels,
+        get: |s| Value::Choice(s.voxelizer.choice()),
+        set: |s, v| s.voxelizer.choose(v),
+        ..Row::ROW
+    },
 ];
+
+/// Light in the voxels, and shadows.
+pub(super) const LIGHT: &[Row] = &[
+    Row {
+        name: "injection",
+        summary: "How light comes into the voxels",
+        help: "Both ways give the same light in the mean. Photons scatter with the texels that a voxel is seen by, and \
+               follow shadows within a voxel. Lights without shadow maps are injected directly.",
+        kind: Kind::Choice(Injection::CHOICES),
+        redoes: Redoes::Voxels,
+        get: |s| Value::Choice(s.injection.choice()),
+        set: |s, v| s.injection.choose(v),
+        ..Row::ROW
+    },
+    Row {
+        name: "bounces",
+        summary: "Reflections of indirect light, the one at the visible surface included",
+        help: "0 is direct light only, 1 is light by way of one other surface. N leave out about the share a^N of the light \
+               in a room of albedo a. Each costs one more gather in the voxels, once.",
+        // With an albedo of 0.9, a seventeenth would still add 2 % of the light.
+        kind: Kind::whole(0, 16),
+        redoes: Redoes::Light,
+        get: |s| Value::Whole(s.bounces),
+        set: |s, v| s.bounces = v.whole(),
+        ..Row::ROW
+    },
+    Row {
+        name: "shadows",
+        summary: "How shadows of lamps and sun are found",
+        kind: Kind::Choice(ShadowMethod::CHOICES),
+        redoes: Redoes::Light,
+        get: |s| Value::Choice(s.shadows.choice()),
+        set: |s, v| s.shadows.choose(v),
+        ..Row::ROW
+    },
+    Row {
+        name: "shadow_resolution",
+        unit: "texels",
+        summary: "Edge of a shadow map",
+        help: "Higher: sharper shadows that begin nearer to their caster, and photons that scatter less. Four bytes a texel; \
+               a point light has six maps. The GPU may allow less.",
+        kind: Kind::whole(16, 32_768),
+        redoes: Redoes::Light,
+        get: |s| Value::Whole(s.shadow_resolution),
+        set: |s, v| s.shadow_resolution = v.whole(),
+        ..Row::ROW
+    },
+];
+
+/// The look.
+pub(super) const LOOK: &[Row] = &[Row {
+    name: "look",
+    summary: "How the picture comes about; preset vxct takes what goes with that look as well",
+    kind: Kind::Choice(&[
+        Choice::new("physical", "direct light with shadow maps, and cones that gather radiance"),
+        Choice::new("vxct", "Phong's light and VXCT's own cones (docs/vxct-look.md)"),
+    ]),
+    redoes: Redoes::Frames,
+    get: |s| Value::Choice(if s.look == Look::Physical { "physical" } else { "vxct" }),
+    set: |s, v| match v {
+        Value::Choice("vxct") => s.look = Look::Vxct(vxct(s)),
+        _ => s.look = Look::Physical,
+    },
+    ..Row::ROW
+}];
+
+/// The word for a memory without end.
+const UNLIMITED: &str = "unlimited";
+/// The words for an exposure that is found from the picture, or from each picture of a sequence.
+const AUTO: &str = "auto";
+const AUTO_EACH: &str = "auto-each";
+
+/// Beyond this, f32 overflows.
+pub(crate) const MAX_STOPS: f32 = 64.0;
 
 const MIB: f32 = 1_048_576.0;
 
-/// The names of all values of a type.
-macro_rules! names {
-    ($kind:ty) => {{
-        let mut names = [""; <$kind>::ALL.len()];
-        let mut index = 0;
-        while index < names.len() {
-            names[index] = <$kind>::ALL[index].name();
-            index += 1;
-        }
-        names
-    }};
+/// An option of the octree, which asks for one.
+const OF_OCTREE: Row =
+    Row { needs: Some(("volume", "octree")), redoes: Redoes::Voxels, ..Row::ROW };
+
+/// The options of the octree, or those that it would have.
+fn octree(settings: &RenderSettings) -> OctreeOptions {
+    match settings.volume {
+        VolumeKind::Octree(options) => options,
+        VolumeKind::Dense => OctreeOptions::default(),
+    }
 }
 
-const VIEWS: [&str; View::ALL.len()] = names!(View);
-const TONE_MAPS: [&str; ToneMap::ALL.len()] = names!(ToneMap);
-const VOXELIZERS: [&str; VoxelizeMethod::ALL.len()] = names!(VoxelizeMethod);
-
-fn by_name<T: Copy>(all: &[T], name: fn(T) -> &'static str, value: Value, otherwise: T) -> T {
-    let Value::Choice(wanted) = value else { return otherwise };
-    all.iter().copied().find(|known| name(*known) == wanted).unwrap_or(otherwise)
+/// Takes an octree with a changed option.
+fn set_octree(settings: &mut RenderSettings, change: impl FnOnce(&mut OctreeOptions)) {
+    let mut options = octree(settings);
+    change(&mut options);
+    settings.volume = VolumeKind::Octree(options);
 }

@@ -14,9 +14,9 @@ fn ends(kind: Kind) -> (Vec<Value>, Vec<Value>) {
             beyond.extend(low.checked_sub(multiple).map(Value::Whole));
             (vec![Value::Whole(low), Value::Whole(high)], beyond)
         }
-        Kind::Number { low, high, word, off } => {
+        Kind::Number { low, high, words, off } => {
             let mut within = vec![Value::Number(low), Value::Number(high)];
-            within.extend(word.map(Value::Word));
+            within.extend(words.iter().map(|word| Value::Word(word)));
             within.extend(off.map(Value::Number));
             let step = 1e-3 * (high - low);
             (within, vec![Value::Number(low - step), Value::Number(high + step)])
@@ -25,13 +25,15 @@ fn ends(kind: Kind) -> (Vec<Value>, Vec<Value>) {
             let vector = |number| Value::Vector(glam::Vec3::splat(number));
             (vec![vector(low), vector(0.5 * below)], vec![vector(below), vector(low - 0.1)])
         }
-        Kind::Choice(names) => (names.iter().map(|name| Value::Choice(name)).collect(), vec![]),
+        Kind::Choice(choices) => {
+            (choices.iter().map(|choice| Value::Choice(choice.name)).collect(), vec![])
+        }
     }
 }
 
 /// Whether a renderer would take the settings, as far as that shows without a device or a scene.
 fn is_valid(settings: &RenderSettings) -> bool {
-    let limits = wgpu::Limits { max_texture_dimension_2d: 16_384, ..wgpu::Limits::default() };
+    let limits = wgpu::Limits { max_texture_dimension_2d: 32_768, ..wgpu::Limits::default() };
     let (low, high) = (glam::Vec3::ZERO, glam::Vec3::ONE);
     let grid = lumivox::Grid::fit(low, high, settings.resolution, settings.grid_offset);
     settings.validate(&limits).is_ok() && grid.is_ok()
@@ -39,7 +41,7 @@ fn is_valid(settings: &RenderSettings) -> bool {
 
 #[test]
 fn names_are_unique_and_groups_stand_together() {
-    let names: Vec<_> = PARAMETERS.iter().map(|parameter| parameter.name).collect();
+    let names: Vec<_> = PARAMETERS.iter().flat_map(Parameter::names).collect();
     let mut sorted = names.clone();
     sorted.sort_unstable();
     sorted.dedup();
@@ -51,7 +53,7 @@ fn names_are_unique_and_groups_stand_together() {
 
 #[test]
 fn what_is_set_is_what_is_got_and_written_as_it_is_read() {
-    for parameter in PARAMETERS {
+    for parameter in PARAMETERS.iter() {
         for value in ends(parameter.kind).0 {
             let mut settings = defaults();
             parameter.set(&mut settings, value).expect("in range");
@@ -61,30 +63,21 @@ fn what_is_set_is_what_is_got_and_written_as_it_is_read() {
     }
 }
 
-/// The parameter that another one sets as well.
-fn asks_for(parameter: &Parameter) -> Option<&'static str> {
-    match parameter.group {
-        Group::Vxct if parameter.name != "look" => Some("look"),
-        _ if parameter.name.starts_with("octree_") => Some("volume"),
-        _ => None,
-    }
-}
-
 #[test]
 fn a_parameter_changes_nothing_but_itself() {
-    for parameter in PARAMETERS {
+    for parameter in PARAMETERS.iter() {
         let mut settings = defaults();
         parameter.set(&mut settings, parameter.get(&defaults())).expect("the default");
         // An option of the octree asks for one, and one of VXCT's look for that.
-        if asks_for(parameter).is_none() {
+        if parameter.needs.is_none() {
             assert_eq!(settings, defaults(), "{parameter:?}");
         }
         for value in ends(parameter.kind).0 {
             parameter.set(&mut settings, value).expect("in range");
-            for other in PARAMETERS {
+            for other in PARAMETERS.iter() {
                 // What VXCT's look would have goes with the resolution.
-                let is_asked_for = asks_for(parameter) == Some(other.name)
-                    || (parameter.name == "resolution" && asks_for(other) == Some("look"));
+                let is_asked_for = parameter.needs.is_some_and(|(name, _)| name == other.name)
+                    || (parameter.name == "resolution" && other.needs == Some(("look", "vxct")));
                 if other.name != parameter.name && !is_asked_for {
                     assert_eq!(other.get(&settings), other.get(&defaults()), "{parameter:?}");
                 }
@@ -95,7 +88,7 @@ fn a_parameter_changes_nothing_but_itself() {
 
 #[test]
 fn ranges_are_those_that_renderers_check() {
-    for parameter in PARAMETERS {
+    for parameter in PARAMETERS.iter() {
         let (within, beyond) = ends(parameter.kind);
         for value in within {
             let mut settings = defaults();
@@ -107,9 +100,9 @@ fn ranges_are_those_that_renderers_check() {
         for value in beyond {
             let mut settings = defaults();
             parameter.set(&mut settings, value).expect_err("out of range");
-            (parameter.set)(&mut settings, value);
-            // The level depends on the grid, and so does the memory on the device.
-            if !matches!(parameter.name, "level" | "volume_memory" | "occlusion_distance") {
+            parameter.write(&mut settings, value);
+            // A memory cannot be less than none.
+            if parameter.name != "volume_memory" {
                 assert!(!is_valid(&settings), "{parameter:?} {value}");
             }
         }
@@ -130,7 +123,57 @@ fn what_is_no_value_says_what_would_be() {
         error("clearance", "0.05"),
         "clearance is a number from 0.1 to 1, or 0 (ratio); got \"0.05\""
     );
-    assert!(error("exposure", "NaN").ends_with("or auto (stops); got \"NaN\""));
+    assert!(error("exposure", "NaN").ends_with("or auto, or auto-each (stops); got \"NaN\""));
     assert!(error("grid_offset", "0,0").contains("three numbers x,y,z"));
     assert_eq!(Parameter::find("nothing").map(|p| p.name), None);
+}
+
+/// The lines of a value as Rust's debugger shows it, one for each field.
+fn fields(settings: &RenderSettings) -> Vec<String> {
+    format!("{settings:#?}").lines().map(str::to_owned).collect()
+}
+
+/// A field that no row writes would be redone by nothing and set by nobody.
+#[test]
+fn every_field_has_a_row() {
+    let defaults = RenderSettings {
+        volume: VolumeKind::Octree(lumivox::OctreeOptions::default()),
+        look: Look::Vxct(VxctSettings::default()),
+        ..defaults()
+    };
+    let shown = fields(&defaults);
+    let mut is_written = vec![false; shown.len()];
+    for parameter in PARAMETERS.iter() {
+        for value in ends(parameter.kind).0 {
+            let mut settings = defaults.clone();
+            parameter.set(&mut settings, value).expect("in range");
+            let after = fields(&settings);
+            let same_begin = shown.iter().zip(&after).take_while(|(a, b)| a == b).count();
+            let same_end = shown.iter().rev().zip(after.iter().rev());
+            let same_end = same_end.take_while(|(a, b)| a == b).count();
+            let end = (shown.len() - same_end).max(same_begin);
+            is_written[same_begin..end].fill(true);
+        }
+    }
+    let left: Vec<&str> =
+        shown.iter().zip(is_written).filter(|(_, is)| !is).map(|(l, _)| l.trim()).collect();
+    let names = left.iter().filter_map(|line| line.strip_suffix(',')?.split_once(": "));
+    let names: Vec<&str> = names.map(|(name, _)| name).collect();
+    // The numbers of vectors have lines of their own.
+    let numbers: Vec<&str> = left
+        .iter()
+        .copied()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
+        .collect();
+    // The caller's: the picture's size, the box of the grid, lines that it draws, and whether it takes times.
+    assert_eq!((names, numbers), (vec!["grid_bounds", "lines", "timing"], vec!["640,", "360,"]));
+}
+
+#[test]
+fn presets_give_their_values() {
+    let high = PresetChoice::named("high").expect("a preset");
+    let value = |name| Parameter::find(name).expect("a parameter").default(high);
+    assert_eq!(value("cones"), Value::Choice("12"));
+    assert_eq!(value("bounces"), Value::Whole(8));
+    assert_eq!(value("da"), Value::Number(0.55));
 }

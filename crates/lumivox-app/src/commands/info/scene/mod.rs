@@ -16,8 +16,6 @@ use lumivox_render::{MemoryEstimate, RenderSettings};
 use lumivox_scene::{AlphaMode, Material, Mesh, Scene, Sight, SightOptions};
 use serde::Serialize;
 
-use crate::args::choices::VolumeChoice;
-use crate::cli::VoxelArgs;
 use lights::{CameraReport, LightReport, PanoramaReport, camera_table, light_table};
 use materials::{MaterialReport, TextureReport, material_table, texture_table};
 
@@ -109,15 +107,8 @@ impl Report {
     ///
     /// # Errors
     /// When the voxels' settings are impossible for it.
-    pub fn new(scene: &Scene, voxels: &VoxelArgs) -> anyhow::Result<Self> {
-        let settings = RenderSettings {
-            resolution: voxels.resolution,
-            grid_offset: voxels.grid_offset,
-            directionality: voxels.directionality().unwrap_or_default(),
-            volume: voxels.volume(VolumeChoice::Dense),
-            ..RenderSettings::default()
-        };
-        let estimate = MemoryEstimate::new(scene, &settings)?;
+    pub fn new(scene: &Scene, settings: &RenderSettings) -> anyhow::Result<Self> {
+        let estimate = MemoryEstimate::new(scene, settings)?;
         let parts = estimate.parts.iter().filter(|part| part.name != "picture").cloned();
         let memory: Vec<MemoryReport> = parts.map(Into::into).collect();
         let bounds = Some(scene.bounds()).filter(|bounds| bounds.min.is_finite());
@@ -171,7 +162,7 @@ impl Report {
             animations: animations.collect(),
             vertex_bytes: scene.meshes.iter().map(bytes_of).sum(),
             texture_bytes: scene.textures.iter().map(|t| t.rgba8.len() as u64).sum(),
-            resolution: voxels.resolution,
+            resolution: settings.resolution,
             voxels: estimate.voxels,
             memory_bytes: total_bytes(&memory),
             memory,

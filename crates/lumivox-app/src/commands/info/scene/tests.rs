@@ -2,26 +2,15 @@ use lumivox_scene::{Texture, TextureRef};
 
 use super::*;
 
-fn voxels() -> VoxelArgs {
-    VoxelArgs {
-        resolution: 64,
-        grid_offset: Vec3::ZERO,
-        isotropic: false,
-        six_lobes: false,
-        voxelizer: lumivox::VoxelizeMethod::Exact,
-        volume: None,
-        octree_builder: None,
-        octree_duplication: None,
-        octree_mipmaps: None,
-        volume_memory: None,
-    }
+fn settings() -> RenderSettings {
+    RenderSettings { resolution: 64, ..RenderSettings::default() }
 }
 
 #[test]
 fn every_builtin_scene_is_described() {
     for name in lumivox_scene::builtin::names() {
         let scene = lumivox_scene::builtin::scene(name).unwrap();
-        let report = Report::new(&scene, &voxels()).unwrap();
+        let report = Report::new(&scene, &settings()).unwrap();
         let text = report.text();
         assert!(text.starts_with(name), "{text}");
         for camera in &scene.cameras {
@@ -49,7 +38,7 @@ fn textures_tell_what_they_are_for() {
     scene.materials[0].normal_texture = Some(TextureRef::new(0));
     scene.materials[0].sheen.texture = Some(TextureRef::new(0));
     scene.materials[1].normal_texture = Some(TextureRef::new(0));
-    let report = Report::new(&scene, &voxels()).unwrap();
+    let report = Report::new(&scene, &settings()).unwrap();
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(json["texture_list"][0]["roles"], serde_json::json!(["normal", "sheen"]));
     assert_eq!(json["texture_list"][0]["materials"], 2);
@@ -63,7 +52,7 @@ fn long_lists_are_cut_for_people_alone() {
     let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let first = scene.materials[0].clone();
     scene.materials.extend((0..100).map(|i| Material { name: format!("m{i}"), ..first.clone() }));
-    let report = Report::new(&scene, &voxels()).unwrap();
+    let report = Report::new(&scene, &settings()).unwrap();
     assert!(report.text().contains("more; --json has all"), "{}", report.text());
     assert_eq!(report.material_list.len(), scene.materials.len());
 }

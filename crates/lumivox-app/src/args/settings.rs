@@ -1,0 +1,374 @@
+//! Options for settings, made from the one table of them (`lumivox_render::parameters`).
+//!
+//! A setting is an option of its name, with `-` for `_`. A switch that is off by default is given by the option itself, any
+//! other with a value; shorthands are options without one. The settings of VXCT's look are given as `--vxct NAME=VALUE`.
+
+use std::fmt::Write as _;
+use std::marker::PhantomData;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use lumivox_render::PresetChoice;
+use lumivox_render::parameters::{Group, Kind, PARAMETERS, Parameter, Value};
+
+use super::Refused;
+
+/// A setting and the value that a command line gives it.
+pub type Given = (&'static Parameter, Value);
+
+/// Groups of settings that a command takes.
+pub trait Groups {
+    /// The groups.
+    const GROUPS: &'static [Group];
+}
+
+/// What a picture shows, and how.
+#[derive(Clone, Debug)]
+pub struct Picture;
+/// How voxels are made and stored.
+#[derive(Clone, Debug)]
+pub struct Volume;
+/// How light is found.
+#[derive(Clone, Debug)]
+pub struct Light;
+/// Cones and looks.
+#[derive(Clone, Debug)]
+pub struct Cones;
+
+impl Groups for Picture {
+    const GROUPS: &'static [Group] = &[Group::Picture, Group::View, Group::Overlay];
+}
+
+impl Groups for Volume {
+    const GROUPS: &'static [Group] = &[Group::Volume];
+}
+
+impl Groups for Light {
+    const GROUPS: &'static [Group] = &[Group::Light];
+}
+
+impl Groups for Cones {
+    const GROUPS: &'static [Group] = &[Group::Cones, Group::Vxct];
+}
+
+/// The options of some groups.
+#[derive(Clone, Debug)]
+pub struct SettingArgs<G> {
+    given: Vec<Given>,
+    groups: PhantomData<G>,
+}
+
+impl<G> SettingArgs<G> {
+    /// What the command line gives, in the order of the table.
+    pub fn given(&self) -> &[Given] {
+        &self.given
+    }
+}
+
+impl<G: Groups> Args for SettingArgs<G> {
+    fn augment_args(command: Command) -> Command {
+        let of_groups = PARAMETERS.iter().filter(|p| G::GROUPS.contains(&p.group));
+        let (of_look, own): (Vec<_>, Vec<_>) = of_groups.partition(|p| is_of_vxct(p));
+        let command = command.args(own.into_iter().flat_map(options));
+        if of_look.is_empty() { command } else { command.arg(vxct_option()) }
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<G: Groups> FromArgMatches for SettingArgs<G> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let mut given = Vec::new();
+        for parameter in PARAMETERS.iter().filter(|p| G::GROUPS.contains(&p.group)) {
+            if is_of_vxct(parameter) {
+                continue;
+            }
+            if matches.value_source(parameter.name) == Some(ValueSource::CommandLine)
+                && let Some(value) = matches.get_one::<Value>(parameter.name)
+            {
+                given.push((parameter, *value));
+            }
+            for (name, value) in parameter.shorthands {
+                if matches.get_flag(name) {
+                    given.push((parameter, *value));
+                }
+            }
+        }
+        if G::GROUPS.contains(&Group::Vxct) {
+            given.extend(matches.get_many::<Given>("vxct").into_iter().flatten().copied());
+        }
+        Ok(Self { given, groups: PhantomData })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Whether a setting is given by `--vxct NAME=VALUE`.
+fn is_of_vxct(parameter: &Parameter) -> bool {
+    parameter.needs == Some(("look", "vxct"))
+}
+
+/// The option of a setting, and its shorthands.
+fn options(parameter: &'static Parameter) -> Vec<Arg> {
+    let heading = match parameter.group {
+        Group::Picture | Group::View => "Picture",
+        Group::Overlay => "Overlay",
+        Group::Volume => "Voxels",
+        Group::Light => "Light",
+        Group::Cones | Group::Vxct => "Cones",
+    };
+    let names = [parameter.name].into_iter().chain(parameter.shorthands.iter().map(|(n, _)| *n));
+    let names: Vec<&str> = names.collect();
+    let others = |name: &str| names.iter().copied().filter(|n| *n != name).collect::<Vec<_>>();
+    let argument = |name: &'static str| {
+        Arg::new(name)
+            .long(name.replace('_', "-"))
+            .help_heading(heading)
+            .conflicts_with_all(others(name))
+            // Options of an octree are for those who compare its ways.
+            .hide_short_help(parameter.needs.is_some())
+    };
+    let is_flag = parameter.kind == Kind::Switch && !is_on_by_default(parameter);
+    let mut option = argument(parameter.name)
+        .help(short_help(parameter))
+        .value_name(value_name(parameter))
+        .value_parser(value_parser(parameter));
+    option = if is_flag {
+        option.num_args(0..=1).require_equals(true).default_missing_value("on")
+    } else {
+        option.num_args(1).allow_hyphen_values(!matches!(parameter.kind, Kind::Choice(_)))
+    };
+    if !parameter.help.is_empty() {
+        option = option.long_help(format!("{}\n\n{}", short_help(parameter), parameter.help));
+    }
+    let shorthands = parameter.shorthands.iter().map(|(name, value)| {
+        let same = parameter.name.replace('_', "-");
+        argument(name)
+            .action(ArgAction::SetTrue)
+            .help(format!("The same as --{same} {value} [default: off]"))
+    });
+    [option].into_iter().chain(shorthands).collect()
+}
+
+fn is_on_by_default(parameter: &Parameter) -> bool {
+    parameter.default(PresetChoice::default()).is_on()
+}
+
+/// The option for all settings of VXCT's look.
+fn vxct_option() -> Arg {
+    const SHORT: &str = "A parameter of VXCT's look by the name of its console; may be given again [default: \
+                         those of the resolution]";
+    const MORE: &str = "Such as `shadow_str=2` or `side_cones=on`; `lumivox run -c 'parameters vxct'` lists them with \
+                        their ranges. Only with --preset vxct.";
+    Arg::new("vxct")
+        .long("vxct")
+        .help_heading("Cones")
+        .value_name("NAME=VALUE")
+        .action(ArgAction::Append)
+        .value_parser(vxct_setting)
+        .help(SHORT)
+        .long_help(format!("{SHORT}\n\n{MORE}"))
+}
+
+fn vxct_setting(text: &str) -> Result<Given, String> {
+    let of_look = || PARAMETERS.iter().filter(|parameter| is_of_vxct(parameter));
+    let (name, value) = text.split_once('=').unwrap_or((text, ""));
+    let Some(parameter) = of_look().find(|parameter| parameter.names().any(|known| known == name))
+    else {
+        let names: Vec<&str> = of_look().map(|parameter| parameter.name).collect();
+        return Err(format!("it must be one of {}, with its value after =", names.join(", ")));
+    };
+    let value = parameter.parse(value).map_err(|error| error.to_string())?;
+    Ok((parameter, value))
+}
+
+/// The summary with range, unit and the values of the presets.
+fn short_help(parameter: &Parameter) -> String {
+    let mut text = parameter.summary.to_owned();
+    if !matches!(parameter.kind, Kind::Choice(_) | Kind::Switch) {
+        let _ = write!(text, ": {}", parameter.kind.in_words());
+        if !parameter.unit.is_empty() {
+            let _ = write!(text, " ({})", parameter.unit);
+        }
+    }
+    text + &defaults(parameter)
+}
+
+/// The value by default, and those of the presets that have another one: ` [default: 6; preset high: 12]`.
+fn defaults(parameter: &Parameter) -> String {
+    let usual = parameter.default(PresetChoice::default());
+    let mut others: Vec<(Value, Vec<&str>)> = Vec::new();
+    for preset in PresetChoice::ALL {
+        let value = parameter.default(preset);
+        if value == usual {
+            continue;
+        }
+        match others.iter_mut().find(|(other, _)| *other == value) {
+            Some((_, presets)) => presets.push(preset.name()),
+            None => others.push((value, vec![preset.name()])),
+        }
+    }
+    let mut text = format!(" [default: {}", rounded(usual));
+    for (value, presets) in others {
+        let presets = match presets.as_slice() {
+            [one] => format!("preset {one}"),
+            several => format!("presets {}", several.join(" and ")),
+        };
+        let _ = write!(text, "; {presets}: {}", rounded(value));
+    }
+    text + "]"
+}
+
+/// A value to four decimals, as one reads it in a help text.
+fn rounded(value: Value) -> String {
+    match value {
+        Value::Number(number) => ((f64::from(number) * 1e4).round() / 1e4).to_string(),
+        value => value.to_string(),
+    }
+}
+
+fn value_name(parameter: &Parameter) -> String {
+    match parameter.kind {
+        Kind::Switch => "on|off".to_owned(),
+        Kind::Choice(_) => "NAME".to_owned(),
+        Kind::Vector { .. } => "X,Y,Z".to_owned(),
+        Kind::Whole { .. } | Kind::Number { .. } => {
+            let number = if parameter.unit.is_empty() {
+                "NUMBER".to_owned()
+            } else {
+                parameter.unit.to_uppercase()
+            };
+            let words = parameter.kind.words();
+            words.into_iter().fold(number, |text, word| text + "|" + word)
+        }
+    }
+}
+
+fn value_parser(parameter: &'static Parameter) -> ValueParser {
+    let named = |names: Vec<PossibleValue>| {
+        ValueParser::new(PossibleValuesParser::new(names).try_map(|name| parameter.parse(&name)))
+    };
+    match parameter.kind {
+        Kind::Switch => {
+            named(vec![PossibleValue::new("on").help("yes"), PossibleValue::new("off").help("no")])
+        }
+        Kind::Choice(choices) => {
+            let value = |name: &'static str, help: &'static str| {
+                let plain = name.replace('_', "-");
+                let value = PossibleValue::new(plain.clone()).help(help);
+                if plain == name { value } else { value.alias(name) }
+            };
+            named(choices.iter().map(|choice| value(choice.name, choice.help)).collect())
+        }
+        Kind::Whole { .. } | Kind::Number { .. } | Kind::Vector { .. } => {
+            ValueParser::new(move |text: &str| number(parameter, text))
+        }
+    }
+}
+
+/// Reads numbers, and tells a number out of range from a text that is not a number.
+fn number(parameter: &Parameter, text: &str) -> Result<Value, Refused> {
+    let read = parameter.kind.parse(text, parameter.unit);
+    if let Some(value) = read.filter(|value| parameter.kind.allows(*value)) {
+        return Ok(value);
+    }
+    let expected = format!("it must be {}", parameter.kind.in_words());
+    let is_number = |text: &str| text.trim().parse::<f64>().is_ok();
+    let has_form = read.is_some()
+        || match parameter.kind {
+            Kind::Whole { .. } => is_number(text) && !text.contains(['.', 'e', 'E']),
+            Kind::Vector { .. } => text.split(',').count() == 3 && text.split(',').all(is_number),
+            _ => is_number(text),
+        };
+    Err(if has_form { Refused::OutOfRange(expected) } else { Refused::Malformed(expected) })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory, Parser};
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        picture: SettingArgs<Picture>,
+        #[command(flatten)]
+        volume: SettingArgs<Volume>,
+        #[command(flatten)]
+        light: SettingArgs<Light>,
+        #[command(flatten)]
+        cones: SettingArgs<Cones>,
+    }
+
+    fn given(line: &str) -> Vec<(&'static str, String)> {
+        let words = ["test"].into_iter().chain(line.split_whitespace());
+        let line = Line::try_parse_from(words).unwrap();
+        let all =
+            [line.picture.given(), line.volume.given(), line.light.given(), line.cones.given()];
+        all.concat().into_iter().map(|(row, value)| (row.name, value.to_string())).collect()
+    }
+
+    #[test]
+    fn every_setting_can_be_given() {
+        for parameter in PARAMETERS.iter() {
+            let value = parameter.default(PresetChoice::default());
+            let line = if is_of_vxct(parameter) {
+                format!("--vxct={}={value}", parameter.name)
+            } else {
+                format!("--{}={value}", parameter.name.replace('_', "-"))
+            };
+            assert_eq!(given(&line), [(parameter.name, value.to_string())], "{line}");
+        }
+        assert!(given("").is_empty());
+    }
+
+    #[test]
+    fn switches_and_shorthands_need_no_value() {
+        assert_eq!(given("--show-grid"), [("show_grid", "on".to_owned())]);
+        assert_eq!(given("--show-grid=off"), [("show_grid", "off".to_owned())]);
+        assert_eq!(given("--jitter off"), [("jitter", "off".to_owned())]);
+        assert_eq!(given("--half"), [("trace_resolution", "half".to_owned())]);
+        assert_eq!(given("--no-specular"), [("specular", "off".to_owned())]);
+        assert_eq!(given("--isotropic"), [("directionality", "isotropic".to_owned())]);
+        assert!(Line::try_parse_from(["test", "--half", "--full"]).is_err());
+    }
+
+    #[test]
+    fn the_help_tells_the_values_of_presets() {
+        let command = Line::command();
+        let help = |id: &str| {
+            let argument = command.get_arguments().find(|a| a.get_id() == id).unwrap();
+            argument.get_help().unwrap().to_string()
+        };
+        assert!(help("cones").ends_with("[default: 6; preset high: 12]"), "{}", help("cones"));
+        let clearance = "a number from 0.1 to 1, or 0 (ratio) [default: 0.3333; preset fast: 0.5; \
+                         presets high and report: 0]";
+        assert!(help("clearance").ends_with(clearance), "{}", help("clearance"));
+        assert!(help("frames").ends_with("[default: 16]"), "{}", help("frames"));
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_told_from_what_is_not_a_number() {
+        let refused = |name, text| number(Parameter::find(name).unwrap(), text).unwrap_err();
+        for (name, text) in
+            [("frames", "-1"), ("exposure", "nan"), ("resolution", "130"), ("grid_offset", "0,1,0")]
+        {
+            assert!(matches!(refused(name, text), Refused::OutOfRange(_)), "{name} {text}");
+        }
+        for (name, text) in [
+            ("frames", "1.5"),
+            ("exposure", "bright"),
+            ("grid_offset", "0,0"),
+            ("volume_memory", "2 G"),
+        ] {
+            assert!(matches!(refused(name, text), Refused::Malformed(_)), "{name} {text}");
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Names for the values of the library's types.
+
+use super::{Choice, Value};
+use crate::{
+    Directionality, Duplication, Injection, Mipmapping, OctreeBuilder, TraceResolution,
+    VoxelizeMethod,
+};
+
+/// A type with a few values, each of which has a name and a line of help.
+pub trait Choices: Copy + PartialEq + 'static {
+    /// The values.
+    const VALUES: &'static [Self];
+    /// Their names, in the same order.
+    const CHOICES: &'static [Choice];
+
+    /// The name of a value.
+    fn choice(self) -> &'static str {
+        let mut named = Self::VALUES.iter().zip(Self::CHOICES);
+        named.find(|(value, _)| **value == self).map_or("", |(_, choice)| choice.name)
+    }
+
+    /// The value of a name; `None` where there is none.
+    fn chosen(value: Value) -> Option<Self> {
+        let mut named = Self::VALUES.iter().zip(Self::CHOICES);
+        named.find(|(_, choice)| choice.name == value.name()).map(|(value, _)| *value)
+    }
+
+    /// Takes the value of a name, if there is one.
+    fn choose(&mut self, value: Value) {
+        *self = Self::chosen(value).unwrap_or(*self);
+    }
+}
+
+impl Choices for Directionality {
+    const VALUES: &'static [Self] = &[Self::SixLobes, Self::Isotropic];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("six_lobes", "a radiance for each of six directions"),
+        Choice::new("isotropic", "one radiance a voxel"),
+    ];
+}
+
+impl Choices for Injection {
+    const VALUES: &'static [Self] = &[Self::Direct, Self::Photons];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("direct", "each face of a voxel asks each light"),
+        Choice::new("photons", "each texel of a shadow map carries its share of the light's flux"),
+    ];
+}
+
+impl Choices for TraceResolution {
+    const VALUES: &'static [Self] = &[Self::Full, Self::Half];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("full", "cones from every pixel"),
+        Choice::new("half", "cones from one pixel of each 2x2 block"),
+    ];
+}
+
+impl Choices for OctreeBuilder {
+    const VALUES: &'static [Self] = &[Self::Ranks, Self::Locks];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("ranks", "numbered by ranks in bit masks"),
+        Choice::new("locks", "threads descend together and split nodes under locks"),
+    ];
+}
+
+impl Choices for Duplication {
+    const VALUES: &'static [Self] = &[Self::Ranks, Self::Pointers, Self::Search];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("ranks", "by ranks in the voxel list"),
+        Choice::new("pointers", "by pointers from node to node, 20 bytes a node"),
+        Choice::new("search", "by a search from the root for each texel"),
+    ];
+}
+
+impl Choices for Mipmapping {
+    const VALUES: &'static [Self] = &[Self::Occupied, Self::Every];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("occupied", "those that there are"),
+        Choice::new("every", "all that there could be, most of them empty"),
+    ];
+}
+
+impl Choices for VoxelizeMethod {
+    const VALUES: &'static [Self] = &Self::ALL;
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("exact", "every voxel that is touched, with the surface in it"),
+        Choice::new("dominant-axis", "rasterized along the normal's largest axis: has gaps"),
+        Choice::new("conservative", "the same, every pixel touched: some voxels too many"),
+        Choice::new("three-plane", "rasterized along all three axes: fewer gaps"),
+    ];
+}
