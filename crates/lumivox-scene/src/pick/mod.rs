@@ -19,12 +19,12 @@ use shape::{Hit, Shape, Sides};
 pub struct Picker {
     /// One a mesh; none where no instance shows it.
     shapes: Vec<Option<Shape>>,
-    parts: Vec<Part>,
+    placed: Vec<PlacedShape>,
 }
 
 /// An instance.
 #[derive(Debug)]
-struct Part {
+struct PlacedShape {
     instance: usize,
     mesh: usize,
     world_from_local: Mat4,
@@ -51,7 +51,7 @@ pub struct Pick {
 
 impl std::fmt::Debug for Picker {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Picker").field("parts", &self.parts.len()).finish_non_exhaustive()
+        f.debug_struct("Picker").field("placed", &self.placed.len()).finish_non_exhaustive()
     }
 }
 
@@ -61,7 +61,7 @@ impl Picker {
     /// 24 bytes a triangle; about a tenth of a second a million (debug build, one slow core).
     pub fn new(scene: &Scene) -> Self {
         let mut is_shown = vec![false; scene.meshes.len()];
-        let mut parts = Vec::new();
+        let mut all = Vec::new();
         let pickable = scene.instances.iter().enumerate().filter(|(_, placed)| !placed.is_hidden);
         for (instance, placed) in pickable {
             let Some(is_shown) = is_shown.get_mut(placed.mesh) else { continue };
@@ -76,7 +76,7 @@ impl Picker {
             } else {
                 Sides::CounterClockwise
             };
-            parts.push(Part {
+            all.push(PlacedShape {
                 instance,
                 mesh: placed.mesh,
                 world_from_local: placed.world_from_local,
@@ -86,7 +86,7 @@ impl Picker {
         }
         let shape = |(mesh, is_shown)| if is_shown { Shape::new(mesh) } else { None };
         let shapes = scene.meshes.iter().zip(is_shown).map(shape).collect();
-        Self { shapes, parts }
+        Self { shapes, placed: all }
     }
 
     /// The first surface on a ray that a picture shows: the backs of single-sided surfaces let it pass, as they
@@ -97,26 +97,26 @@ impl Picker {
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
         let origin = origin.as_dvec3();
         let direction = direction.as_dvec3().try_normalize()?;
-        let mut nearest: Option<(&Part, Hit)> = None;
-        for part in &self.parts {
-            let Some(shape) = &self.shapes[part.mesh] else { continue };
+        let mut nearest: Option<(&PlacedShape, Hit)> = None;
+        for placed in &self.placed {
+            let Some(shape) = &self.shapes[placed.mesh] else { continue };
             // The local direction is not of unit length, so that distances stay those of the world.
             let local = (
-                part.local_from_world.transform_point3(origin),
-                part.local_from_world.transform_vector3(direction),
+                placed.local_from_world.transform_point3(origin),
+                placed.local_from_world.transform_vector3(direction),
             );
             let limit = nearest.map_or(f64::INFINITY, |(_, hit)| hit.distance);
-            if let Some(hit) = shape.nearest(local, part.sides, limit) {
-                nearest = Some((part, hit));
+            if let Some(hit) = shape.nearest(local, placed.sides, limit) {
+                nearest = Some((placed, hit));
             }
         }
-        let (part, hit) = nearest?;
-        let shape = self.shapes[part.mesh].as_ref()?;
-        Some(part.tell(shape, hit, (origin, direction)))
+        let (placed, hit) = nearest?;
+        let shape = self.shapes[placed.mesh].as_ref()?;
+        Some(placed.tell(shape, hit, (origin, direction)))
     }
 }
 
-impl Part {
+impl PlacedShape {
     /// A hit in the words of the world.
     fn tell(&self, shape: &Shape, hit: Hit, (origin, direction): (DVec3, DVec3)) -> Pick {
         let corners = shape

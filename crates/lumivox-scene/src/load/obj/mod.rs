@@ -14,7 +14,7 @@
 //! A material has no sides in MTL, and many files are wound as it came: all are seen from both.
 //!
 //! The file is read line by line ([`read`]) into shared lists of places, texture coordinates and
-//! normals, a table of the distinct corners, and the corners of each part's triangles, which become the
+//! normals, a table of the distinct corners, and the corners of each submesh's triangles, which become the
 //! mesh's indices in place ([`mesh`]).
 //!
 //! `tobj` 4.0 was weighed: it keeps no smoothing groups, wants UTF-8, joins no lines, fans concave
@@ -48,11 +48,11 @@ pub(super) fn first_mesh(
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, notes, budget)?;
     let normals = model.group_normals();
-    let mut parts = std::mem::take(&mut model.parts);
-    parts.retain(|part| !part.indices.is_empty());
-    let others = parts.len().saturating_sub(1);
+    let mut submeshes = std::mem::take(&mut model.submeshes);
+    submeshes.retain(|submesh| !submesh.indices.is_empty());
+    let others = submeshes.len().saturating_sub(1);
     let mut builder = mesh::Builder::new(&model, &normals, crease_rad);
-    let Some(first) = parts.into_iter().next() else { return Ok(None) };
+    let Some(first) = submeshes.into_iter().next() else { return Ok(None) };
     let built = builder.build(first, budget, notes)?;
     Ok(built.map(|built| (built.mesh, others)))
 }
@@ -66,15 +66,15 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, &mut notes, &budget)?;
     let normals = model.group_normals();
-    let parts = std::mem::take(&mut model.parts);
+    let submeshes = std::mem::take(&mut model.submeshes);
 
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let mut scene = Scene { name: name.unwrap_or_default(), ..Scene::default() };
     let library = mtl::Library::load(file, reach, &model.libraries, &mut notes)?;
     let mut materials = material::Materials::new(file, reach, library, options);
     let mut builder = mesh::Builder::new(&model, &normals, crease_rad);
-    for part in parts {
-        let Some(built) = builder.build(part, &mut budget, &mut notes)? else { continue };
+    for submesh in submeshes {
+        let Some(built) = builder.build(submesh, &mut budget, &mut notes)? else { continue };
         let colored = !built.mesh.colors.is_empty();
         let name = built.material.map(|i| model.materials[i].as_slice());
         let material = materials.get(name, colored, &mut scene, &mut notes);
