@@ -1,7 +1,7 @@
-//! Files read piece by piece, with progress told by bytes.
+//! Files read piece by piece, with progress reported in bytes.
 //!
-//! A scan can be larger than half of the memory: no reader here holds its file, only the piece that
-//! it is at, so that the peak is about what the scene itself takes.
+//! A scan can be larger than half of the memory: no reader here holds its file, only the current
+//! piece, so that the peak is about the size of the scene itself.
 
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::Path;
@@ -11,10 +11,11 @@ use super::regular::open_regular;
 use super::source::key;
 use crate::SceneError;
 
-/// Bytes read at once, and how often progress is told: large enough for disks, small for memory.
+/// Bytes read at once, and the interval of progress reports: large enough for disks, small for
+/// memory.
 const PIECE: usize = 1 << 20;
 
-/// A reader whose bytes are counted and told.
+/// A reader that counts its bytes and reports them.
 pub(super) struct CountingReader<'s, 'o, R> {
     inner: R,
     done: u64,

@@ -1,10 +1,11 @@
-//! What a ray from the camera meets: which instance, which triangle, where.
+//! The thing that a ray from the camera meets: which instance, which triangle, where.
 //!
-//! Each mesh is kept once, in its local space, as runs of 32 triangles in the order of the file, which mostly
-//! follow one another on the surface; a hierarchy of boxes (`obvhs`) stands over the runs. A ray is brought into
-//! the space of each instance. So the memory is 24 bytes a triangle where triangles share vertices (85 where none does), 10 million triangles
-//! are ready in a second, and a scene that moves pays for instances alone. Triangles are met in 64 bits
-//! (Möller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection").
+//! Each mesh is kept once, in its local space, as runs of 32 triangles in the order of the file,
+//! which mostly follow one another on the surface; a hierarchy of boxes (`obvhs`) is built over the
+//! runs. A ray is brought into the space of each instance. So the memory is 24 bytes a triangle
+//! where triangles share vertices (85 where none does), 10 million triangles are ready in a second,
+//! and a scene that moves pays only for instances. Triangles are met in 64 bits (Möller and
+//! Trumbore 1997, "Fast, minimum storage ray/triangle intersection").
 
 mod shape;
 #[cfg(test)]
@@ -32,18 +33,20 @@ struct PlacedShape {
     sides: Sides,
 }
 
-/// What a ray meets first.
+/// The first thing that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
     /// Index into [`Scene::instances`].
     pub instance: usize,
-    /// The number of the triangle in the instance's mesh: its vertices are those at three times this number.
+    /// The number of the triangle in the instance's mesh: its vertices are those at three times
+    /// this number.
     pub triangle: usize,
     /// Where, in the world, m.
     pub position: Vec3,
     /// The unit normal of the triangle's plane in the world, towards the ray's origin.
     pub normal: Vec3,
-    /// The unit normal interpolated between the vertices (without a normal texture), on the side that is seen.
+    /// The unit normal interpolated between the vertices (without a normal texture), on the side
+    /// that is seen.
     pub shading_normal: Vec3,
     /// From the ray's origin, m.
     pub distance_m: f32,
@@ -89,11 +92,11 @@ impl Picker {
         Self { shapes, placed: all }
     }
 
-    /// The first surface on a ray that a picture shows: the backs of single-sided surfaces let it pass, as they
-    /// do in pictures. Holes of masks and glass do not: a pane or a leaf is met all over. `direction` need not
-    /// have unit length; with a zero direction nothing is met.
+    /// The first surface on a ray that a picture shows: the backs of single-sided surfaces let it
+    /// pass, as they do in pictures. Holes of masks and glass do not: a pane or a leaf is met all
+    /// over. `direction` need not have unit length; with a zero direction nothing is met.
     ///
-    /// Of surfaces in the same place the one of the first instance counts.
+    /// Of surfaces in the same place, the one of the first instance counts.
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
         let origin = origin.as_dvec3();
         let direction = direction.as_dvec3().try_normalize()?;

@@ -269,7 +269,8 @@ fn a_matrix_that_moves_is_split() {
     assert_eq!(origin(&posed(&file, 0.5)), Vec3::ZERO);
 }
 
-/// What an animation reaches is dynamic, all else static; a mark says otherwise, but not of what moves.
+/// What an animation reaches is dynamic, all else static; a mark says otherwise, but not of what
+/// moves.
 #[test]
 fn what_animations_reach_is_dynamic() {
     let mut file = File::triangle();

@@ -354,7 +354,8 @@ fn triangles_without_area_at_rest_have_one_later() {
     assert_eq!(scene.meshes[0].normals[3], Vec3::Y);
 }
 
-/// Where one corner moves, its triangle's plane turns, and with it the frames of the corners that stay.
+/// Where one corner moves, its triangle's plane turns, and with it the frames of the corners that
+/// stay.
 #[test]
 fn frames_of_flat_triangles_turn_with_a_single_corner() {
     for corner in 0..3 {

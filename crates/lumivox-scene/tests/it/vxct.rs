@@ -1,5 +1,5 @@
-//! The scenes of VXCT's format that come with the program, and what the format needs of scenes: instances
-//! that are hidden or not voxelized, and a box for the voxels.
+//! The scenes of VXCT's format that come with the program, and what the format needs of scenes:
+//! instances that are hidden or not voxelized, and a box for the voxels.
 
 use std::path::{Path, PathBuf};
 

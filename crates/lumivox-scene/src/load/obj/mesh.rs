@@ -23,9 +23,9 @@ pub(super) struct Builder<'m> {
     /// By corner, for those in smoothing groups.
     group_normals: &'m [Vec3],
     crease_rad: Option<f32>,
-    /// What vertex a corner became in the submesh at hand; [`Corner::NONE`] in between.
+    /// The vertex that each corner became in the current submesh; [`Corner::NONE`] in between.
     vertices: Vec<u32>,
-    /// What colours are divided by.
+    /// The number that colours are divided by.
     full_color: f32,
 }
 
@@ -159,7 +159,7 @@ impl<'m> Builder<'m> {
 
     fn color(&self, corner: Corner) -> Vec3 {
         match self.model.colors.get(corner.position as usize) {
-            // In this order what is no number becomes zero.
+            // In this order a value that is not a number becomes zero.
             Some(color) if !color.is_nan() => (*color / self.full_color)
                 .max(Vec3::ZERO)
                 .min(Vec3::ONE)

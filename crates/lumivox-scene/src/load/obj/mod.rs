@@ -1,21 +1,21 @@
-//! Reads OBJ with MTL (Wavefront, "Advanced Visualizer manual", appendix B1 and B2, 1995; `Pr`, `Pm`
-//! and the like by Exocortex, "Extension to Wavefront MTL to support physically-based rendering",
-//! 2014).
+//! Reads OBJ with MTL (Wavefront, "Advanced Visualizer manual", appendix B1 and B2, 1995; `Pr`,
+//! `Pm` and the like by Exocortex, "Extension to Wavefront MTL to support physically-based
+//! rendering", 2014).
 //!
-//! Read are vertices (with colours), polygons, objects, groups, smoothing groups and materials; free-form
-//! surfaces, lines and points are skipped with a warning. The faces of one object and group with one
-//! material become a mesh and an instance of that name.
+//! Read are vertices (with colours), polygons, objects, groups, smoothing groups and materials;
+//! free-form surfaces, lines and points are skipped with a warning. The faces of one object and
+//! group with one material become a mesh and an instance of that name.
 //!
-//! Corners without a normal are smooth among the faces of their smoothing group, across meshes. Outside
-//! of groups they are flat: that is the state in which the format begins ("the default is off"), and
-//! programs that mean smooth surfaces write normals or groups. [`LoadOptions::crease_rad`] says
-//! otherwise; then edges between two materials stay.
+//! Corners without a normal are smooth among the faces of their smoothing group, across meshes.
+//! Outside of groups they are flat: that is the state in which the format begins ("the default is
+//! off"), and programs that mean smooth surfaces write normals or groups.
+//! [`LoadOptions::crease_rad`] says otherwise; then edges between two materials stay.
 //!
 //! A material has no sides in MTL, and many files are wound as it came: all are seen from both.
 //!
 //! The file is read line by line ([`read`]) into shared lists of places, texture coordinates and
-//! normals, a table of the distinct corners, and the corners of each submesh's triangles, which become the
-//! mesh's indices in place ([`mesh`]).
+//! normals, a table of the distinct corners, and the corners of each submesh's triangles, which
+//! become the mesh's indices in place ([`mesh`]).
 //!
 //! `tobj` 4.0 was weighed: it keeps no smoothing groups, wants UTF-8, joins no lines, fans concave
 //! polygons, holds all faces beside the meshes, and knows neither texture options nor the keys of
@@ -36,8 +36,8 @@ use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
 use crate::{Instance, Mesh, Scene, SceneError};
 
-/// The first mesh of a file, without its materials, and how many others there are; `None` where there
-/// are no triangles. What is noticed goes to `notes`.
+/// The first mesh of a file, without its materials, and how many others there are; `None` where
+/// there are no triangles. Warnings go to `notes`.
 pub(super) fn first_mesh(
     file: &Path,
     options: &mut LoadOptions<'_>,

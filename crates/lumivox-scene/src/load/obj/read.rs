@@ -30,7 +30,7 @@ pub(super) struct Model {
     pub(super) submeshes: Vec<Submesh>,
     /// The names that `usemtl` gives, in any encoding.
     pub(super) materials: Vec<Vec<u8>>,
-    /// What `mtllib` names.
+    /// The files that `mtllib` names.
     pub(super) libraries: Vec<Vec<u8>>,
 }
 
@@ -118,7 +118,7 @@ struct State {
     skipped: Skipped,
 }
 
-/// What is left out, counted.
+/// Counts of the things that are left out.
 #[derive(Default)]
 struct Skipped {
     lines_and_points: u64,
@@ -138,7 +138,7 @@ impl State {
             b"v" => self.vertex(rest)?,
             b"vt" => self.texture_coordinate(rest)?,
             b"vn" => {
-                // What has no direction is repaired later.
+                // Normals without a direction are repaired later.
                 let normal = numbers::<3>(&mut words(rest))?;
                 self.model.normals.push(Vec3::from_array(normal));
             }
@@ -174,7 +174,7 @@ impl State {
             }
             b"l" | b"p" => self.skipped.lines_and_points += 1,
             b"curv" | b"curv2" | b"surf" => self.skipped.free_form += 1,
-            // What belongs to free-form shapes, and display attributes without a meaning here.
+            // Statements of free-form shapes, and display attributes without a meaning here.
             b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole"
             | b"scrv" | b"sp" | b"end" | b"con" | b"mg" | b"ctech" | b"stech" | b"bevel"
             | b"c_interp" | b"d_interp" | b"lod" | b"bsp" | b"bzp" | b"cdc" | b"cdp" | b"res"
@@ -296,7 +296,7 @@ impl State {
                 count,
             },
         })?;
-        // What is out of range here costs the picture less than no picture.
+        // An index out of range is ignored here: without it the picture is better than no picture.
         let mut other = |count: usize, lost: &mut u64| match parts.next() {
             None | Some([]) => Ok(None),
             Some(part) => {
@@ -314,7 +314,7 @@ impl State {
         })
     }
 
-    /// The submesh that the current names stand for.
+    /// The submesh for the current names.
     fn start_submesh(&mut self) -> usize {
         let submeshes = &mut self.model.submeshes;
         // Beyond the limit only the material counts.
@@ -340,7 +340,7 @@ impl State {
         submesh
     }
 
-    /// Memory in use, but for names.
+    /// Memory in use, except for names.
     fn bytes(&self) -> u64 {
         let model = &self.model;
         let lists = (model.positions.len() + model.colors.len() + model.normals.len()) * 12
@@ -379,13 +379,13 @@ impl State {
 }
 
 impl Model {
-    /// The normals of the corners in smoothing groups, by corner; empty without groups. Gives back what
-    /// only reading needs.
+    /// The normals of the corners in smoothing groups, by corner; empty without groups. Frees the
+    /// memory that only reading needs.
     pub(super) fn group_normals(&mut self) -> Vec<Vec3> {
         let count = self.corners.len() as u32;
         let mut sums = Vec::new();
         if (0..count).any(|number| self.corners.get(number).normal.is_group()) {
-            // Corners that differ by texture coordinates alone share one normal: that of the first.
+            // Corners that differ only by texture coordinates share one normal: that of the first.
             let first = |number: u32| {
                 let corner = self.corners.get(number);
                 let fits = |other: &Corner| other.normal == corner.normal;
@@ -417,7 +417,7 @@ impl Model {
     }
 }
 
-/// A whole number; what does not fit saturates.
+/// A whole number; numbers that do not fit saturate.
 fn integer(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word {
         [b'-', digits @ ..] => (true, digits),
@@ -436,7 +436,7 @@ fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// The place in a list of what is counted from 1, or backwards from -1.
+/// The place in a list of an index that counts from 1, or backwards from -1.
 fn resolve(index: i64, count: usize) -> Option<u32> {
     let count = count as i64;
     let from_zero = if index < 0 { count + index } else { index - 1 };

@@ -126,8 +126,8 @@ fn resolve_textures(material: &Material) -> Vec<TextureRef> {
 fn assert_same_camera(saved: &Camera, loaded: &Camera) {
     let up = loaded.up;
     assert_eq!(*saved, Camera { up: saved.up, ..loaded.clone() });
-    // The writer keeps an up whose part along the line of sight is below 1e-6, and rounding in f32 adds
-    // some 1e-7 for each product here.
+    // The writer keeps an up whose part along the line of sight is below 1e-6, and rounding in f32
+    // adds some 1e-7 for each product here.
     assert!(up.dot(loaded.forward).abs() < 2e-6, "{loaded:?}");
     assert!((up.length() - 1.0).abs() < 2e-6);
     let turned = saved.up.as_dvec3() - up.as_dvec3() * saved.up.as_dvec3().dot(up.as_dvec3());
