@@ -8,7 +8,7 @@ use crate::common::{File, flip_bytes, load_from_memory, shading, world_triangles
 
 const GRID: &[u8] = include_bytes!("../data/grid.drc");
 
-/// A primitive whose data come from a Draco stream alone; attributes by their numbers in it.
+/// A primitive whose data come only from a Draco stream; attributes by their numbers in it.
 fn draco(stream: &[u8], attributes: &[(&str, u32, &str, u32)]) -> File {
     let mut file = File::new();
     let view = file.view(stream);

@@ -67,7 +67,8 @@ fn references(material: &mut Material) -> Vec<Option<&mut TextureRef>> {
     all
 }
 
-/// Panics unless `loaded` is `saved`, but for what the normal form of `save` leaves out.
+/// Panics unless `loaded` equals `saved`, except for data that the normal form of `save` leaves
+/// out.
 pub fn assert_same(saved: &Scene, loaded: &Scene) {
     let mut expected = resolve(saved);
     for instance in &mut expected {
@@ -94,7 +95,7 @@ pub fn assert_same(saved: &Scene, loaded: &Scene) {
     for (saved, loaded) in saved.cameras.iter().zip(&loaded.cameras) {
         assert_same_camera(saved, loaded);
     }
-    // What instances share they still share, and nothing has multiplied.
+    // Instances still share the same data, and nothing has multiplied.
     assert!(meshes(loaded) <= meshes(saved), "{} > {}", meshes(loaded), meshes(saved));
     assert!(loaded.materials.len() <= saved.materials.len());
     assert!(loaded.textures.len() <= saved.textures.len());
@@ -131,7 +132,7 @@ fn assert_same_camera(saved: &Camera, loaded: &Camera) {
     assert!(up.dot(loaded.forward).abs() < 2e-6, "{loaded:?}");
     assert!((up.length() - 1.0).abs() < 2e-6);
     let turned = saved.up.as_dvec3() - up.as_dvec3() * saved.up.as_dvec3().dot(up.as_dvec3());
-    // What is left of the saved up lies along the line of sight: the roll is the same.
+    // The rest of the saved up vector lies along the line of sight: the roll is the same.
     let sideways = saved.forward.as_dvec3().cross(turned).length();
     if saved.up.cross(saved.forward).length() > 0.1 {
         assert!(sideways < 2e-6, "{sideways}");
