@@ -1,13 +1,13 @@
-//! What can be wrong with a scene: what, where, and what to do.
+//! The errors of scenes: each says what is wrong, where, and what to do.
 
 use std::path::PathBuf;
 
-/// Why a scene could not be had. Each message names the file (or the scene), the part of it, and a
-/// remedy.
+/// The reason for which a scene could not be loaded, made or saved. Each message names the file (or
+/// the scene), the part of it, and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// The file's extension is none that is read here.
+    /// The file's extension is not one of the formats that are read.
     #[error(
         "{}: cannot tell the format from the extension \"{extension}\"; \
          give a {} file",
@@ -20,7 +20,7 @@ pub enum SceneError {
         extension: String,
     },
 
-    /// There is no built-in scene of that name.
+    /// No built-in scene has that name.
     #[error("no built-in scene is called \"{name}\"; there are: {}", known.join(", "))]
     UnknownBuiltin {
         /// The name asked for.
@@ -34,7 +34,7 @@ pub enum SceneError {
     Read {
         /// The file asked for.
         file: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
 
@@ -51,11 +51,11 @@ pub enum SceneError {
         part: String,
         /// The path that was tried.
         missing: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
 
-    /// A file that the scene names lies where scenes may not reach.
+    /// A file that the scene names lies outside of the folders that scenes may reach.
     #[error(
         "{}: {part} names \"{uri}\": {reason}; scenes may only name files in their own folder \
          and below: copy it there, or allow others to a scene that you trust (--allow-outside)",
@@ -66,9 +66,9 @@ pub enum SceneError {
         file: PathBuf,
         /// The part that names the other file.
         part: String,
-        /// What it names, shortened.
+        /// The path or URI that it names, shortened.
         uri: String,
-        /// Why that is refused.
+        /// The reason for the refusal.
         reason: String,
     },
 
@@ -79,7 +79,7 @@ pub enum SceneError {
         file: PathBuf,
         /// The broken part, such as `accessor 3`.
         part: String,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
 
@@ -92,9 +92,9 @@ pub enum SceneError {
         line: u32,
         /// The character in the line, from 1.
         column: u32,
-        /// What is there.
+        /// The text that is there.
         found: String,
-        /// What would be right.
+        /// The text that would be right.
         expected: String,
     },
 
@@ -105,7 +105,7 @@ pub enum SceneError {
         file: PathBuf,
         /// Its version.
         version: String,
-        /// What would help.
+        /// The remedy.
         remedy: &'static str,
     },
 
@@ -131,7 +131,7 @@ pub enum SceneError {
         file: PathBuf,
         /// The texture.
         image: String,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
 
@@ -140,9 +140,9 @@ pub enum SceneError {
     EnvironmentMap {
         /// The picture's file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
 
@@ -157,9 +157,9 @@ pub enum SceneError {
         file: PathBuf,
         /// The part that is too much.
         part: String,
-        /// What all needs up to there, with a unit.
+        /// The memory that all parts up to there need, with a unit.
         needed: String,
-        /// What may be taken, with a unit.
+        /// The memory that may be taken, with a unit.
         budget: String,
     },
 
@@ -172,16 +172,16 @@ pub enum SceneError {
         part: String,
     },
 
-    /// A number lies outside of what has a meaning.
+    /// A number lies outside of its meaningful range.
     #[error("{}: {part} is {value}, but must be {expected}; correct it", file.display())]
     OutOfRange {
         /// The scene's file or name.
         file: PathBuf,
         /// The part.
         part: String,
-        /// What it says.
+        /// The value in the file.
         value: String,
-        /// What would do.
+        /// The values that would be right.
         expected: String,
     },
 
@@ -197,9 +197,9 @@ pub enum SceneError {
         part: String,
         /// The index.
         index: usize,
-        /// How many things it could point at.
+        /// The number of things that it could point at.
         count: usize,
-        /// What these things are, such as `vertices`.
+        /// The kind of these things, such as `vertices`.
         target: &'static str,
     },
 
@@ -211,7 +211,7 @@ pub enum SceneError {
     Write {
         /// The file to be written.
         file: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
 
@@ -224,11 +224,11 @@ pub enum SceneError {
     TooLargeToSave {
         /// The file to be written.
         file: PathBuf,
-        /// What it would take.
+        /// The size of the file that the scene would need.
         bytes: u64,
     },
 
-    /// Nothing to show.
+    /// The scene has nothing to show.
     #[error(
         "{}: no triangles to show ({reason}); export at least one mesh with triangles in the \
          default scene",
@@ -237,7 +237,7 @@ pub enum SceneError {
     NoTriangles {
         /// The scene's file or name.
         file: PathBuf,
-        /// How that came about.
+        /// The reason.
         reason: String,
     },
 

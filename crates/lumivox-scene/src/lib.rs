@@ -1,18 +1,18 @@
-//! What a scene is: meshes, materials, textures, lights and cameras, in plain CPU memory.
+//! Scenes: meshes, materials, textures, lights and cameras, in plain CPU memory.
 //!
 //! The world is right-handed with y up and lengths in metres (the convention of glTF 2.0, section
 //! 3.4). Light is in photometric units: luminance in cd/m², illuminance in lux, intensity in
-//! candela. This crate knows no GPU; renderers upload what they find here.
+//! candela. This crate does not know GPUs; renderers upload its scenes.
 //!
-//! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY, STL or VXCT file), from [`builtin::scene`] (made
-//! in code, see [`builtin::names`]), or from hand-filled fields followed by [`Scene::validate`].
-//! In each case the same promises hold afterwards:
+//! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY, STL or VXCT file), from
+//! [`builtin::scene`] (made in code, see [`builtin::names`]), or from hand-filled fields followed
+//! by [`Scene::validate`]. In each case the same promises hold afterwards:
 //!
 //! - every index points at something, every number is finite, no triangle has zero area;
 //! - triangles wind counter-clockwise seen from their front *after* the instance's transform, also
 //!   where that transform mirrors;
-//! - the scene has at least one triangle that is not hidden and a size above zero, or brings the box of
-//!   its voxels ([`Scene::grid_bounds`]).
+//! - the scene has at least one triangle that is not hidden and a size above zero, or brings the
+//!   box of its voxels ([`Scene::grid_bounds`]).
 //!
 //! ```
 //! let scene = lumivox_scene::builtin::scene("cornell")?;
@@ -52,7 +52,7 @@ pub use model::{
 pub use pick::{Pick, Picker};
 pub use pose::{AnimationChoice, AnimationInfo, Rig};
 
-/// The name under which a file's `extras` hold what glTF has no words for.
+/// The name under which a file's `extras` hold the things that glTF cannot express.
 const EXTRAS: &str = "lumivox";
 pub use save::write_atomically;
 pub use validate::Outlier;

@@ -14,18 +14,18 @@ use crate::{
 };
 
 impl Scene {
-    /// Checks a hand-made scene, and removes what has no extent: triangles of zero area (counted in
-    /// [`Scene::notes`]), meshes that have none left, and instances whose transform flattens them
-    /// (a warning). Normals are brought to unit length. Calling it again changes nothing.
+    /// Checks a hand-made scene, and removes things without extent: triangles of zero area (counted
+    /// in [`Scene::notes`]), meshes that have none left, and instances whose transform flattens
+    /// them (a warning). Normals are brought to unit length. Calling it again changes nothing.
     ///
     /// Areas are taken in local space, in f64, and only exact zeros count: thin triangles stay.
     /// After the transform, f32 may still round a tiny triangle to nothing.
     ///
     /// # Errors
     /// [`SceneError`] for numbers that are not finite or out of range, indices that point at
-    /// nothing, arrays whose lengths disagree, no triangles at all that are not hidden, and a scene of
-    /// size zero. A scene with [`Scene::grid_bounds`] may be empty or a point. The message names the
-    /// scene and the part.
+    /// nothing, arrays whose lengths disagree, no triangles at all that are not hidden, and a scene
+    /// of size zero. A scene with [`Scene::grid_bounds`] may be empty or a point. The message names
+    /// the scene and the part.
     pub fn validate(&mut self) -> Result<(), SceneError> {
         let name = PathBuf::from(&self.name);
         validate(self, &name)
@@ -45,7 +45,7 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
             reason: format!("none has an area; {removed} degenerate ones were removed"),
         });
     }
-    // What is left may be smaller.
+    // The rest may be smaller.
     Check { file }.extent(scene)
 }
 
@@ -97,7 +97,7 @@ fn drop_flattened_instances(scene: &mut Scene) {
     scene.notes = notes;
 }
 
-/// Drops instances, and tells the rig which.
+/// Drops instances, and removes them from the rig.
 fn retain_instances(scene: &mut Scene, mut keep: impl FnMut(&mut Instance) -> bool) {
     let Scene { instances, rig, .. } = scene;
     let mut kept = 0;
@@ -259,7 +259,7 @@ impl Check<'_> {
             if let Some(uv) = mesh.uvs1.get(i) {
                 self.finite(|| part("second texture coordinate"), &uv.to_array())?;
             }
-            // Most are right: the message is made for the wrong ones alone.
+            // Most are right: the message is made only for the wrong ones.
             if let Some(color) = mesh.colors.get(i)
                 && color.to_array().iter().any(|c| !(0.0..=1.0).contains(c))
             {
@@ -386,7 +386,7 @@ impl Check<'_> {
             LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
                 self.not_negative(&part("intensity"), &[intensity_cd])?;
                 range(range_m)?;
-                // f32's pi/2 itself is allowed, and what a file rounds up from it.
+                // f32's pi/2 itself is allowed, and so are values that a file rounds up from it.
                 let widest = std::f32::consts::FRAC_PI_2 + 1e-5;
                 let fits = outer_angle_rad > 0.0 && outer_angle_rad <= widest;
                 self.range(&part("outer angle"), outer_angle_rad, fits, "above 0, at most pi/2")?;
@@ -430,7 +430,8 @@ impl Check<'_> {
         map.rgb.iter().try_for_each(|texel| self.not_negative(&part, texel))
     }
 
-    /// There are triangles, and they span a finite box that is no point; or the scene brings such a box.
+    /// There are triangles, and they span a finite box that is not a point; or the scene brings
+    /// such a box.
     fn extent(&self, scene: &Scene) -> Result<(), SceneError> {
         let file = self.file.to_owned();
         let is_empty = scene.triangle_count() == 0;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::UVec2;
 
-/// An error of a comparison. Every message says what stands in the way and what would help.
+/// An error of a comparison. Every message names the obstacle and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
@@ -41,10 +41,10 @@ pub enum CompareError {
         x: u32,
         /// Row, from 0 at the top.
         y: u32,
-        /// What is there.
+        /// The value that is there.
         value: String,
     },
-    /// The mean of the reference is not above 0, so nothing can be told as a share of it.
+    /// The mean of the reference is not above 0, so nothing can be given as a share of it.
     #[error(
         "the reference is black (its mean is {mean}), so errors cannot be told as a share of it; \
          give a reference that shows light"
@@ -58,9 +58,9 @@ pub enum CompareError {
     Read {
         /// The file asked for.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
-        /// What would help.
+        /// The remedy.
         remedy: &'static str,
     },
     /// An `OpenEXR` file has no layer of that name.

@@ -1,12 +1,12 @@
-//! FLIP, the difference that a viewer sees (Andersson et al. 2020, "FLIP: A difference evaluator for
-//! alternating images", the variant for screens).
+//! FLIP, the difference that a viewer sees (Andersson et al. 2020, "FLIP: A difference evaluator
+//! for alternating images", the variant for screens).
 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 use super::LinearPicture;
 
-/// Pixels in a degree of the viewer's sight: 67.02, a screen of 3840 pixels and 0.7 m in width, 0.7 m
-/// away (Andersson et al. 2020, section 6). Fewer forgive less, as if the viewer came closer.
+/// Pixels in a degree of the viewer's sight: 67.02, a screen of 3840 pixels and 0.7 m in width, 0.7
+/// m away (Andersson et al. 2020, section 6). Fewer forgive less, as if the viewer came closer.
 pub const FLIP_PIXELS_PER_DEGREE: f32 = DEFAULT_PIXELS_PER_DEGREE;
 
 /// The mean over pixels, 0 (the same) to 1. Both are shown with the exposure of the reference.

@@ -5,13 +5,13 @@ use super::{CompareError, LinearPicture};
 
 /// Light that a dark room gets through its walls, in percent of the light next door.
 ///
-/// It is the mean over pixels of what the dark room's picture has too much of luminance,
-/// `max(0, Y ours - Y reference)`, as a share of the mean luminance of the reference in the lit room.
-/// Noise in the dark reference counts as light where it is too low, so let it converge.
+/// It is the mean over pixels of the dark room's surplus of luminance,
+/// `max(0, Y ours - Y reference)`, as a share of the mean luminance of the reference in the lit
+/// room. Noise in the dark reference counts as light where it is too low, so let it converge.
 ///
 /// # Errors
-/// [`CompareError`] when the two dark pictures differ in size, a value is not finite, or the lit room is
-/// black. The dark reference may be.
+/// [`CompareError`] when the two dark pictures differ in size, a value is not finite, or the lit
+/// room is black. The dark reference may be.
 pub fn leak_percent(
     dark_reference: &LinearPicture,
     dark_ours: &LinearPicture,
@@ -38,7 +38,7 @@ mod tests {
     #[test]
     fn only_what_is_too_bright_leaks() {
         let lit = grey([5.0, 15.0, 10.0]);
-        // 0.4 too much in one of four pixels is 0.1 in the mean, of 10.
+        // 0.4 too much in one of four pixels is 0.1 on average, of 10.
         let (reference, ours) = (grey([0.0, 0.0, 0.5, 1.0]), grey([0.0, 0.4, 0.5, 0.2]));
         let percent = leak_percent(&reference, &ours, &lit);
         let percent = percent.expect("a share");

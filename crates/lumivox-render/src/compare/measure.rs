@@ -10,7 +10,7 @@ use super::{CompareError, ErrorFigures, LinearPicture};
 use crate::reference::ReferenceLayers;
 use crate::{Gpu, Progress, RenderError, RenderSettings, Renderer, View};
 
-/// Frames from which the number of cone samples is told.
+/// The number of frames over which cone samples are counted.
 const COST_FRAMES: u32 = 4;
 
 /// The layers of a rendering that a reference has as well.
@@ -22,14 +22,15 @@ pub struct RenderedLayers {
     pub full: LinearPicture,
     /// The picture, in cd/m².
     pub picture: LinearPicture,
-    /// What a frame costs.
+    /// The cost of a frame.
     pub cost: Cost,
 }
 
-/// What a frame costs.
+/// The cost of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Cost {
-    /// Milliseconds by the clock on the wall: the mean over the picture's frames, without what is done once.
+    /// Milliseconds of wall-clock time: the mean over the picture's frames, without work that is
+    /// done once.
     pub frame_ms: f64,
     /// Samples of the volume that a pixel's cones take.
     pub samples_per_pixel: f64,
@@ -47,8 +48,8 @@ pub struct LayerFigures {
     pub picture: Option<ErrorFigures>,
 }
 
-/// Renders the layers of a scene. The view of the settings does not matter; `progress` hears of the stages that
-/// [`Renderer`] has.
+/// Renders the layers of a scene. The view of the settings does not matter; `progress` is called
+/// with the stages of [`Renderer`].
 ///
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render`].

@@ -11,8 +11,8 @@
 //! | FLIP | what a viewer sees who flips between the two on a screen |
 //! | noise | what of the RMSE is the reference's own |
 //!
-//! A pixel's relative error is `(Y x - Y r) / max(Y r, mean Y r / 10)`: without the tenth of the mean,
-//! black corners would be all that counts.
+//! A pixel's relative error is `(Y x - Y r) / max(Y r, mean Y r / 10)`: without the tenth of the
+//! mean, black corners would be all that counts.
 //!
 //! All pixels count, those of the background too. A mask would be one more thing to agree on, and
 //! where both pictures are black the background only dilutes: compare pictures that a scene fills.

@@ -25,14 +25,15 @@ impl From<&Picture> for LinearPicture {
 }
 
 impl LinearPicture {
-    /// The stops with which the geometric mean of luminance is a middle grey (Reinhard et al. 2002, "Photographic
-    /// tone reproduction for digital images", equation 1); every pixel counts.
+    /// The stops with which the geometric mean of luminance is a middle grey (Reinhard et al. 2002,
+    /// "Photographic tone reproduction for digital images", equation 1); every pixel counts.
     pub fn exposure_stops(&self) -> f32 {
         let opaque: Vec<_> = self.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
         middle_grey_stops(&opaque).unwrap_or(0.0)
     }
 
-    /// What a screen shows with this exposure in stops and the curve [`ToneMap::Neutral`]: sRGB codes.
+    /// The sRGB codes that a screen shows with this exposure in stops and the curve
+    /// [`ToneMap::Neutral`].
     pub fn to_screen(&self, stops: f32) -> Vec<[u8; 3]> {
         let scale = stops.exp2();
         let shown = |&rgb: &[f32; 3]| {

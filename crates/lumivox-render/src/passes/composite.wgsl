@@ -1,4 +1,5 @@
-// One frame's picture, or one view of it: radiance or a quantity in rgb, in a whether there is a surface.
+// One frame's picture, or one view of it: radiance or a quantity in rgb, in a whether there is a
+// surface.
 
 import package::constants::{
     VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_NORMAL,
@@ -14,7 +15,8 @@ import package::trace::gbuffer::{
 struct CompositeSettings {
     // One of VIEW_...
     shown: u32,
-    // Whether cones were traced for this frame; else their textures hold what an earlier one left.
+    // Whether cones were traced for this frame; if not, their textures hold an earlier frame's
+    // light.
     has_cones: u32,
     // Frames in the mean so far.
     frames: u32,
@@ -30,10 +32,11 @@ struct CompositeSettings {
 @group(1) @binding(3) var irradiance: texture_2d<f32>;
 // Reflected radiance in rgb, cone samples in a.
 @group(1) @binding(4) var specular: texture_2d<f32>;
-// What coloured glass in front lets through, in rgb; one white texel where the scene has none.
+// The light that coloured glass in front lets through, in rgb; one white texel where the scene has
+// none.
 @group(1) @binding(5) var tint: texture_2d<f32>;
 @group(1) @binding(6) var picture: texture_storage_2d<rgba32float, write>;
-// The mean over frames of what arrives at the surface; negative where there is none.
+// The mean over frames of the illuminance at the surface; negative where there is none.
 @group(1) @binding(7) var illuminance: texture_storage_2d<r32float, read_write>;
 
 // Irradiance in rgb, openness in a.
@@ -106,7 +109,7 @@ fn shade(pixel: vec2u, surface: Surface) -> vec3f {
     }
 }
 
-// The tint of what is seen as light that comes to the camera.
+// The tint of views that show light on its way to the camera.
 fn tint_at(pixel: vec2u) -> vec3f {
     switch composite_settings.shown {
         case VIEW_DIFFUSE, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_ALBEDO, VIEW_NORMAL, VIEW_DEPTH, VIEW_COST: {
@@ -118,7 +121,7 @@ fn tint_at(pixel: vec2u) -> vec3f {
     }
 }
 
-// The sky is seen as what it is, light of its own, wherever emission is.
+// The sky is light of its own, so it is seen wherever emission is.
 fn shows_environment() -> bool {
     switch composite_settings.shown {
         case VIEW_INDIRECT, VIEW_DIFFUSE, VIEW_SPECULAR, VIEW_OCCLUSION, VIEW_SHADOW,
@@ -131,7 +134,7 @@ fn shows_environment() -> bool {
     }
 }
 
-// What arrives at the surface from everywhere.
+// The illuminance at the surface, from everywhere.
 fn arriving(pixel: vec2u) -> f32 {
     // ITU-R BT.709-6, section 3.2.
     let indirect = dot(traced_irradiance(pixel).rgb, vec3f(0.2126, 0.7152, 0.0722));

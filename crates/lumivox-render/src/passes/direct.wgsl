@@ -55,7 +55,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let brightness = luminance(incident.irradiance);
         sent += brightness;
         let n_dot_l = dot(normal, incident.direction);
-        // The geometric normal decides, too: a bent normal must not catch light from behind the surface.
+        // The geometric normal decides, too: a bent normal must not catch light from behind the
+        // surface.
         if brightness <= 0.0 || n_dot_l <= 0.0
             || dot(surface.geometric_normal, incident.direction) <= 0.0 {
             continue;
@@ -67,7 +68,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         illuminance += luminance(irradiance);
         let half_vector = normalize(incident.direction + to_camera);
         let fresnel = fresnel_schlick(specular.rgb, dot(half_vector, to_camera));
-        // What the gloss reflects does not enter: glTF 2.0, appendix B.3.
+        // Light that the gloss reflects does not enter: glTF 2.0, appendix B.3.
         diffuse += irradiance * (1.0 - fresnel) * albedo / PI;
         glossy += glossy_share(light, alpha) * irradiance * fresnel
             * ggx_distribution(saturate(dot(normal, half_vector)), alpha)

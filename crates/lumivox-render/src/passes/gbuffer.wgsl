@@ -1,4 +1,4 @@
-// The G-buffer: what package::trace::gbuffer declares, rasterized.
+// Rasterizes the G-buffer that package::trace::gbuffer declares.
 
 import package::render::scene::draws::draws;
 import package::render::scene::layer_textures::sample_layers;
@@ -13,7 +13,7 @@ struct RasterView {
     position_in_world: vec3f,
     // Counts the frames that are accumulated.
     frame: u32,
-    // What they are moved by, pixels.
+    // The jitter of the pixels' positions, pixels.
     jitter: vec2f,
     padding: vec2f,
 }
@@ -23,8 +23,8 @@ struct RasterView {
 struct Vertex {
     // The same in all pipelines: their depths are compared.
     @builtin(position) @invariant clip: vec4f,
-    // From the camera, not from the origin: f32 then resolves the small steps between near pixels, whose
-    // derivatives the geometric normal comes from.
+    // From the camera, not from the origin: f32 then resolves the small steps between near pixels,
+    // whose derivatives the geometric normal comes from.
     @location(0) from_camera: vec3f,
     @location(1) normal: vec3f,
     @location(2) tangent: vec4f,
@@ -34,7 +34,7 @@ struct Vertex {
     @location(6) @interpolate(flat) draw: u32,
 }
 
-// What plain materials need on vertices of one set of texture coordinates.
+// The inputs of plain materials on vertices of one set of texture coordinates.
 struct PlainFragment {
     @location(0) from_camera: vec3f,
     @location(1) normal: vec3f,
@@ -93,7 +93,7 @@ fn transform(
     );
 }
 
-// Vertices of one set of texture coordinates, which stands in for the second as well.
+// Vertices of one set of texture coordinates, which is used as the second as well.
 @vertex
 fn plain_vertex(
     @location(0) position: vec3f,
@@ -187,8 +187,8 @@ fn layered_point(fragment: LayeredFragment) -> LayeredPoint {
 fn layered_fragment(fragment: LayeredFragment) -> Targets {
     let point = layered_point(fragment);
     let layered = point.layered;
-    // In the middle of the pixel, whatever the frame's jitter: a surface whose number changed from frame to frame would
-    // be there at random, instead of evenly spread over the frames.
+    // In the middle of the pixel, whatever the frame's jitter: a surface whose number changed from
+    // frame to frame would be there at random, instead of evenly spread over the frames.
     let distance = length(fragment.from_camera);
     let in_middle =
         distance + dot(vec2f(dpdx(distance), dpdy(distance)), raster_view.jitter);
@@ -208,8 +208,8 @@ fn layered_fragment(fragment: LayeredFragment) -> Targets {
     );
 }
 
-// After the G-buffer: what is nearer than the surface that a pixel shows was not there in this frame, or it would
-// be the one. So the light passed it.
+// This pass runs after the G-buffer. A surface nearer than the one that a pixel shows was not there
+// in this frame, or the pixel would show it. So the light passed it.
 @fragment
 fn tint_fragment(fragment: LayeredFragment) -> @location(0) vec4f {
     let point = layered_point(fragment);

@@ -77,10 +77,11 @@ fn masked_fragment(fragment: MaskedFragment) {
     }
 }
 
-// A share of the texels of the map is blocked: as large a share of the light, where the map is filtered.
+// A share of the texels of the map is blocked: as large a share of the light, where the map is
+// filtered.
 //
-// Light of all colours shares the map, so what passes a tinted pane is its luminance. What the pane reflects is
-// taken as at normal incidence.
+// Light of all colours shares the map, so a tinted pane lets the luminance of its tint pass. Its
+// reflectance is taken as that at normal incidence.
 @fragment
 fn partial_fragment(fragment: PartialFragment) {
     let base = base_at(fragment.texcoords, fragment.color);

@@ -1,7 +1,8 @@
-//! All textures of a scene in the layers of one: only so can a shader pick a texture by number on WebGPU.
+//! All textures of a scene in the layers of one: only so can a shader pick a texture by number on
+//! WebGPU.
 //!
-//! Only finest levels are kept: a path tracer averages by its samples. What is larger than the device's largest
-//! texture is halved until it fits.
+//! Only finest levels are kept: a path tracer averages by its samples. A texture larger than the
+//! device's largest is halved until it fits.
 
 use lumivox::gpu::{Texture, TextureView};
 use std::collections::BTreeMap;
@@ -51,7 +52,7 @@ impl Atlas {
         }
         let area: f64 = places.values().map(|t| f64::from(t.size[0]) * f64::from(t.size[1])).sum();
         let largest = places.values().flat_map(|tile| tile.size).max().unwrap_or(1);
-        // Some room for what rectangles leave between them.
+        // Some room for the gaps between rectangles.
         let edge = ((1.2 * area).sqrt().ceil() as u32).min(LAYER_EDGE).max(largest).min(most);
 
         let mut order: Vec<_> = places.values_mut().collect();

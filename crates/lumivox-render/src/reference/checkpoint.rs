@@ -1,7 +1,7 @@
 //! Sums on their way, kept in a file.
 //!
-//! Little-endian: the mark, the fingerprint of what is traced, width, height, samples and batches, all sums in f64, and a
-//! checksum of all before.
+//! Little-endian: the mark, the fingerprint of the traced scene, width, height, samples and
+//! batches, all sums in f64, and a checksum of everything before.
 
 use bytemuck::Zeroable as _;
 use glam::UVec2;
@@ -15,7 +15,7 @@ const HEADER_BYTES: usize = 8 + 8 + 4 * 4;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// The bytes are no checkpoint, or not all of one.
+    /// The bytes are not a checkpoint, or not all of one.
     #[error("it is no checkpoint of a reference, or it is damaged; delete it and start anew")]
     Damaged,
     /// It is one of another picture size.
@@ -26,7 +26,7 @@ pub enum CheckpointError {
     Size {
         /// Its size in pixels.
         found: UVec2,
-        /// The size of what is traced now.
+        /// The size of the picture that is traced now.
         wanted: UVec2,
     },
     /// The scene, the camera, the seed or the limit of gathers has changed.
@@ -82,7 +82,8 @@ pub(super) fn read(bytes: &[u8], size: UVec2, fingerprint: u64) -> Result<Film, 
     Ok(film)
 }
 
-/// FNV-1a (Fowler, Noll and Vo 1991) over 8 bytes at a time: tells what differs by accident, not by intent.
+/// FNV-1a (Fowler, Noll and Vo 1991) over 8 bytes at a time: it detects accidental differences, not
+/// intended ones.
 pub(super) fn fingerprint_of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut mix =

@@ -1,9 +1,9 @@
 //! References in `OpenEXR` files, all layers in one.
 //!
-//! 32-bit floats: the radiance is `R`, `G` and `B`, the coverage `A`, the others are `direct.R`, `one_bounce.R`,
-//! `full.R`, `occlusion.Y`, `albedo.R`, `normal.X`, `depth.Z` and so on, and variances `variance.radiance`,
-//! `variance.direct`, `variance.one_bounce`, `variance.full` and `variance.occlusion`. An attribute holds the number of
-//! samples and what tells the scene apart.
+//! 32-bit floats: the radiance is `R`, `G` and `B`, the coverage `A`, the others are `direct.R`,
+//! `one_bounce.R`, `full.R`, `occlusion.Y`, `albedo.R`, `normal.X`, `depth.Z` and so on, and
+//! variances `variance.radiance`, `variance.direct`, `variance.one_bounce`, `variance.full` and
+//! `variance.occlusion`. An attribute holds the number of samples and the scene's fingerprint.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -80,7 +80,8 @@ impl ReferenceLayers {
         })
     }
 
-    /// The bytes of a file: all layers as `OpenEXR`, or the picture as PNG, with the exposure that it asks for.
+    /// The bytes of a file: all layers as `OpenEXR`, or the picture as PNG, with the exposure that
+    /// it asks for.
     ///
     /// # Errors
     /// When the device fails, or the picture is larger than the format allows.
@@ -129,7 +130,7 @@ impl ReferenceLayers {
         image.write().non_parallel().to_buffered(out).map_err(io::Error::other)
     }
 
-    /// Reads what [`ReferenceLayers::write_exr`] wrote.
+    /// Reads a file of [`ReferenceLayers::write_exr`].
     ///
     /// # Errors
     /// [`RenderError::Reference`] when the file cannot be read or lacks a layer.

@@ -1,8 +1,9 @@
-//! Sums over samples in f64, and what they amount to.
+//! Sums over samples in f64, and their means and variances.
 //!
-//! Samples come in batches, within which they are spread evenly, so that they are not independent; batches are. The
-//! noise is told from how the means of batches differ: with means m of n samples each, M of all N, and B batches, the
-//! variance of a sample is about sum(n (m - M)^2) / (B - 1), and that of the mean an Nth of it.
+//! Samples come in batches, within which they are spread evenly, so that they are not independent;
+//! batches are. The noise follows from how the means of batches differ: with means m of n samples
+//! each, M of all N, and B batches, the variance of a sample is about sum(n (m - M)^2) / (B - 1),
+//! and that of the mean an Nth of it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec2};
@@ -22,7 +23,8 @@ pub(super) struct Sums {
     pub(super) coverage: f64,
     pub(super) depth_m: f64,
     pub(super) openness: f64,
-    /// Over batches, of n times the square of the mean; of colours the mean of the channels' squares.
+    /// Over batches, of n times the square of the mean; of colours the mean of the channels'
+    /// squares.
     pub(super) picture_square: f64,
     pub(super) direct_square: f64,
     pub(super) one_bounce_square: f64,
@@ -46,7 +48,7 @@ impl Film {
         Self { size, samples: 0, batches: 0, sums: vec![Sums::zeroed(); pixels] }
     }
 
-    /// Adds a batch of `count` samples: for each band of rows its first row, and what the GPU summed up.
+    /// Adds a batch of `count` samples: for each band of rows, its first row and the GPU's sums.
     pub(super) fn add(&mut self, count: u32, bands: &[(u32, Vec<PixelRecord>)]) {
         for (first_row, pixels) in bands {
             let first = *first_row as usize * self.size.x as usize;
@@ -64,8 +66,8 @@ impl Film {
         self.sums.iter().map(|sums| of(sums).map(|sum| (sum * scale) as f32)).collect()
     }
 
-    /// The variance of the mean (of colours the mean of the channels' variances), from a sum and its sum of
-    /// squares; infinite below two batches.
+    /// The variance of the mean (of colours the mean of the channels' variances), from a sum and
+    /// its sum of squares; infinite below two batches.
     pub(super) fn variance(&self, factor: f64, of: impl Fn(&Sums) -> ([f64; 3], f64)) -> Vec<f32> {
         if self.batches < 2 {
             return vec![f32::INFINITY; self.sums.len()];
@@ -120,7 +122,8 @@ mod tests {
             film.add(1, &[(0, vec![grey(value)])]);
         }
         assert_eq!(film.mean(2.0, |sums| sums.full), [[6.0; 3]]);
-        // The mean is 3, the deviations -2, -1, 1, 2: 10 / 3 for a sample, a fourth of it for the mean.
+        // The mean is 3, the deviations -2, -1, 1, 2: 10 / 3 for a sample, a fourth of it for the
+        // mean.
         assert!((variance(&film) - 4.0 * 10.0 / 3.0 / 4.0).abs() < 1e-5);
         // Batches of two have a mean of 1.5 and 4.5: 2 (1.5^2 + 1.5^2) / 1 for a sample.
         let mut film = Film::new(UVec2::ONE);

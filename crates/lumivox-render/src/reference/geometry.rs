@@ -1,4 +1,5 @@
-//! The triangles of a scene as rays meet them: flat, in the world's axes, in the order of a hierarchy of boxes.
+//! The triangles of a scene as rays meet them: flat, in the world's axes, in the order of a
+//! hierarchy of boxes.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
@@ -17,7 +18,8 @@ const DOUBLE_SIDED: u32 = 1 << 31;
 const SEE_THROUGH: u32 = 1 << 30;
 /// Triangles of a leaf at most: a leaf's link has three bits for them.
 const MOST_PER_LEAF: u32 = 4;
-/// Height of a triangle over its longest edge: eight roundings of f32. What is flatter has no normal, and no area.
+/// Height of a triangle over its longest edge: eight roundings of f32. A flatter triangle has no
+/// normal, and no area.
 const LEAST_SLENDERNESS: f64 = 1.0 / (1 << 20) as f64;
 /// Triangles at most: a leaf's link has 28 bits for the first.
 pub(super) const MOST_TRIANGLES: usize = 1 << 28;
@@ -56,7 +58,7 @@ pub(crate) struct VertexRecord {
     padding: [u32; 2],
 }
 
-/// What a material is to rays.
+/// The properties of a material that rays use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Sides {
     /// It is nowhere.
@@ -77,7 +79,7 @@ pub(super) struct Triangles {
     pub(super) stack: u32,
     pub(super) triangles: Vec<TriangleRecord>,
     pub(super) vertices: Vec<VertexRecord>,
-    /// What the origin was moved to, m: f32 is finest near zero.
+    /// The offset of the origin, m: f32 is finest near zero.
     pub(super) origin: DVec3,
     /// Half the diagonal of the bounds, m.
     pub(super) radius_m: f32,
@@ -157,7 +159,7 @@ impl Triangles {
 }
 
 impl TriangleRecord {
-    /// Whether it has a normal: whether it is higher than what f32 rounds its longest edge by.
+    /// Whether it has a normal: whether it is higher than the rounding of its longest edge in f32.
     fn has_normal(&self) -> bool {
         let [a, b] = [self.edge_1, self.edge_2].map(|edge| Vec3::from(edge).as_dvec3());
         let longest_squared = a.length_squared().max(b.length_squared()).max(a.distance_squared(b));

@@ -1,9 +1,9 @@
 // Rays against triangles: a descent through boxes, nearest first.
 //
-// The loop over boxes and the loop over a leaf's triangles take turns (Aila and Laine 2009, "Understanding the
-// efficiency of ray traversal on GPUs"): the lanes of a wide machine then do the same thing at the same time.
-// Triangles are met by Moeller and Trumbore's test (1997), wider than they are by what f32 cannot tell apart, so that
-// no ray slips through the edge that two of them share.
+// The loop over boxes and the loop over a leaf's triangles take turns (Aila and Laine 2009,
+// "Understanding the efficiency of ray traversal on GPUs"): the lanes of a wide machine then do the
+// same thing at the same time. Triangles are met by Moeller and Trumbore's test (1997), widened by
+// the resolution of f32, so that no ray slips through the edge that two of them share.
 
 import package::constants::REFERENCE_STACK;
 import package::render::reference::world::{
@@ -26,11 +26,11 @@ struct Hit {
 }
 
 const NOTHING: u32 = 0xffffffffu;
-// The difference, cross and dot product that make a weight lose up to seven roundings of 2^-24 each, relative to the
-// lengths that go in: 4e-7. Twice that, and some.
+// The difference, cross and dot product that make a weight lose up to seven roundings of 2^-24
+// each, relative to the lengths that go in: 4e-7. Twice that, and some.
 const EDGE_TOLERANCE: f32 = 1e-6;
 
-// What rays meet: fronts, and backs of double-sided surfaces alone.
+// The surfaces that rays meet: fronts, and backs only of double-sided surfaces.
 const AS_SEEN: u32 = 0u;
 // Both sides of everything.
 const BOTH_SIDES: u32 = 1u;
@@ -42,7 +42,7 @@ fn entry(node: u32, origin: vec3f, inverse: vec3f, reach: f32) -> f32 {
     let near = min(a, b);
     let far = max(a, b);
     let first = max(max(near.x, near.y), max(near.z, 0.0));
-    // Rounding must not lose what lies in the box's own faces.
+    // Rounding must not lose triangles that lie in the box's own faces.
     let last = min(min(far.x, far.y), min(far.z, reach)) * 1.0000004;
     return select(3.4e38, first, first <= last);
 }
@@ -95,7 +95,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
                 let least = -EDGE_TOLERANCE * (1.0 + lengths * abs(inverse_determinant));
                 let counts = determinant > 0.0 || sides == BOTH_SIDES
                     || (triangle.vertex_0 & DOUBLE_SIDED) != 0u;
-                // Said so that what is undefined (a determinant of zero) is no hit.
+                // Written so that an undefined result (a determinant of zero) is not a hit.
                 if counts && u >= least && v >= least && u + v <= 1.0 - least
                     && distance > 0.0 && distance < hit.distance {
                     hit = Hit(distance, index, vec2f(u, v));

@@ -1,4 +1,4 @@
-//! What a reference says: radiance, and the light and geometry that it is made of.
+//! The layers of a reference: radiance, and the light and geometry that it is made of.
 
 use std::f64::consts::PI;
 
@@ -6,28 +6,31 @@ use glam::UVec2;
 
 use super::film::{Film, Sums};
 
-/// The layers of a path-traced picture, each row by row from the top; where a pixel shows no surface they
-/// count as zero.
+/// The layers of a path-traced picture, each row by row from the top; where a pixel shows no
+/// surface they count as zero.
 ///
-/// A variance is that of the mean over samples, averaged over the channels: the square of the standard deviation
-/// that the pixel is uncertain by. It is infinite below 17 samples, which are two batches.
+/// A variance is that of the mean over samples, averaged over the channels: the square of the
+/// standard deviation that the pixel is uncertain by. It is infinite below 17 samples, which are
+/// two batches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceLayers {
     /// Width and height in pixels.
     pub size: UVec2,
     /// Samples of each pixel.
     pub samples: u32,
-    /// Tells apart what was traced ([`super::PathTracer::fingerprint`]).
+    /// The fingerprint of the traced scene ([`super::PathTracer::fingerprint`]).
     pub fingerprint: u64,
     /// The picture: radiance in cd/m².
     pub radiance: Vec<[f32; 3]>,
     /// The part of it that came straight from lamps, is emitted, or is the background.
     pub direct: Vec<[f32; 3]>,
-    /// Irradiance in lux on the visible surface, of what emits and of what lamps light directly.
+    /// Irradiance in lux on the visible surface, from emissive surfaces and from surfaces that
+    /// lamps light directly.
     pub one_bounce: Vec<[f32; 3]>,
     /// Irradiance in lux on the visible surface by all light but that straight from lamps.
     pub full: Vec<[f32; 3]>,
-    /// The share of the hemisphere, weighted by the cosine, that is open as far as occlusion reaches.
+    /// The share of the hemisphere, weighted by the cosine, that is open as far as occlusion
+    /// reaches.
     pub occlusion: Vec<f32>,
     /// Diffuse albedo.
     pub albedo: Vec<[f32; 3]>,

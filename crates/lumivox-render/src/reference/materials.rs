@@ -76,7 +76,7 @@ impl Materials {
                 }),
                 emitter_density: 0.0,
                 phong_exponent: match &material.shading {
-                    // Zero would say that there is no such lobe.
+                    // Zero would mean that there is no such lobe.
                     Shading::Phong(phong) => phong.shininess.max(1e-3),
                     _ => 0.0,
                 },
@@ -86,8 +86,8 @@ impl Materials {
         Ok(made)
     }
 
-    /// The emissive triangles, drawn in proportion to their area times the luminance of their material's mean
-    /// emission; sets the density of each material.
+    /// The emissive triangles, drawn in proportion to their area times the luminance of their
+    /// material's mean emission; sets the density of each material.
     pub(super) fn emitters(&mut self, scene: &Scene, triangles: &Triangles) -> Vec<EmitterRecord> {
         let means: Vec<f64> = scene.materials.iter().map(|m| mean_emission(m, scene)).collect();
         let mut power = 0.0;
@@ -120,7 +120,8 @@ fn opacity(material: &Material) -> f32 {
     }
 }
 
-/// The rasterizer thresholds a mask's texture and compares with one half; rays compare its alpha itself.
+/// The rasterizer thresholds a mask's texture and compares with one half; rays compare its alpha
+/// itself.
 fn unmask(material: &Material, textures: &Textures, shown: &mut MaterialRecord) {
     if let AlphaMode::Mask { cutoff } = material.alpha
         && (textures[0].is_some() || shown.mask_threshold > 0.0)

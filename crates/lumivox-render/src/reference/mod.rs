@@ -1,9 +1,10 @@
 //! Ground truth: a path tracer for the same scenes, cameras, materials and lights.
 //!
-//! It is unbiased: nothing is clamped, and paths end by Russian roulette alone (or after 4096 surfaces). Next-event estimation asks
-//! lamps, emissive triangles and the panorama for their light, and multiple importance sampling (Veach 1997,
-//! chapter 9) joins that with directions drawn from the material. All of it is one compute kernel (`path.wgsl`)
-//! within WebGPU's default limits, over a hierarchy of boxes from the `obvhs` crate.
+//! It is unbiased: nothing is clamped, and paths end only by Russian roulette (or after 4096
+//! surfaces). Next-event estimation asks lamps, emissive triangles and the panorama for their
+//! light, and multiple importance sampling (Veach 1997, chapter 9) joins that with directions drawn
+//! from the material. All of it is one compute kernel (`path.wgsl`) within WebGPU's default limits,
+//! over a hierarchy of boxes from the `obvhs` crate.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -15,9 +16,9 @@
 //! | `transmittance.wgsl` | what lies between |
 //! | `path.wgsl` | the path, and which light counts for which layer |
 //!
-//! Every sample of every pixel has random numbers of its own, which follow from the seed alone. So a picture is the
-//! same to the bit on the same device, in one run or in several, and its noise is known: the variance of each pixel's
-//! mean is estimated along with it.
+//! Every sample of every pixel has random numbers of its own, which follow only from the seed. So a
+//! picture is the same to the bit on the same device, in one run or in several, and its noise is
+//! known: the variance of each pixel's mean is estimated along with it.
 
 mod atlas;
 mod checkpoint;
@@ -55,7 +56,8 @@ use upload::Uploaded;
 
 use crate::{Gpu, RenderError};
 
-/// Samples that are spread evenly together, and that the GPU sums up in f32 before they are added in f64.
+/// Samples that are spread evenly together, and that the GPU sums up in f32 before they are added
+/// in f64.
 pub const BATCH: u32 = 16;
 /// The longest edge of a picture, px.
 const MOST_EDGE: u32 = 16_384;
@@ -82,7 +84,7 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
     Features::ALL.set(library);
 }
 
-/// What is path-traced.
+/// The input of a path tracer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceSettings {
     /// Width and height of the picture in pixels, 1 to 16 384. Default 640 x 360.
@@ -91,7 +93,8 @@ pub struct ReferenceSettings {
     pub samples: u32,
     /// Other seeds give other noise. Default 0.
     pub seed: u32,
-    /// How often light is gathered at most, as `bounces` of the renderer; `None`, the default, is without end.
+    /// How often light is gathered at most, as `bounces` of the renderer; `None`, the default, is
+    /// without end.
     pub gathers: Option<u32>,
     /// Reach of ambient occlusion, m. Infinite by default.
     pub occlusion_distance_m: f32,
@@ -128,13 +131,14 @@ pub struct PathTracer {
 }
 
 impl PathTracer {
-    /// Prepares a valid scene: flattens its instances, builds the hierarchy, uploads it all and compiles the kernel.
+    /// Prepares a valid scene: flattens its instances, builds the hierarchy, uploads it all and
+    /// compiles the kernel.
     ///
     /// The camera is the one given, else the scene's first, else one that frames all of it.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] for settings out of range, [`RenderError::Limit`] for scenes that do not fit the
-    /// device's buffers, and when the device fails.
+    /// [`RenderError::Setting`] for settings out of range, [`RenderError::Limit`] for scenes that
+    /// do not fit the device's buffers, and when the device fails.
     pub async fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -170,7 +174,8 @@ impl PathTracer {
 
     /// Traces all samples that the settings ask for and are not there yet.
     ///
-    /// `progress` is heard often; when it breaks, what is there stays, and tracing can go on later.
+    /// `progress` is called often; when it breaks, the samples so far stay, and tracing can
+    /// continue later.
     ///
     /// # Errors
     /// When the device fails.
@@ -182,11 +187,12 @@ impl PathTracer {
         Ok(())
     }
 
-    /// Traces the next samples of those that are not there yet, up to a whole number of batches of 16; `false`
-    /// once nothing is left to do or `progress` broke it off.
+    /// Traces the next samples of those that are not there yet, up to a whole number of batches of
+    /// 16; `false` once nothing is left to do or `progress` broke it off.
     ///
-    /// Between batches a checkpoint can be gone on with to the same bits as if nothing had happened. Within one, what
-    /// is there stays as well if all pixels have it; it differs from an unbroken run by rounding.
+    /// Between batches, tracing can continue from a checkpoint with the same bits as if nothing had
+    /// happened. Within a batch, its samples stay as well if all pixels have them; the result
+    /// differs from an unbroken run by rounding.
     ///
     /// # Errors
     /// When the device fails.
@@ -231,7 +237,7 @@ impl PathTracer {
         Ok(!is_broken_off && self.film.samples < total)
     }
 
-    /// What the samples so far amount to.
+    /// The layers of the samples so far.
     pub fn layers(&self) -> ReferenceLayers {
         ReferenceLayers::new(&self.film, self.uploaded.radiance_unit, self.uploaded.fingerprint)
     }
@@ -244,15 +250,15 @@ impl PathTracer {
     /// Goes on where a checkpoint was taken.
     ///
     /// # Errors
-    /// [`CheckpointError`] when it is none, is damaged, or is one of another scene, camera, size, seed or limit of
-    /// gathers; then nothing has changed.
+    /// [`CheckpointError`] when it is none, is damaged, or is one of another scene, camera, size,
+    /// seed or limit of gathers; then nothing has changed.
     pub fn resume(&mut self, checkpoint: &[u8]) -> Result<(), CheckpointError> {
         self.film = checkpoint::read(checkpoint, self.settings.size, self.seeded_fingerprint())?;
         Ok(())
     }
 
-    /// Tells apart what is traced: scene, camera, size and limit of gathers, whatever the seed. It is kept with the
-    /// layers.
+    /// The fingerprint of scene, camera, size and limit of gathers, whatever the seed. It is kept
+    /// with the layers.
     pub fn fingerprint(&self) -> u64 {
         self.uploaded.fingerprint
     }

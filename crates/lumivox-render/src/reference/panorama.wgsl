@@ -1,4 +1,5 @@
-// The surroundings: constant within each texel, so that what is drawn in proportion to them is drawn exactly.
+// The surroundings: constant within each texel, so that directions drawn in proportion to them have
+// exactly that density.
 
 import package::render::reference::random::random_2;
 import package::render::reference::world::{panorama, panorama_rows, world};
@@ -7,7 +8,7 @@ import package::trace::brdf::PI;
 struct Surroundings {
     // Without the peaks that the renderer takes for lights.
     soft: vec3f,
-    // What the peaks add.
+    // The light that the peaks add.
     peaks: vec3f,
     // Density of `draw_surroundings`, per steradian.
     density: f32,
@@ -36,12 +37,13 @@ fn texel_of(in_map: vec3f) -> vec2i {
     let size = vec2f(textureDimensions(panorama));
     // The middle lies in the direction -z, columns go on to +x, rows down from +y.
     let across = 0.5 + atan2(in_map.x, -in_map.z) / (2.0 * PI);
-    // Not acos, which tells nothing apart near the poles.
+    // Not acos, which has no resolution near the poles.
     let down = atan2(length(in_map.xz), in_map.y) / PI;
     return clamp(vec2i(vec2f(across, down) * size), vec2i(0), vec2i(size) - 1);
 }
 
-// The solid angle of a texel. The difference of two cosines, as a product that loses nothing near the poles.
+// The solid angle of a texel. The difference of two cosines, as a product that loses nothing near
+// the poles.
 fn texel_sr(row: i32) -> f32 {
     let size = vec2f(textureDimensions(panorama));
     return 4.0 * PI / size.x * sin(PI * (f32(row) + 0.5) / size.y) * sin(0.5 * PI / size.y);

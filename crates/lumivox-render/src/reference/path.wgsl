@@ -1,14 +1,16 @@
-// A path tracer: unbiased, for as many bounces as the light takes, one sample of every pixel after another.
+// A path tracer: unbiased, for as many bounces as the light takes, one sample of every pixel after
+// another.
 //
-// Two paths start in each sample: one for the picture, with the materials as they are, and one for the irradiance
-// of the visible surface, for which that one surface is white and diffuse: the radiance of such a surface is its
-// irradiance / pi. Light is told apart by the way it took. Lamps and the peaks of the panorama count as *lights*;
-// what emissive surfaces and the rest of the panorama send reaches surfaces as *gathers* find it, like light that
-// was reflected. So the layers are those of the renderer: direct light is that of lights; one bounce is what one
+// Two paths start in each sample: one for the picture, with the materials as they are, and one for
+// the irradiance of the visible surface, for which that one surface is white and diffuse: the
+// radiance of such a surface is its irradiance / pi. Light is separated by the way it took. Lamps
+// and the peaks of the panorama count as *lights*; the light of emissive surfaces and of the rest
+// of the panorama reaches surfaces through *gathers*, like light that was reflected. So the layers
+// are those of the renderer: direct light is that of lights; one bounce is the light that one
 // gather finds.
 //
-// Where a path ends is drawn, in proportion to what it still could bring (Russian roulette: Arvo and Kirk 1990,
-// "Particle transport and image synthesis").
+// The end of a path is drawn, in proportion to the light that the path could still bring (Russian
+// roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
 
 import package::constants::{
     REFERENCE_HAS_DISCS, REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA,
@@ -66,7 +68,7 @@ fn camera_ray(pixel: vec2u, jitter: vec2f) -> Ray {
 
 struct Traced {
     light: Light2,
-    // Of the first vertex.
+    // The values of the first vertex.
     is_surface: bool,
     albedo: vec3f,
     normal: vec3f,
@@ -84,7 +86,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
     // Density with which the ray's direction was drawn.
     var density = 0.0;
     for (var vertex = 0u; vertex < MOST_VERTICES; vertex++) {
-        // What the ray meets, past what it does not.
+        // The surface that the ray meets, after those that it passes.
         var travelled = 0.0;
         var hit: Hit;
         var met: Met;
@@ -106,8 +108,8 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             traced.is_open = !is_surface || travelled > world.occlusion_distance_m;
         }
 
-        // What shines at the ray's end, for gathers and for the camera, which alone sees peaks so: to others they are
-        // lights, which are asked for.
+        // The light at the ray's end, for gathers and for the camera. Only the camera sees peaks in
+        // this way: to others they are lights, which are asked for their light.
         var shining = vec3f(0.0);
         var other = 0.0;
         if is_surface {
@@ -148,7 +150,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             surface.phong_exponent = 0.0;
             surface.coat = Coat(0.0, 1.0);
         }
-        // The last vertex reflects the light of lights alone, as a voxel does before any bounce.
+        // The last vertex reflects only the light of lights, as a voxel does before any bounce.
         let gathers = vertex < world.most_gathers;
 
         let direction = draw_direction(surface);

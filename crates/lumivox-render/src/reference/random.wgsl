@@ -1,9 +1,10 @@
 // Random numbers that are spread evenly over the samples of a batch.
 //
-// A batch of 16 samples takes each 16th of the range once in every dimension, and of a pair of numbers each cell of
-// a grid of 4 x 4, in an order of its own for each dimension, pixel and batch (jittered sampling: Cook, Porter and
-// Carpenter 1984, "Distributed ray tracing"). Every single sample is as random as without; their mean is less noisy.
-// Batches are independent of each other, so the spread of their means tells the noise.
+// A batch of 16 samples takes each 16th of the range once in every dimension, and of a pair of
+// numbers each cell of a grid of 4 x 4, in an order of its own for each dimension, pixel and batch
+// (jittered sampling: Cook, Porter and Carpenter 1984, "Distributed ray tracing"). Every single
+// sample is as random as without; their mean is less noisy. Batches are independent of each other,
+// so the spread of their means gives the noise.
 
 import package::constants::REFERENCE_BATCH;
 import package::gpu::random::hash;
@@ -25,8 +26,8 @@ fn next_dimension() -> u32 {
     return hash(random_key ^ hash(random_count));
 }
 
-// A number below 16 for each number below 16, in an order that follows from the key: odd factors, sums and shifts
-// are one to one modulo 16.
+// A number below 16 for each number below 16, in an order that follows from the key: odd factors,
+// sums and shifts are one to one modulo 16.
 fn shuffled(place: u32, key: u32) -> u32 {
     var x = place ^ key;
     x = (x * (((key >> 4u) & 14u) | 1u)) & 15u;

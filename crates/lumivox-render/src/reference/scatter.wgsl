@@ -1,8 +1,9 @@
 // How a surface scatters light: the BRDF, and directions drawn in proportion to its lobes.
 //
-// Three lobes: diffuse below the gloss, gloss, and varnish over both. The gloss is a GGX microfacet lobe (see
-// package::trace::brdf) or, for materials that were written for it, Phong's lobe normalized for energy (Lafortune
-// and Willems 1994, "Using the modified Phong reflectance model for physically based rendering").
+// Three lobes: diffuse below the gloss, gloss, and varnish over both. The gloss is a GGX microfacet
+// lobe (see package::trace::brdf) or, for materials that were written for it, Phong's lobe
+// normalized for energy (Lafortune and Willems 1994, "Using the modified Phong reflectance model
+// for physically based rendering").
 
 import package::render::reference::random::{random, random_2};
 import package::trace::brdf::{
@@ -48,8 +49,8 @@ fn gloss_fresnel(surface: Surface, cosine: f32) -> vec3f {
     return select(fresnel_schlick(surface.f0, cosine), surface.f0, surface.phong_exponent > 0.0);
 }
 
-// The probabilities of the lobes: diffuse, gloss, varnish. They sum to one, or all are zero where nothing is
-// reflected.
+// The probabilities of the lobes: diffuse, gloss, varnish. They sum to one, or all are zero where
+// nothing is reflected.
 fn lobe_shares(surface: Surface) -> vec3f {
     let cosine = cos_toward(surface);
     let below = below_coat(surface.coat, cosine);
@@ -63,7 +64,8 @@ fn lobe_shares(surface: Surface) -> vec3f {
 
 fn scatter(surface: Surface, direction: vec3f) -> Scattered {
     let n_dot_l = dot(surface.shading, direction);
-    // The geometric normal decides, too: a bent normal must not catch light from behind the surface.
+    // The geometric normal decides, too: a bent normal must not catch light from behind the
+    // surface.
     if n_dot_l <= 0.0 || dot(surface.geometric, direction) <= 0.0 {
         return Scattered(vec3f(0.0), 0.0);
     }
@@ -95,14 +97,16 @@ fn scatter(surface: Surface, direction: vec3f) -> Scattered {
     return Scattered((diffuse + gloss + varnish) * n_dot_l, dot(shares, densities));
 }
 
-// A direction with the density that `scatter` tells; it may point below the surface, where nothing is scattered.
+// A direction with the density that `scatter` returns; it may point below the surface, where
+// nothing is scattered.
 fn draw_direction(surface: Surface) -> vec3f {
     let shares = lobe_shares(surface);
     let choice = random();
     let place = random_2();
     let is_gloss = choice >= shares.x && choice < shares.x + shares.y;
     let world_from_normal = basis(surface.shading);
-    // Malley's method: even on the disc is cosine on the hemisphere (Pharr, Jakob and Humphreys 2016, 13.6.3).
+    // Malley's method: even on the disc is cosine on the hemisphere (Pharr, Jakob and Humphreys
+    // 2016, 13.6.3).
     let radius = sqrt(place.x);
     let turn = 2.0 * PI * place.y;
     let disc = vec2f(cos(turn), sin(turn));

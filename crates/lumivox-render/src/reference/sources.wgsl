@@ -1,6 +1,6 @@
-// Next-event estimation: light is asked for where it comes from, and each way of asking counts by how likely it
-// was to find that light, among all ways (multiple importance sampling: Veach 1997, section 9.2, the power
-// heuristic).
+// Next-event estimation: light is asked for where it comes from, and each way of asking counts by
+// how likely it was to find that light, among all ways (multiple importance sampling: Veach 1997,
+// section 9.2, the power heuristic).
 
 import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA};
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
@@ -22,7 +22,8 @@ struct Question {
     direction: vec3f,
     reach: f32,
     sides: u32,
-    // What is reflected towards the path if nothing is in the way: light of lamps and of the panorama's peaks, ...
+    // The light that is reflected towards the path if nothing is in the way: light of lamps and of
+    // the panorama's peaks, ...
     from_lights: vec3f,
     // ... and that of emitters and the rest of the panorama.
     from_surroundings: vec3f,
@@ -56,7 +57,8 @@ fn cap_height(spread: f32) -> f32 {
     return spread / (1.0 + sqrt(1.0 - spread));
 }
 
-// How far it is to the surface of a light in a direction; `height` is 1 - cos of the angle to its middle.
+// How far it is to the surface of a light in a direction; `height` is 1 - cos of the angle to its
+// middle.
 fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
     if is_parallel(light) {
         return 3e38;
@@ -66,14 +68,15 @@ fn light_reach(light: Light, incident: Incident, height: f32) -> f32 {
     return max(incident.distance_m * (1.0 - height) - depth, 0.0);
 }
 
-// What a light sends to a point. From within a light its middle still lies in a direction of unit length.
+// The light that a lamp sends to a point. From within a lamp, its middle still lies in a direction
+// of unit length.
 fn light_at(index: u32, position: vec3f) -> Incident {
     var incident = incident_light(lights[index], position);
     incident.direction /= max(length(incident.direction), 1e-20);
     return incident;
 }
 
-// Sum of what all lights could give a surface that faces them.
+// Sum of the light that all lights could give a surface that faces them.
 fn all_lights(position: vec3f) -> f32 {
     var sum = 0.0;
     for (var index = 0u; index < world.light_count; index++) {
@@ -82,7 +85,7 @@ fn all_lights(position: vec3f) -> f32 {
     return sum;
 }
 
-// One of the lights, in proportion to what it could give, and a point of it.
+// One of the lights, in proportion to the light that it could give, and a point of it.
 fn ask_light(surface: Surface) -> Question {
     var sum = 0.0;
     var chosen = 0u;
@@ -111,7 +114,8 @@ fn ask_light(surface: Surface) -> Question {
     let drawn = basis(incident.direction) * vec3f(sine * cos(turn), sine * sin(turn), cosine);
     let direction = select(incident.direction, drawn, spread > 0.0);
     let scattered = scatter(surface, direction);
-    // The disc is even, and gives a surface that faces it the light's irradiance: pi sin^2 times its radiance.
+    // The disc is even, and gives a surface that faces it the light's irradiance: pi sin^2 times
+    // its radiance.
     var weight = 1.0 / probability;
     if spread > 0.0 {
         let density = probability / (2.0 * PI * cap_height(spread));
@@ -149,7 +153,7 @@ fn ask_disc(surface: Surface, direction: vec3f, weight: vec3f, own_density: f32)
     return question;
 }
 
-// What a point of a triangle sends along a direction.
+// The light that a point of a triangle sends along a direction.
 fn emitted(triangle: u32, weights: vec2f, direction: vec3f) -> vec3f {
     if REFERENCE_HAS_LAYERS != 0u {
         let met = meet(Ray(vec3f(0.0), -direction, 0.0), Hit(0.0, triangle, weights), false);
@@ -196,7 +200,8 @@ fn ask_emitter(surface: Surface) -> Question {
     let density = per_area * distance * distance / max(abs(facing), 1e-8);
     let reflected = scattered.value * emitted(triangle, weights, -direction)
         * (power_weight(density, scattered.density) / density);
-    // Up to the emitter, which must not hide itself: as far from it as rays start from their surface.
+    // Up to the emitter, which must not hide itself: as far from it as rays start from their
+    // surface.
     let reach = distance - world.offset_m / max(abs(facing), 1e-8);
     return Question(direction, reach, AS_SEEN, vec3f(0.0), reflected);
 }
@@ -225,7 +230,8 @@ fn ask_peak_along(direction: vec3f, weight: vec3f, own_density: f32) -> Question
     return Question(direction, 3e38, BOTH_SIDES, reflected, vec3f(0.0));
 }
 
-// What a surface reflects of light of one from a direction that was drawn from the panorama.
+// The share that a surface reflects of a radiance of one from a direction that was drawn from the
+// panorama.
 fn reflected_from(surface: Surface, direction: vec3f, density: f32) -> vec3f {
     if density <= 0.0 {
         return vec3f(0.0);

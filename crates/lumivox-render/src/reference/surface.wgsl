@@ -1,4 +1,5 @@
-// What a ray finds where it meets a triangle: the same materials as the rasterizer's, by the same code.
+// The surface where a ray meets a triangle: the same materials as the rasterizer's, by the same
+// code.
 
 import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_TEXTURES};
 import package::render::scene::layers::{shade_layers, LayerSamples};
@@ -20,7 +21,8 @@ import package::trace::coat::Coat;
 struct Met {
     surface: Surface,
     emission: vec3f,
-    // The probability that the surface is there, and what colours the light that passes where it is not.
+    // The probability that the surface is there, and the colour of the light that passes where it
+    // is not.
     coverage: f32,
     tint: vec3f,
     emitter_density: f32,
@@ -54,8 +56,8 @@ fn texture_at(material: u32, which: u32, texcoords: vec4f) -> vec4f {
     return sample_texture(material, which, texcoords);
 }
 
-// `is_seen`: by the camera. What takes no light shows its colour there; to other surfaces it is diffuse, as it is
-// in voxels.
+// `is_seen`: by the camera. An unlit surface shows its colour there; to other surfaces it is
+// diffuse, as it is in voxels.
 fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
     let triangle = triangles[hit.triangle];
     let weights = vec3f(1.0 - hit.weights.x - hit.weights.y, hit.weights);
@@ -101,7 +103,8 @@ fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
         );
     }
     shading = facing(side * shading, geometric, toward);
-    // Normals that cancel each other out and tangents along the normal are undefined; the triangle has its own.
+    // Normals that cancel each other out and tangents along the normal are undefined; the triangle
+    // has its own.
     shading = select(geometric, shading, abs(dot(shading, shading) - 1.0) < 0.01);
 
     var met: Met;

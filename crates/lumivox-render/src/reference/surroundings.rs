@@ -9,7 +9,7 @@ use super::records::{MOST_PEAKS, PeakRecord};
 use crate::RenderError;
 use crate::picture::tone_map::luminance;
 
-/// What surrounds a scene.
+/// The surroundings of a scene.
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
     pub(super) size: [u32; 2],

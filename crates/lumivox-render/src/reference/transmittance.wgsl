@@ -1,4 +1,4 @@
-// What lies between a surface and the light that it asks for.
+// The things between a surface and the light that it asks for.
 
 import package::constants::REFERENCE_SEE_THROUGH;
 import package::render::reference::intersect::{intersect, ray_from, NOTHING};

@@ -21,11 +21,11 @@ use crate::{Gpu, RenderError};
 
 /// Pixels that are traced at once, so that the GPU answers in between.
 const MOST_PIXELS: u64 = 1 << 20;
-/// How far rays start from their surface, over half the diagonal of the scene: sixteen times what f32 resolves
-/// there.
+/// How far rays start from their surface, over half the diagonal of the scene: sixteen times the
+/// resolution of f32 there.
 const OFFSET: f32 = 1.0 / (1 << 18) as f32;
 
-/// What a path tracer holds on the GPU.
+/// The resources of a path tracer on the GPU.
 #[derive(Debug)]
 pub(super) struct Uploaded {
     pub(super) kernel: Kernel,
@@ -37,16 +37,16 @@ pub(super) struct Uploaded {
     /// Links that the kernel's stack holds.
     #[cfg(test)]
     pub(super) stack: u32,
-    /// What radiances are multiples of, in cd/m².
+    /// The unit of radiance, in cd/m².
     pub(super) radiance_unit: f32,
-    /// Tells apart what is traced, whatever the seed.
+    /// The fingerprint of the traced scene, whatever the seed.
     pub(super) fingerprint: u64,
     world: WorldRecord,
     world_buffer: Buffer,
 }
 
 impl Uploaded {
-    /// Uploads a scene; `adjust` may change what the kernel is compiled for.
+    /// Uploads a scene; `adjust` may change the constants that the kernel is compiled with.
     pub(super) async fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -81,7 +81,7 @@ impl Uploaded {
             ..world
         };
         let textures = scene.textures.iter().map(|texture| texture.rgba8.as_slice());
-        // What is seen is the same with any random numbers.
+        // The visible surfaces are the same with any random numbers.
         let seen = WorldRecord { seed: 0, ..world };
         let parts = [
             bytemuck::bytes_of(&seen),
@@ -184,7 +184,7 @@ impl Uploaded {
         gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Says what the next dispatch traces.
+    /// Sets the samples that the next dispatch traces.
     pub(super) fn set_sample(&self, gpu: &Gpu, first_row: u32, row_count: u32, sample: u32) {
         let world = WorldRecord {
             first_row,
@@ -197,7 +197,7 @@ impl Uploaded {
     }
 }
 
-/// What the kernel is compiled for: software GPUs run both sides of every branch.
+/// The features that the kernel is compiled with: software GPUs run both sides of every branch.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shader")]
 pub(crate) struct Features {

@@ -1,15 +1,16 @@
-// What the path tracer knows of a scene: group 0, and how it lies there.
+// The scene as the path tracer knows it: group 0, and its layout.
 //
-// Everything is in the world's axes with the middle of the scene as origin, where f32 is finest, in metres and in
-// multiples of the renderer's unit of radiance.
+// Everything is in the world's axes with the middle of the scene as origin, where f32 is finest, in
+// metres and in multiples of the renderer's unit of radiance.
 
 import package::light::lights::Light;
 import package::render::scene::material::Material;
 
-// A box of the hierarchy. The children of an inner box stand side by side.
+// A box of the hierarchy. The children of an inner box are side by side.
 struct Node {
     low: vec3f,
-    // Inner: the first child. Leaf: LEAF, the number of triangles less one in the three bits below, the first.
+    // Inner: the first child. Leaf: LEAF, the number of triangles less one in the three bits below,
+    // the first.
     link: u32,
     high: vec3f,
     padding: u32,
@@ -85,7 +86,7 @@ struct World {
     // The rows that the film holds.
     first_row: u32,
     row_count: u32,
-    // What the panorama is multiplied by.
+    // The factor of the panorama.
     environment: vec3f,
     // The most segments behind the visible surface.
     most_gathers: u32,

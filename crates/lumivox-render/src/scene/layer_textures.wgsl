@@ -7,7 +7,7 @@ import package::render::scene::material::{
     TEXTURE_COAT, TEXTURE_SHEEN, TEXTURE_SPECULAR, TEXTURE_TRANSMISSION,
 };
 
-// In uniform control flow alone.
+// Only in uniform control flow.
 fn sample_layers(texcoords: vec4f, alpha: f32, cos_view: f32) -> LayerSamples {
     let specular = textureSample(
         specular_texture, specular_sampler, texcoord(TEXTURE_SPECULAR, texcoords));

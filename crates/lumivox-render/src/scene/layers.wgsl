@@ -1,9 +1,10 @@
-// What layered materials have on top of the plain ones: a reflectance that varies, varnish, velvet, glass, and
-// coverage by alpha. All of it becomes a plain surface with a coat, which is there with some probability.
+// The layers on top of plain materials: a reflectance that varies, varnish, velvet, glass, and
+// coverage by alpha. All of it becomes a plain surface with a coat, which is there with some
+// probability.
 
 import package::trace::brdf::fresnel_schlick;
 
-// What the layers' textures say, multiplied by their factors.
+// The values of the layers' textures, multiplied by their factors.
 struct LayerSamples {
     dielectric_f0: vec3f,
     coat_strength: f32,
@@ -19,7 +20,7 @@ struct LayerSamples {
     lit: f32,
 }
 
-// What a layered surface sends to the camera, in the plain terms.
+// The light that a layered surface sends to the camera, in the terms of plain materials.
 struct Layered {
     diffuse: vec3f,
     f0: vec3f,
@@ -28,7 +29,7 @@ struct Layered {
     coat_roughness: f32,
     // The probability that the surface is there.
     coverage: f32,
-    // What colours the light that passes where it is not.
+    // The colour of the light that passes where the surface is not there.
     tint: vec3f,
 }
 
@@ -40,10 +41,11 @@ fn largest(color: vec3f) -> f32 {
     return max(color.r, max(color.g, color.b));
 }
 
-// The share of the light that enters a thin pane and passes, of the colour of which most does.
+// The share of the light that enters a thin pane and passes through it, in the colour channel with
+// the largest share.
 //
-// KHR_materials_transmission: of the light that is not reflected at the surface, the share t passes through, tinted
-// by the base colour, instead of being reflected diffusely.
+// KHR_materials_transmission: of the light that is not reflected at the surface, the share t passes
+// through, tinted by the base colour, instead of being reflected diffusely.
 fn passing(base: vec3f, transmission: f32, reflected: f32) -> f32 {
     return clamp((1.0 - reflected) * transmission * largest(base), 0.0, 1.0);
 }
@@ -55,17 +57,18 @@ fn shade_layers(
     emission: vec3f,
     cos_view: f32,
 ) -> Layered {
-    // Velvet is taken as diffuse, as bright as it is seen from here with light from all around, over a surface
-    // that is dimmed by it (KHR_materials_sheen).
+    // Velvet is taken as diffuse, as bright as it is seen from here with light from all around,
+    // over a surface that is dimmed by it (KHR_materials_sheen).
     let velvet = samples.sheen_color * samples.velvet_albedo;
     let below_velvet = 1.0 - largest(velvet);
     let f0 = mix(samples.dielectric_f0, base, metallic) * below_velvet;
     var diffuse = base * ((1.0 - metallic) * samples.lit * below_velvet) + velvet;
 
-    // A pane is drawn or not. What is behind is seen with the probability (1 - F) t b and tinted by base / b,
-    // where b is the largest component of the base colour; else the pane is seen, and what it reflects is divided
-    // by the probability p = 1 - (1 - F) t b of that. Schlick's term has to become F / p, and the diffuse albedo
-    // base (1 - t) (1 - F) / (p (1 - F / p)) = base (1 - t) / (1 - t b).
+    // A pane is drawn or not. The things behind it are seen with the probability (1 - F) t b and
+    // tinted by base / b, where b is the largest component of the base colour; else the pane is
+    // seen, and the light that it reflects is divided by the probability p = 1 - (1 - F) t b of
+    // that. Schlick's term has to become F / p, and the diffuse albedo base (1 - t) (1 - F) / (p (1
+    // - F / p)) = base (1 - t) / (1 - t b).
     let transmission = samples.transmission * (1.0 - metallic);
     let fresnel = fresnel_schlick(f0, cos_view);
     let pane = 1.0 - passing(base, transmission, mean(fresnel));
@@ -75,14 +78,14 @@ fn shade_layers(
     let pane_f0 = saturate((fresnel / max(pane, 1e-4) - rest_5) / max(1.0 - rest_5, 1e-4));
     let is_pane = transmission > 0.0;
 
-    // Of what is not there, holes let light through as it is, and panes tint it.
+    // Where the surface is not there, holes let light through as it is, and panes tint it.
     let alpha = samples.alpha;
     let coverage = alpha * pane;
     let glass = base / max(largest(base), 1e-6);
     let tint = (1.0 - alpha + alpha * (1.0 - pane) * glass) / max(1.0 - coverage, 1e-6);
 
-    // The coat is taken as brighter where its pane is seen, too; only where that would be more than a whole coat
-    // is something lost, on glass that is varnished.
+    // The coat is taken as brighter where its pane is seen, too; only where that would be more than
+    // a whole coat is something lost, on glass that is varnished.
     return Layered(
         min(diffuse, vec3f(1.0)),
         select(f0, pane_f0, is_pane),

@@ -16,8 +16,8 @@ struct Material {
     emission: vec3f,
     // Multiplies x and y of the normal texture.
     normal_scale: f32,
-    // Reflectance at normal incidence of the part that is no metal; before its texture and `specular_factor` where
-    // the material is layered.
+    // Reflectance at normal incidence of the part that is not metal; before its texture and
+    // `specular_factor` where the material is layered.
     dielectric_f0: vec3f,
     // Perceptual: the width of the microfacet distribution is its square.
     roughness: f32,
@@ -29,7 +29,7 @@ struct Material {
     mask_threshold: f32,
     // Above 0: the surface shows its base colour times this radiance, and takes no light.
     unlit_radiance: f32,
-    // From here on for layered materials alone.
+    // From here on only for layered materials.
     specular_factor: f32,
     coat_strength: f32,
     coat_roughness: f32,

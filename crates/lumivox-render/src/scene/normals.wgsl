@@ -1,9 +1,10 @@
 // Normals of surfaces: bent by textures, and turned to where they are seen from.
 
-// The least cosine of a mirrored direction against the surface: cones at a grazing angle would meet their own plane.
+// The least cosine of a mirrored direction against the surface: cones at a grazing angle would meet
+// their own plane.
 const MIRROR_ABOVE: f32 = 0.02;
 
-// A unit normal, bent by what a normal texture holds (0 to 1 a channel).
+// A unit normal, bent by the value of a normal texture (0 to 1 a channel).
 fn bend(normal: vec3f, tangent_and_sign: vec4f, sampled: vec3f, scale: f32) -> vec3f {
     let local = (2.0 * sampled - 1.0) * vec3f(scale, scale, 1.0);
     // glTF 2.0, section 3.7.2.1; the interpolated tangent is made orthogonal to the normal again.
@@ -12,11 +13,13 @@ fn bend(normal: vec3f, tangent_and_sign: vec4f, sampled: vec3f, scale: f32) -> v
     return normalize(local.x * tangent + local.y * bitangent + local.z * normal);
 }
 
-// Towards the side it is seen from, and such that what a mirror of it would show lies above the surface. A smooth or
-// mapped normal may point away from the eye where the surface itself does not, or mirror the inside of the surface:
-// nothing comes from there, and a coat or a metal would be black at its rim, jagged as its normal map is. So the
-// mirrored direction is lifted to the plane of the surface, and the normal is what mirrors the eye there (Keller et al.
-// 2017, "The Iray light transport simulation and rendering system", section A.3).
+// The normal is turned towards the side that it is seen from, and so that a mirror with this normal
+// would show a direction above the surface. A smooth or mapped normal may point away from the eye
+// where the surface itself does not, or mirror the inside of the surface: no light comes from
+// there, and a coat or a metal would be black at its rim, jagged as its normal map is. So the
+// mirrored direction is lifted to the plane of the surface, and the normal becomes the one that
+// mirrors the eye there (Keller et al. 2017, "The Iray light transport simulation and rendering
+// system", section A.3).
 fn facing(normal: vec3f, geometric: vec3f, toward: vec3f) -> vec3f {
     let below = min(dot(normal, toward), 0.0);
     let seen = normalize(normal - below * toward);

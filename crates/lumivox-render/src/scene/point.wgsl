@@ -1,4 +1,4 @@
-// A point of a surface: what its textures say, and how it is turned.
+// A point of a surface: the values of its textures, and its orientation.
 
 import package::render::scene::material::{
     base_color_sampler, base_color_texture, emission_sampler, emission_texture, material,
@@ -16,7 +16,7 @@ struct Point {
     color: vec4f,
 }
 
-// What its textures say, multiplied by their factors, and the plane of its triangle.
+// The values of its textures, multiplied by their factors, and the plane of its triangle.
 struct PointSamples {
     base: vec4f,
     emission: vec3f,
@@ -46,8 +46,8 @@ fn sample_point(point: Point) -> PointSamples {
         normal_texture, normal_sampler, texcoord(TEXTURE_NORMAL, point.texcoords)).xyz;
     let emission = material.emission * textureSample(
         emission_texture, emission_sampler, texcoord(TEXTURE_EMISSION, point.texcoords)).rgb;
-    // The screen's y points down, so this order faces the camera: a triangle's plane is exact in its
-    // derivatives, at its edges too, where the rest of a quad is extrapolated.
+    // The screen's y points down, so this order faces the camera: a triangle's plane is exact in
+    // its derivatives, at its edges too, where the rest of a quad is extrapolated.
     let plane = cross(dpdy(point.from_camera), dpdx(point.from_camera));
     return PointSamples(
         base,

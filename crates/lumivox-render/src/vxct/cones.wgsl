@@ -29,7 +29,7 @@ struct Traced {
     samples: u32,
 }
 
-// The colour of what a cone meets first, undimmed.
+// The colour of the first thing that a cone meets, undimmed.
 fn diffuse_cone(origin: vec3f, direction: vec3f) -> Traced {
     let cone = settings.diffuse;
     var distance = cone.offset;
@@ -46,8 +46,8 @@ fn diffuse_cone(origin: vec3f, direction: vec3f) -> Traced {
     return Traced(vec3f(0.0), 0.0, samples);
 }
 
-// A surface that faces along z has no sides: its cones start and end nowhere (NaN). A software GPU then reads the last
-// cell along each axis, and so does this.
+// A surface that faces along z has no sides: its cones start and end nowhere (NaN). A software GPU
+// then reads the last cell along each axis, and so does this.
 fn side_cone(origin: vec3f, direction: vec3f, has_sides: bool) -> Traced {
     if has_sides {
         return diffuse_cone(origin, direction);
@@ -88,7 +88,7 @@ fn diffuse_cones(position: vec3f, normal: vec3f) -> Traced {
     return Traced(DIFFUSE_GAIN * sum / f32(max(count, 1u)), 0.0, samples);
 }
 
-// What lies between a surface and a light, softly near the surface.
+// The share of light that is blocked between a surface and a light, softly near the surface.
 fn occlusion_cone(position: vec3f, direction: vec3f, reach: f32, softness: f32) -> Traced {
     let cone = settings.occlusion;
     var distance = cone.offset;
@@ -105,7 +105,7 @@ fn occlusion_cone(position: vec3f, direction: vec3f, reach: f32, softness: f32) 
     return Traced(vec3f(0.0), occlusion, samples);
 }
 
-// What is mirrored; `lobe_width` widens the cone where it is wider.
+// The mirrored light; `lobe_width` widens the cone where it is wider.
 fn specular_cone(position: vec3f, direction: vec3f, lobe_width: f32) -> Traced {
     let cone = settings.specular;
     let width = max(cone.width, lobe_width);

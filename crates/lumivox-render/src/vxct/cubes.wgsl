@@ -1,4 +1,5 @@
-// The voxels of one level as cubes in their colours, solid or as wires, or by whether light reached them.
+// The voxels of one level as cubes in their colours, solid or as wires, or by whether light reached
+// them.
 
 import package::constants::{VIEW_LIT, VIEW_WIRE_VOXELS};
 import package::render::passes::voxel_view::cell_walk::{longest_walk, next_axis, walk_into, walked_on};
@@ -10,7 +11,8 @@ import package::trace::gbuffer::{ray_direction, view};
 @group(1) @binding(0) var voxels: texture_3d<f32>;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
-// Half the width of a line in pixels, but at most that share of a cell: where cells are small, holes stay.
+// Half the width of a line in pixels, but at most that share of a cell: where cells are small,
+// holes stay.
 const HALF_WIDTH: f32 = 0.6;
 const WIDEST: f32 = 0.12;
 

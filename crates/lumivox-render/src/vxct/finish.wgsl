@@ -1,4 +1,5 @@
-// From what was drawn to the picture: the background behind it, and radiance instead of display values.
+// The last step from the drawn fragments to the picture: the background behind them, and radiance
+// instead of display values.
 
 import package::constants::{
     VIEW_DIFFUSE, VIEW_DIRECT, VIEW_FINAL, VIEW_INDIRECT, VIEW_LOD, VIEW_SPECULAR,

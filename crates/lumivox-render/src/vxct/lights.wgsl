@@ -6,7 +6,8 @@ struct VxctLight {
     // In the cube; of parallel light the direction towards it, of unit length.
     position: vec3f,
     is_parallel: u32,
-    // As a share of white: what a white surface shows that faces it, before it fades.
+    // The colour, as a share of white, of a white surface that faces the light, before the light
+    // fades.
     color: vec3f,
     spot_scale: f32,
     // Along which a spot shines.
@@ -29,7 +30,7 @@ struct Arriving {
     color: vec3f,
 }
 
-// Parallel light is softened by what lies in its way as if it came from there.
+// Obstacles soften parallel light as if it came from there.
 const DISTANCE_OF_PARALLEL_LIGHT: f32 = 1.0;
 
 fn arriving_light(index: u32, position: vec3f) -> Arriving {
@@ -46,7 +47,7 @@ fn arriving_light(index: u32, position: vec3f) -> Arriving {
     return Arriving(direction, distance, sent, sent / fading);
 }
 
-// What the voxels hold: neither faded nor shadowed.
+// The light that the voxels hold: neither faded nor shadowed.
 fn injected(material: VxctMaterial, normal: vec3f, arriving: Arriving) -> vec3f {
     let facing = max(dot(normal, arriving.direction), 0.0);
     return (material.ambient + material.diffuse * facing) * arriving.sent;

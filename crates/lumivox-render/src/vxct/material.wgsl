@@ -1,4 +1,5 @@
-// What a surface is in the look: the strengths that its scene gave it, or what comes nearest to its material.
+// The surface's properties in the look: the strengths that its scene gave it, or the nearest
+// equivalent of its material.
 
 import package::constants::{VXCT_OF_EMITTER, VXCT_OF_STRENGTHS};
 import package::render::scene::material::material;
@@ -34,10 +35,10 @@ struct VxctDraw {
 struct VxctMaterial {
     ambient: vec3f,
     diffuse: vec3f,
-    // Of the highlight.
+    // The colour of the highlight.
     specular: vec3f,
     shininess: f32,
-    // What mirrored light is multiplied by.
+    // The factor of mirrored light.
     mirror: vec3f,
     // Diameter per distance of a cone as wide as the lobe; 0: VXCT's own.
     lobe_width: f32,
@@ -64,8 +65,8 @@ fn material_of(draw: u32, samples: PointSamples) -> VxctMaterial {
     }
     let color = samples.base.rgb * (1.0 - samples.metallic);
     let f0 = mix(material.dielectric_f0, samples.base.rgb, samples.metallic);
-    // A lobe of exponent n is as wide as microfacets of alpha^2 = 2 / (n + 2) (Walter et al. 2007, section 5.2), and
-    // reflects the share 2 s / (n + 2) of the light with the strength s.
+    // A lobe of exponent n is as wide as microfacets of alpha^2 = 2 / (n + 2) (Walter et al. 2007,
+    // section 5.2), and reflects the share 2 s / (n + 2) of the light with the strength s.
     let alpha = alpha_from_roughness(samples.roughness);
     let is_lit = material.unlit_radiance == 0.0;
     return VxctMaterial(

@@ -1,6 +1,7 @@
-// What a fragment shows: Phong's light, and what the cones bring.
+// The colour of a fragment: Phong's light, and the light of the cones.
 //
-// The picture is, for each light, (Phong + specular) (1 - occlusion), plus diffuse (1 - the least occlusion).
+// The picture is, for each light, (Phong + specular) (1 - occlusion), plus diffuse (1 - the least
+// occlusion).
 
 import package::constants::{
     VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_LOD, VIEW_NORMAL,
@@ -42,7 +43,7 @@ fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) draw: u32) 
     );
 }
 
-// What Phong's shader adds for a light.
+// The light that Phong's shader adds for a light.
 fn phong(
     material: VxctMaterial,
     normal: vec3f,
@@ -59,7 +60,7 @@ fn phong(
     return share * arriving.color;
 }
 
-// By how much a light that stands off the mirrored direction lights what is mirrored.
+// The factor of mirrored light for a light that is off the mirrored direction.
 fn highlight_falloff(direction: vec3f, to_light: vec3f, shininess: f32) -> f32 {
     let angle = acos(clamp(dot(direction, to_light), -1.0, 1.0));
     let off = max(angle - 0.008 * PI * shininess, 0.0) / PI;
@@ -104,7 +105,7 @@ fn shade(material: VxctMaterial, position: vec3f, normal: vec3f, to_camera: vec3
             occlusion = traced.occlusion;
             shaded.samples += traced.samples;
         }
-        // What the diffuse cones bring is dimmed whether shadows are shown or not.
+        // The light of the diffuse cones is dimmed whether shadows are shown or not.
         shaded.occlusion = min(shaded.occlusion, occlusion);
         let visible = select(1.0, 1.0 - occlusion, has(VXCT_OCCLUSION_CONES));
         let lit = highlight_falloff(mirrored, arriving.direction, material.shininess);
@@ -145,7 +146,7 @@ fn final_color(shaded: Shaded) -> vec3f {
     return shaded.direct + shaded.specular + shaded.diffuse;
 }
 
-// In display values; alpha is what covers what was drawn before.
+// In display values; alpha is the share that covers the earlier fragments.
 fn shown_at(fragment: Fragment, samples: PointSamples, point: Point) -> vec4f {
     let draw = vxct_draws[fragment.draw];
     let material = material_of(fragment.draw, samples);

@@ -1,6 +1,7 @@
-// What the passes of the look share: its settings, and where its cube lies.
+// The shared data of the passes of the look: its settings, and the place of its cube.
 //
-// Places are in the cube from -1 to 1 that VXCT's scenes fill; so are lengths. A cell of the voxels is 2 / resolution.
+// Places are in the cube from -1 to 1 that VXCT's scenes fill; so are lengths. A cell of the voxels
+// is 2 / resolution.
 
 struct VxctCone {
     // Diameter per distance.
@@ -18,7 +19,7 @@ struct VxctUniform {
     // The middle of the cube, and half of its edge, m.
     center_in_world: vec3f,
     unit_m: f32,
-    // What is seen where nothing is drawn, as a share of white.
+    // The colour where nothing is drawn, as a share of white.
     background: vec3f,
     // 1: the scene's surroundings are seen instead.
     has_environment: u32,

@@ -1,7 +1,9 @@
-// From triangles to lit voxels: each is drawn along the axis that it faces most, and each fragment is a voxel.
+// From triangles to lit voxels: each is drawn along the axis that it faces most, and each fragment
+// is a voxel.
 //
-// In VXCT the last fragment to be written stays. Which one that is must not be left to chance: a first walk finds the
-// last triangle of each voxel, and a second one writes what that one shows.
+// In VXCT the last fragment to be written stays. Which one that is must not depend on chance: a
+// first walk finds the last triangle of each voxel, and a second one writes the colour of that
+// triangle.
 
 import package::constants::VXCT_OF_EMITTER;
 import package::render::scene::point::{is_masked_out, sample_point, Point};
@@ -88,7 +90,7 @@ fn paint(fragment: Fragment) {
     }
     let material = material_of(fragment.draw, samples);
     let normal = normalize(fragment.normal);
-    // What VXCT's own emitters shine does not come into its voxels.
+    // The light of VXCT's own emitters does not get into its voxels.
     let is_own = vxct_draws[fragment.draw].kind == VXCT_OF_EMITTER;
     var light = select(material.emission, vec3f(0.0), is_own);
     for (var index = 0u; index < settings.light_count; index++) {

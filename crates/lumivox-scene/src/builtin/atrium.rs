@@ -2,7 +2,7 @@
 //! opening. Sun falls through it on cloths that hang between the columns; the rest is indirect.
 //!
 //! All is solid: walls, slab and roof are 25 to 30 cm thick, and hidden faces are left out, so that
-//! light enters through the opening alone.
+//! light enters only through the opening.
 
 use glam::{Vec2, Vec3};
 
@@ -24,7 +24,7 @@ const COLUMN_RADIUS_M: f32 = 0.16;
 /// Columns on each long side, and their distance along x.
 const COLUMNS: usize = 6;
 const COLUMN_STEP_M: f32 = 1.68;
-/// The columns' axes stand this far outside of the gallery's edge.
+/// The distance of the columns' axes from the gallery's edge, outwards.
 const COLUMN_INSET_M: f32 = 0.25;
 
 pub(super) fn scene() -> Scene {

@@ -47,7 +47,7 @@ pub(super) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
     }
 }
 
-/// What emits that radiance, in cd/m², and reflects nothing.
+/// A material that emits that radiance, in cd/m², and reflects nothing.
 pub(super) fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
     let mut black = Material::diffuse(name, Vec3::ZERO);
     black.emissive = radiance;

@@ -1,6 +1,6 @@
 //! The Cornell box (Goral, Torrance, Greenberg & Battaile 1984, "Modeling the interaction of light
 //! between diffuse surfaces"), with the proportions of Cornell's measured data (552.8 units a side)
-//! scaled to two metres. It is open towards +z, where the camera stands.
+//! scaled to two metres. It is open towards +z, where the camera is.
 
 use glam::{Mat4, Vec3};
 
@@ -8,7 +8,8 @@ use super::build::{GREEN, Lamp, RED, WHITE, diffuse, place, place_at};
 use super::shapes::{Faces, cuboid, merge, quad};
 use crate::{Camera, Scene};
 
-/// Both blocks are turned by this about y, one either way (the data's edges (160, 49) and (158, 49)).
+/// Both blocks are turned by this about y, one either way (the data's edges (160, 49) and (158,
+/// 49)).
 const BLOCK_TURN_RAD: f32 = 0.297;
 
 pub(super) fn scene() -> Scene {
@@ -44,7 +45,7 @@ pub(super) fn scene() -> Scene {
     }
     .install(&mut scene);
 
-    // The front opening, 2.8 m away, fills the height but for two per cent on each side.
+    // The front opening, 2.8 m away, fills the height except for two per cent on each side.
     let fov = 2.0 * (1.02_f32 / 2.8).atan();
     scene.cameras.push(Camera {
         name: "front".to_owned(),

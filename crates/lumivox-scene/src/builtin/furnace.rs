@@ -1,5 +1,5 @@
-//! The white furnace: every surface emits e = 1 cd/m² and reflects the fraction a = 0.5, so that the
-//! radiance is L = e + a L = e / (1 - a) = 2 cd/m² everywhere, in every direction.
+//! The white furnace: every surface emits e = 1 cd/m² and reflects the fraction a = 0.5, so that
+//! the radiance is L = e + a L = e / (1 - a) = 2 cd/m² everywhere, in every direction.
 
 use glam::Vec3;
 

@@ -1,4 +1,5 @@
-//! A furnished room: things of all sizes, many of them thinner than a voxel, under one hanging lamp.
+//! A furnished room: things of all sizes, many of them thinner than a voxel, under one hanging
+//! lamp.
 
 use glam::{Mat4, Vec3};
 

@@ -1,4 +1,5 @@
-//! A closed room without lamps: a panel, a tube, a ball and a screen light it, in four colours and sizes.
+//! A closed room without lamps: a panel, a tube, a ball and a screen light it, in four colours and
+//! sizes.
 
 use glam::{Mat4, Vec3};
 

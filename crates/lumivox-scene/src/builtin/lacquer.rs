@@ -1,5 +1,5 @@
-//! A hall lacquered in deep colours, with checkered floor and ceiling: most of what its surfaces reflect
-//! they mirror. It is open towards +z, where the camera stands.
+//! A hall lacquered in deep colours, with checkered floor and ceiling: its surfaces mirror most of
+//! the light that they reflect. It is open towards +z, where the camera is.
 
 use glam::{Mat4, Vec3};
 

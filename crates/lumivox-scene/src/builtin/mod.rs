@@ -15,8 +15,8 @@
 //! | `clutter` | three hundred small things under a lamp and a sky |
 //! | `lacquer` | deep colours and black that mirror more than they scatter, checkered floor and ceiling |
 //!
-//! Each exists as `NAME-rotated`, too: turned by [`ROTATION_RAD`] about the centre of its bounds, so
-//! that no wall is aligned with a voxel grid. Nothing else may change in the picture.
+//! Each exists as `NAME-rotated`, too: turned by [`ROTATION_RAD`] about the centre of its bounds,
+//! so that no wall is aligned with a voxel grid. Nothing else may change in the picture.
 
 mod atrium;
 mod build;

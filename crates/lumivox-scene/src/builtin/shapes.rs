@@ -18,16 +18,16 @@ pub(crate) struct Faces {
 
 impl Faces {
     pub(crate) const ALL: Self = Self { x: [true; 2], y: [true; 2], z: [true; 2] };
-    /// For what stands on a floor: a hidden face would only be voxelized into it.
+    /// For boxes on a floor: a hidden face would only be voxelized into it.
     pub(crate) const NO_BOTTOM: Self = Self { y: [false, true], ..Self::ALL };
-    /// For what hangs flush from a ceiling.
+    /// For boxes that hang flush from a ceiling.
     pub(crate) const NO_TOP: Self = Self { y: [true, false], ..Self::ALL };
-    /// For what reaches from floor to ceiling.
+    /// For boxes that reach from floor to ceiling.
     pub(crate) const SIDES: Self = Self { y: [false; 2], ..Self::ALL };
 }
 
-/// A rectangle: `u` and `v` are half its edges, it faces `u` cross `v`; the image's right lies along
-/// `u`, its top along `v`.
+/// A rectangle: `u` and `v` are half its edges, it faces `u` cross `v`; the image's right lies
+/// along `u`, its top along `v`.
 pub(crate) fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     let normal = u.cross(v).normalize();
     Mesh {
@@ -63,15 +63,15 @@ pub(crate) fn cuboid(min: Vec3, max: Vec3, faces: Faces) -> Mesh {
     mesh
 }
 
-/// The inside of an axis-aligned box: what a cuboid is to those who live in it.
+/// The inside of an axis-aligned box, which is a cuboid seen from within.
 pub(crate) fn interior(min: Vec3, max: Vec3) -> Mesh {
     let mut mesh = cuboid(min, max, Faces::ALL);
     mesh.flip_winding();
     for normal in &mut mesh.normals {
         *normal = -*normal;
     }
-    // Normal and winding both turned: the bitangent n x t * w must point to the image's top still,
-    // which is what flip_winding's change of w sees to.
+    // Normal and winding are both turned. The bitangent n x t * w must still point to the image's
+    // top, and flip_winding's change of w ensures that.
     mesh
 }
 
@@ -124,7 +124,8 @@ pub(crate) fn frame(outer: Vec2, inner: Vec2, y: [f32; 2], faces: FrameFaces) ->
     mesh
 }
 
-/// A sphere around the origin with smooth normals: `segments` around the y axis, half as many rings.
+/// A sphere around the origin with smooth normals: `segments` around the y axis, half as many
+/// rings.
 pub(crate) fn sphere(radius_m: f32, segments: u32) -> Mesh {
     let rings = segments / 2;
     let mut mesh = Mesh::default();

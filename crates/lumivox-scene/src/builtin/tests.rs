@@ -5,7 +5,8 @@ use glam::{DVec3, Mat4, Vec3};
 use super::{names, scene};
 use crate::{Instance, Scene, SceneError};
 
-/// Triangles in world space, with their corners' normals, and a ball around them: most rays miss most things.
+/// Triangles in world space, with their corners' normals, and a ball around them: most rays miss
+/// most things.
 struct Thing {
     middle: DVec3,
     radius_m: f64,

@@ -1,6 +1,8 @@
-//! A room of 4 x 5 m with one window: a low sun comes through it and draws a patch on the floor, the sky does the rest.
+//! A room of 4 x 5 m with one window: a low sun comes through it and draws a patch on the floor,
+//! the sky does the rest.
 //!
-//! The walls are 30 cm thick and have no hidden faces, so that light enters through the window alone.
+//! The walls are 30 cm thick and have no hidden faces, so that light enters only through the
+//! window.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! OpenEXR pictures: the first layer with red, green and blue, or with luminance alone.
+//! OpenEXR pictures: the first layer with red, green and blue, or with only luminance.
 
 use std::io::Cursor;
 
@@ -28,7 +28,7 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Map, Fault> {
     if header.own_attributes.environment_map == Some(Projection::Cube) {
         return Err(Fault::new("it is a cube map", "convert it to an equirectangular one"));
     }
-    // A picture may store a part of what it stands for.
+    // A picture may store only a part of the display window.
     let window = header.shared_attributes.display_window;
     let (width, height) = (window.size.width(), window.size.height());
     check_size(width as u64, height as u64, bytes.len())?;
@@ -41,7 +41,7 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Map, Fault> {
         top: i64::from(position.y()) - i64::from(window.position.y()),
     };
     let warnings = warnings(header, &place);
-    // The luminance of (1, 1, 1) in cd/m²; what is no such thing counts as absent.
+    // The luminance of (1, 1, 1) in cd/m²; a value without that meaning counts as absent.
     let unit = header.own_attributes.white_luminance.filter(|l| l.is_normal() && *l > 0.0);
 
     let mut rgb = channels.read(bytes, place).map_err(Fault::broken)?;
@@ -152,7 +152,7 @@ fn warnings(header: &Header, place: &Placement) -> Vec<String> {
         header.shared_attributes.chromaticities
     {
         let given = [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1];
-        // A thousandth is what files round to.
+        // Files round to a thousandth.
         if given.iter().zip(BT_709).any(|(given, own)| (given - own).abs() > 2e-3) {
             let told = "the environment map's colours count as linear sRGB, though the file names \
                         other primaries";

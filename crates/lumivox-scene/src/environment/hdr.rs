@@ -24,7 +24,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     }
     let mut map = EnvironmentMap { width, height, rgb, ..EnvironmentMap::default() };
 
-    // What was multiplied in the file's life is divided out: the product of all EXPOSURE lines.
+    // Divides the factors out by which programs multiplied the file: the product of all EXPOSURE
+    // lines.
     let exposure = meta.exposure.unwrap_or(1.0);
     let (r, g, b) = meta.color_correction.unwrap_or((1.0, 1.0, 1.0));
     let divisor = [r * exposure, g * exposure, b * exposure];

@@ -1,8 +1,8 @@
 //! Pictures of the surroundings from files: Radiance, OpenEXR, and common pictures.
 //!
-//! The kind is told by the first bytes. The size in the header is checked before any memory is
-//! taken: against what is useful at all, and against the length of the file, since a packed picture
-//! of one colour can claim to be as large as it likes.
+//! The first bytes give the kind of file. The size in the header is checked before any memory is
+//! taken: against a useful maximum, and against the length of the file, since a packed picture of
+//! one colour can claim any size.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -21,7 +21,7 @@ const TEXELS_PER_BYTE: u64 = 512;
 /// Bytes that decoding a common picture may take: 16 bits a channel of the largest map, and some.
 const MOST_DECODER_BYTES: u64 = 2 << 30;
 
-/// What is wrong with a file, and what to do.
+/// The fault of a file, and its remedy.
 pub(super) struct Fault {
     pub(super) reason: String,
     pub(super) remedy: &'static str,
@@ -40,14 +40,14 @@ impl Fault {
 
 impl EnvironmentMap {
     /// Reads a panorama of 360 by 180 degrees (equirectangular, twice as wide as high): Radiance
-    /// (`.hdr`, `.pic`), OpenEXR (`.exr`), PNG or JPEG. The first bytes tell which.
+    /// (`.hdr`, `.pic`), OpenEXR (`.exr`), PNG or JPEG. The first bytes say which.
     ///
     /// Radiance files are divided by their `EXPOSURE` and `COLORCORR`; one unit then counts as
     /// 1 cd/m², as one of OpenEXR does, multiplied by `whiteLuminance` where the file has it. PNG
     /// and JPEG are decoded from sRGB, so that white is 1 cd/m². Scale by
     /// [`Environment::radiance`](crate::Environment::radiance).
     ///
-    /// What was repaired or assumed is in [`EnvironmentMap::warnings`] and in the log.
+    /// The repairs and assumptions are in [`EnvironmentMap::warnings`] and in the log.
     ///
     /// # Errors
     /// [`SceneError::Read`] when the file cannot be read, [`SceneError::EnvironmentMap`] when it is
@@ -60,10 +60,11 @@ impl EnvironmentMap {
         from_bytes(path, &bytes)
     }
 
-    /// The same for a file in memory; `name` is what its path would be, for messages and the map's name.
+    /// Reads a file in memory in the same way. `name` stands in for its path, in messages and as
+    /// the map's name.
     ///
     /// # Errors
-    /// As [`EnvironmentMap::load`], but for the disk.
+    /// As [`EnvironmentMap::load`], except for the disk.
     pub fn from_memory(name: &str, bytes: &[u8]) -> Result<Self, SceneError> {
         from_bytes(Path::new(name), bytes)
     }

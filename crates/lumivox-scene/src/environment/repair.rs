@@ -1,5 +1,5 @@
-//! What no radiance can be is made one: panoramas often hold a few negative or infinite texels, left
-//! by sharpening filters and by conversions to half floats.
+//! Replaces texels that cannot be a radiance. Panoramas often hold a few negative or infinite
+//! texels, left by sharpening filters and by conversions to half floats.
 
 use crate::EnvironmentMap;
 

@@ -1,9 +1,9 @@
-//! A photographer's studio: what things are shown in that bring no light of their own.
+//! A photographer's studio: the surroundings of things that bring no light of their own.
 //!
-//! Large soft boxes give gentle light and quiet reflections, a wall runs without an edge into a ground
-//! that catches shadows. All is neutral grey and in cd/m², as in a bright studio: the boxes have 400 to
-//! 2000 cd/m², the wall 300 at its foot. Everything is symmetric about no axis: the largest box stands
-//! to the left of and above the camera, a lower one to the right fills the shadows, a strip behind
+//! Large soft boxes give gentle light and quiet reflections, a wall runs without an edge into a
+//! ground that catches shadows. All is neutral grey and in cd/m², as in a bright studio: the boxes
+//! have 400 to 2000 cd/m², the wall 300 at its foot. Nothing is symmetric: the largest box is to
+//! the left of and above the camera, a lower one to the right fills the shadows, a strip behind
 //! draws the outline, and one overhead lights the ground.
 
 use std::f32::consts::PI;
@@ -59,11 +59,11 @@ const EDGE_DEG: f32 = 4.0;
 /// A studio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Studio {
-    /// What surrounds the thing, cd/m²; its middle (-z) lies behind the thing for a camera that looks
-    /// along -z. Below the horizon it is the ground, far away.
+    /// The surroundings of the thing, cd/m²; the middle (-z) lies behind the thing for a camera
+    /// that looks along -z. Below the horizon it is the ground, far away.
     pub map: EnvironmentMap,
     /// The share of the light that the ground reflects: the one with which it is as bright as the
-    /// foot of the wall, so that nobody sees where it ends.
+    /// foot of the wall, so that its end is invisible.
     pub ground_albedo: f32,
     /// Illuminance of the ground, lx.
     pub ground_lux: f32,
@@ -81,7 +81,7 @@ impl Studio {
                 map.rgb.push([luminance(way); 3]);
             }
         }
-        // Of the ground so far nothing arrives from below.
+        // The map has no light from the ground yet.
         let ground_lux = map.irradiance(Vec3::Y).x;
         Self { ground_albedo: PI * WALL_CD_M2[0] / ground_lux, map, ground_lux }
     }

@@ -86,7 +86,8 @@ fn radiance_and_openexr_hold_the_same_texels() {
     }
 }
 
-/// A bright texel lights what faces it: the picture's middle is -z, its right half +x, its top +y.
+/// A bright texel lights the surfaces that face it: the picture's middle is -z, its right half +x,
+/// its top +y.
 #[test]
 fn texels_lie_where_the_convention_says() {
     let (width, height) = (64, 32);
@@ -123,7 +124,7 @@ fn constant_surroundings_have_their_closed_forms() {
     }
 }
 
-/// What a camera multiplied is divided out again; other programs' signatures are as good.
+/// The exposure of a camera is divided out again; signatures of other programs are accepted, too.
 #[test]
 fn radiance_files_are_brought_to_their_unit() {
     let folder = Folder::new();
@@ -178,7 +179,8 @@ fn other_layouts_are_told() {
 fn openexr_layers_and_windows_are_understood() {
     use exr::prelude::*;
     let folder = Folder::new();
-    // Where the display window begins does not matter: what is stored lies 2 to the right and 1 below that.
+    // The origin of the display window does not matter: the stored part lies 2 to the right of it
+    // and 1 below.
     for (left, top) in [(0, 0), (5, -7), (-3, 20)] {
         let mut bytes = Cursor::new(Vec::new());
         let channels = SpecificChannels::build()

@@ -14,7 +14,7 @@ pub(super) fn srgb_from_linear(linear: f32) -> f32 {
 pub(super) enum Decoder {
     /// Floats are linear.
     Float,
-    /// Bytes are sRGB-encoded where they are colours; what each of them means.
+    /// Bytes are sRGB-encoded where they are colours; the table has the value of each.
     Bytes(Box<[f32; 256]>),
     /// So are larger integers, as shares of their largest value.
     Integers(u32),
@@ -33,7 +33,8 @@ impl Decoder {
         Self::Bytes(table)
     }
 
-    /// A channel that is no colour, such as alpha; limited to 0..1, zero where it is no number.
+    /// A channel that is not a colour, such as alpha; limited to 0..1, and zero where it is not a
+    /// number.
     pub(super) fn linear(&self, value: f64) -> f32 {
         let full = match self {
             Self::Float => 1.0,

@@ -1,9 +1,9 @@
-//! What a scene's file names: data URIs, and files in its own folder.
+//! The files that a scene names: data URIs, and files in its own folder.
 //!
 //! A scene comes from anywhere, so it may not make this program read anything else of the disk:
-//! unless the user allows more, only relative paths that go down are followed, and only to files whose
-//! real place, with all links followed, is in the scene's folder as well. Links that stay inside are
-//! followed; so is one that the folder itself is reached by.
+//! unless the user allows more, only relative paths that go down are followed, and only to files
+//! whose real place, with all links followed, is in the scene's folder as well. Links that stay
+//! inside are followed; so is one that the folder itself is reached by.
 
 use std::borrow::Cow;
 use std::io;
@@ -39,7 +39,7 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Why what is at a path of the disk is no file; `None` where there is nothing.
+    /// The reason why the thing at a path of the disk is not a file; `None` where there is nothing.
     pub(super) fn obstacle(self, path: &Path) -> Option<io::Error> {
         let fault = if self.source.is_some() { None } else { check_regular(path).err() };
         fault.filter(|error| error.kind() != io::ErrorKind::NotFound)
@@ -52,7 +52,7 @@ impl<'a> Reach<'a> {
         }
         let real = match path.canonicalize() {
             Ok(real) => real,
-            // Who reads it says so.
+            // Reading it reports the error.
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             Err(error) => return Err(format!("its real place is not known: {error}")),
         };
@@ -72,7 +72,7 @@ pub(super) fn folder_of(file: &Path) -> PathBuf {
     }
 }
 
-/// What a URI stands for.
+/// The target of a URI.
 pub(super) enum Located {
     /// The bytes of a data URI.
     Data(Vec<u8>),
@@ -94,7 +94,7 @@ pub(super) fn locate_uri(
     admitted(file, part, &path, reach).map(Located::File)
 }
 
-/// Reads what `uri`, named by `part` of the scene in `file`, stands for (RFC 3986: percent signs
+/// Reads the target of `uri`, named by `part` of the scene in `file` (RFC 3986: percent signs
 /// escape).
 pub(super) fn read_uri(
     file: &Path,
@@ -172,7 +172,7 @@ fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
         if let Some((scheme, _)) = path.split_once(':') {
             return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
         }
-        // Both separators everywhere: what a scene may do must not depend on the system.
+        // Both separators on every system: a scene's permissions must not depend on the system.
         if path.starts_with(['/', '\\']) {
             return Err("the path is absolute".to_owned());
         }

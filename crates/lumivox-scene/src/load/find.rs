@@ -1,9 +1,9 @@
 //! Where the files lie that an OBJ, MTL or VXCT file names.
 //!
 //! Names are often written on another machine: with backslashes, in another case, or with the whole
-//! path of a folder that is not here. Looked for are, in this order: the path as it stands; the same
-//! whatever the case; and what is left of the path without its first folders, down to the bare name,
-//! below each of some folders, such as those of the file that names it and of the scene.
+//! path of a folder that is not here. The search goes in this order: the path as it is; the same
+//! path in any case; and the path without its first folders, down to the bare name, below each of
+//! some folders, such as those of the file that names it and of the scene.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -11,11 +11,11 @@ use super::files::{self, Reach};
 use super::source::key;
 use super::text::readable;
 
-/// Bytes of a path: what Linux takes.
+/// Bytes of a path: the limit of Linux.
 const LONGEST_PATH: usize = 4096;
 
-/// The file that is called `name` by a file in each of `beside`'s places, the first of which counts; or
-/// why there is none, with a remedy.
+/// The file that is called `name` by a file in each of `beside`'s places, the first of which
+/// counts; or why there is none, with a remedy.
 pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<PathBuf, String> {
     if name.len() > LONGEST_PATH {
         return Err(format!("\"{}\" is too long for a path", readable(name)));
@@ -35,7 +35,7 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
             Err(why) => reason = Some(why),
         }
     }
-    // Also for paths that go elsewhere: what is left of them stays below the folder.
+    // Also for paths that go elsewhere: the rest of them stays below the folder.
     let words: Vec<&str> = text.split(['/', '\\']).filter(|word| !word.is_empty()).collect();
     for first in 0..words.len() {
         let rest = words[first..].join("/");
@@ -59,7 +59,7 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
     })
 }
 
-/// What was found, if it may be read; else `refused` gets the reason.
+/// The file that was found, if it may be read; otherwise `refused` gets the reason.
 fn admitted(
     found: Option<PathBuf>,
     reach: Reach<'_>,
@@ -107,7 +107,7 @@ fn ignoring_case(base: &Path, path: &Path, reach: Reach<'_>) -> Option<PathBuf> 
             .filter_map(|entry| Some(entry.ok()?.file_name()))
             .filter(|name| name.to_string_lossy().to_lowercase() == wanted)
             .collect();
-        // Several that differ by case alone: the same one in every run.
+        // Of several that differ only by case: the same one in every run.
         names.sort_unstable();
         at.push(names.first()?);
     }

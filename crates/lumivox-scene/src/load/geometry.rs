@@ -10,7 +10,7 @@ use crate::{Mesh, SceneError};
 /// Vertices that indices of 32 bits can name; the last number is left to "none".
 const MOST_VERTICES: usize = u32::MAX as usize;
 
-/// What is left of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
+/// The rest of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
 pub(super) struct GeometryBudget<'f> {
     file: &'f Path,
     all: u64,
@@ -22,7 +22,8 @@ impl<'f> GeometryBudget<'f> {
         Self { file, all: bytes, spent: 0 }
     }
 
-    /// Takes what so many vertices and indices need; `part` names them in the error.
+    /// Takes the memory of so many vertices and indices from the budget; `part` names them in the
+    /// error.
     pub(super) fn spend(
         &mut self,
         part: impl FnOnce() -> String,
@@ -30,7 +31,7 @@ impl<'f> GeometryBudget<'f> {
         indices: usize,
         colors: bool,
     ) -> Result<(), SceneError> {
-        // Beyond that, indices of 32 bits cannot tell vertices apart.
+        // Beyond that, indices of 32 bits cannot number the vertices.
         let more =
             if vertices <= MOST_VERTICES { bytes(vertices, indices, colors) } else { u64::MAX };
         self.take(part, more)
@@ -67,8 +68,8 @@ impl<'f> GeometryBudget<'f> {
 }
 
 impl GeometryBudget<'_> {
-    /// Takes the copies of vertices that normals which differ from corner to corner may need: at most
-    /// one a corner.
+    /// Takes the copies of vertices that normals which differ from corner to corner may need: at
+    /// most one a corner.
     pub(super) fn spend_split(&mut self, mesh: &Mesh) -> Result<(), SceneError> {
         let more = mesh.indices.len().saturating_sub(mesh.positions.len());
         let part = || format!("mesh \"{}\", its vertices split at edges,", mesh.name);

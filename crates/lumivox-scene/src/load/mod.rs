@@ -1,7 +1,7 @@
-//! Scenes from files, one folder or file for each format.
+//! Scenes from files, with one folder or file for each format.
 //!
-//! Files come from anywhere, so nothing in them is believed: sizes are checked against the bytes
-//! that exist before memory is taken, indices before they are used, paths before they are followed.
+//! Files come from anywhere, so they are not trusted: sizes are checked against the bytes that
+//! exist before memory is taken, indices before they are used, paths before they are followed.
 
 mod color;
 mod extensions;
@@ -39,26 +39,27 @@ pub use units::UpAxis;
 /// How a scene is loaded. The default loads all that a file shows by itself, and reads no file
 /// outside of the scene's folder.
 pub struct LoadOptions<'a> {
-    /// Whether the scene may name files outside of its own folder (of VXCT's scenes in a folder `scenes`:
-    /// of the folder above). Default: no.
+    /// Whether the scene may name files outside of its own folder (of VXCT's scenes in a folder
+    /// `scenes`: of the folder above). Default: no.
     pub allow_outside: bool,
-    /// Whether a file is loaded that requires a glTF extension which is not supported and may change
-    /// what is shown; a warning names it then. Extensions that only refine the picture need no leave.
-    /// Default: no.
+    /// Whether to load a file that requires a glTF extension which is not supported and may change
+    /// the picture; a warning names it then. Extensions that only refine the picture are always
+    /// allowed. Default: no.
     pub ignore_required: bool,
-    /// Which of a file's scenes to load (glTF, VXCT), by name or number. Default: the one that the file
-    /// marks, else the first.
+    /// Which of a file's scenes to load (glTF, VXCT), by name or number. Default: the one that the
+    /// file marks, else the first.
     pub scene: Option<String>,
-    /// Which axis of the file points up. Default: y. Ask for z where a model of CAD or a scan lies on
-    /// its back.
+    /// Which axis of the file points up. Default: y. Ask for z where a model of CAD or a scan lies
+    /// on its back.
     pub up: UpAxis,
-    /// The length of the file's unit in metres, above 0. Default: 1; 0.001 for files in millimetres,
-    /// as those of CAD mostly are. Lengths and places are multiplied, strengths of lights are not.
+    /// The length of the file's unit in metres, above 0. Default: 1; 0.001 for files in
+    /// millimetres, as those of CAD mostly are. Lengths and places are multiplied, strengths of
+    /// lights are not.
     pub unit_m: f32,
     /// How sharp an edge must be to stay an edge, in radians from 0 (all edges stay) to pi (none
-    /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: what each format
-    /// means by leaving them out: PLY is smooth, STL is flat, OBJ is flat outside of its smoothing
-    /// groups.
+    /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: the meaning that
+    /// each format gives to their absence: PLY is smooth, STL is flat, OBJ is flat outside of its
+    /// smoothing groups.
     pub crease_rad: Option<f32>,
     /// How much memory the scene may take.
     pub budget: MemoryBudget,
@@ -90,8 +91,8 @@ pub struct MemoryBudget {
     /// Bytes of all textures, finest levels. Textures are shrunk by halves, all alike, until they
     /// fit, with a warning. Default: 4 GiB.
     pub texture_bytes: u64,
-    /// Bytes of all vertices and indices. What needs more is refused before it is allocated.
-    /// Default: 8 GiB.
+    /// Bytes of all vertices and indices. A scene that needs more is refused before it is
+    /// allocated. Default: 8 GiB.
     pub geometry_bytes: u64,
 }
 
@@ -104,7 +105,7 @@ impl Default for MemoryBudget {
 /// How far loading is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadProgress {
-    /// What is under way: `reading` or `textures`.
+    /// The stage under way: `reading` or `textures`.
     pub stage: &'static str,
     /// Done so far, from 0 to `total`: bytes of the file, or textures.
     pub done: u64,
@@ -113,7 +114,7 @@ pub struct LoadProgress {
 }
 
 impl<'a> LoadOptions<'a> {
-    /// What a scene may name that has these folders.
+    /// The files that a scene with these folders may name.
     fn reach<'f>(&self, folders: &'f [PathBuf]) -> Reach<'f>
     where
         'a: 'f,
@@ -144,11 +145,11 @@ impl std::fmt::Debug for LoadOptions<'_> {
 
 impl Scene {
     /// Reads a scene from a file, and validates it: `.gltf` or `.glb` (glTF 2.0), `.obj` with its
-    /// materials (Wavefront), `.ply` (Stanford), `.stl` (stereolithography), or the text of the program
-    /// VXCT with its models (`.scene`, `.vxct`, `.txt`).
+    /// materials (Wavefront), `.ply` (Stanford), `.stl` (stereolithography), or the text of the
+    /// program VXCT with its models (`.scene`, `.vxct`, `.txt`).
     ///
-    /// What the file uses beyond this crate's reach becomes a warning in [`Scene::notes`] and in
-    /// the log.
+    /// Features of the file that this crate does not support become warnings in [`Scene::notes`]
+    /// and in the log.
     ///
     /// # Errors
     /// [`SceneError`] when the file's extension is unknown, the file or one that it names cannot
@@ -161,7 +162,7 @@ impl Scene {
     /// The same with options.
     ///
     /// # Errors
-    /// As [`Scene::load`], and when the options ask for what the file does not have.
+    /// As [`Scene::load`], and when the file does not have what the options ask for.
     pub fn load_with(
         path: impl AsRef<Path>,
         options: &mut LoadOptions<'_>,
@@ -169,9 +170,9 @@ impl Scene {
         load(path.as_ref(), options)
     }
 
-    /// Loads a scene whose file is in memory. `name` is what its path would be: its extension tells the
-    /// format, and messages begin with it. Files that it names are asked of [`LoadOptions::files`];
-    /// without, there are none, and the disk is left alone.
+    /// Loads a scene whose file is in memory. `name` stands in for its path: its extension gives
+    /// the format, and messages begin with it. Files that it names are read through
+    /// [`LoadOptions::files`]; without that, there are none, and the disk is not touched.
     ///
     /// # Errors
     /// As [`Scene::load_with`].
@@ -196,9 +197,9 @@ impl Scene {
     }
 }
 
-/// Whether the scene `file` may name the file at `path`, which is there, without [`LoadOptions::allow_outside`]:
-/// its real place, with all links followed, must lie in the scene's folder or below, of VXCT's scenes in a
-/// folder `scenes` also in the folder above.
+/// Whether the scene `file` may name the file at `path`, which is there, without
+/// [`LoadOptions::allow_outside`]: its real place, with all links followed, must lie in the scene's
+/// folder or below, of VXCT's scenes in a folder `scenes` also in the folder above.
 pub fn may_name(file: &Path, path: &Path) -> bool {
     let options = LoadOptions::default();
     let folders = match extension(file).as_str() {

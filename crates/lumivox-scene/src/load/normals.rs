@@ -1,7 +1,7 @@
 //! Normals for meshes that come without, or with broken ones.
 //!
-//! A smooth normal is the mean over the corners that share it, weighted by their angles (Thürmer and
-//! Wüthrich 1998, "Computing vertex normals from polygonal facets"): how a surface is cut into
+//! A smooth normal is the mean over the corners that share it, weighted by their angles (Thürmer
+//! and Wüthrich 1998, "Computing vertex normals from polygonal facets"): how a surface is cut into
 //! triangles then makes no difference.
 
 use glam::{DVec3, Vec3};
@@ -20,7 +20,8 @@ pub(super) fn unit_or_zero(v: Vec3) -> Vec3 {
     to_unit(v).unwrap_or(Vec3::ZERO)
 }
 
-/// What each corner of a triangle adds to its vertex's normal; zero where it has no area.
+/// The contribution of each corner of a triangle to its vertex's normal; zero where the triangle
+/// has no area.
 pub(super) fn corner_normals(corners: [Vec3; 3]) -> [Vec3; 3] {
     let normal = face_normal(corners);
     let [a, b, c] = corners.map(Vec3::as_dvec3);
@@ -155,8 +156,8 @@ impl Fan {
     }
 }
 
-/// How many vertices made out of one are looked through before another is made: a vertex in thousands
-/// of triangles must not take their square.
+/// How many vertices made out of one are looked through before another is made: a vertex in
+/// thousands of triangles must not take their square.
 const LONGEST_CHAIN: usize = 32;
 
 /// Gives the mesh one normal a corner, splitting the vertices whose corners differ.
@@ -190,7 +191,7 @@ pub(super) fn set_corner_normals(mesh: &mut Mesh, normals: &[Vec3]) {
     mesh.indices = indices;
 }
 
-/// Appends a vertex like that of number `i`, but for its normal and tangent.
+/// Appends a copy of vertex `i` with another normal and tangent.
 fn copy_vertex(mesh: &mut Mesh, i: usize) -> usize {
     mesh.positions.push(mesh.positions[i]);
     mesh.uvs.push(mesh.uvs[i]);
@@ -203,8 +204,8 @@ fn copy_vertex(mesh: &mut Mesh, i: usize) -> usize {
     mesh.positions.len() - 1
 }
 
-/// Brings normals to unit length and gives those without a direction, or that are not finite, that of
-/// their triangles. Returns how many these were.
+/// Brings normals to unit length and gives those without a direction, or that are not finite, that
+/// of their triangles. Returns how many these were.
 pub(super) fn repair(normals: &mut [Vec3], positions: &[Vec3], indices: &[u32]) -> usize {
     let mut broken = 0;
     for normal in &mut *normals {

@@ -1,16 +1,16 @@
 //! Polygons cut into triangles.
 //!
 //! Triangles and convex polygons are fans around their first corner; others are cut by ear clipping
-//! (Meisters 1975, "Polygons have ears"; the `earcut` crate) in the plane of the polygon. That plane's
-//! normal is Newell's (Sutherland, Sproull, Schumacker 1974, "A characterization of ten
+//! (Meisters 1975, "Polygons have ears"; the `earcut` crate) in the plane of the polygon. That
+//! plane's normal is Newell's (Sutherland, Sproull, Schumacker 1974, "A characterization of ten
 //! hidden-surface algorithms", after M. Newell): the mean over all corners, so that it exists for
 //! polygons that are not quite flat.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Corners beyond which a polygon is a fan whatever its shape: clipping the ears of one that crosses
-/// itself everywhere takes time that grows with the square.
+/// Corners beyond which a polygon is a fan whatever its shape: clipping the ears of one that
+/// crosses itself everywhere takes time that grows with the square.
 const MOST_CLIPPED: usize = 20_000;
 
 /// Cuts polygons; keeps its memory from one to the next.
@@ -40,10 +40,12 @@ impl Cutter {
         &self.triangles
     }
 
-    /// The corners in the polygon's plane, in which it runs counter-clockwise; none without a plane.
+    /// The corners in the polygon's plane, in which it runs counter-clockwise; none without a
+    /// plane.
     fn project(&mut self, corners: &[Vec3]) {
         self.points.clear();
-        // From the first corner: far from the origin, products lose what tells corners apart.
+        // Relative to the first corner: far from the origin, products lose the digits in which
+        // corners differ.
         let origin = corners[0].as_dvec3();
         let at = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
         let normal: DVec3 = (0..corners.len()).map(|i| at(i).cross(at(i + 1))).sum();

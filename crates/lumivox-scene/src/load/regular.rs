@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Opens a file that is a file. The second part of the answer is its length in bytes.
 pub(super) fn open_regular(path: &Path) -> io::Result<(File, u64)> {
-    // Looked at before it is opened, which is what waits at a pipe.
+    // The kind is checked before opening, because opening a pipe waits.
     let metadata = check_regular(path)?;
     Ok((File::open(path)?, metadata.len()))
 }
@@ -14,7 +14,8 @@ pub(super) fn open_regular(path: &Path) -> io::Result<(File, u64)> {
 /// Reads a file that is a file.
 ///
 /// # Errors
-/// When it is a folder, a pipe, a socket or a device, which the error names, or what the system says.
+/// When it is a folder, a pipe, a socket or a device, which the error names, or when the system
+/// reports an error.
 pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let (mut file, length) = open_regular(path)?;
     let mut bytes = Vec::new();
@@ -25,7 +26,7 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Checks without opening it that a file is a file, and tells what the system knows of it.
+/// Checks without opening it that a path is a regular file, and returns the system's metadata.
 ///
 /// # Errors
 /// As [`read_regular`].
@@ -73,7 +74,7 @@ mod tests {
         );
     }
 
-    /// Nobody writes into it: whoever opened it would wait for ever.
+    /// The pipe has no writer: opening it would wait for ever.
     #[cfg(unix)]
     #[test]
     fn what_might_never_end_is_named_at_once() {

@@ -1,7 +1,7 @@
-//! Where files come from: the disk, or whoever loads the scene.
+//! The source of files: the disk, or the caller.
 //!
 //! A program in a browser has no disk, and one that unpacks archives has its files in memory. Both
-//! hand over a [`FileSource`]; then loaders ask nobody else.
+//! provide a [`FileSource`]; then loaders use no other source.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -25,14 +25,15 @@ use std::path::{Component, Path};
 /// # Ok::<(), lumivox_scene::SceneError>(())
 /// ```
 pub trait FileSource {
-    /// The bytes of the file at `path`: the scene's own path as it was given, or that of a file which
-    /// it names, in the scene's folder; folders are separated by `/`, and there is no `.` in it.
+    /// The bytes of the file at `path`: the scene's own path as it was given, or that of a file
+    /// which it names, in the scene's folder; folders are separated by `/`, and there is no `.` in
+    /// it.
     ///
     /// # Errors
-    /// [`io::ErrorKind::NotFound`], or what else went wrong; the loader's message quotes it.
+    /// [`io::ErrorKind::NotFound`], or another error, which the loader's message quotes.
     fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>>;
 
-    /// The path of a file that differs from `path` in upper and lower case alone, as files made on
+    /// The path of a file that differs from `path` only in upper and lower case, as files made on
     /// Windows often call each other. Default: none.
     fn find_ignoring_case(&self, path: &str) -> Option<String> {
         let _ = path;
@@ -50,7 +51,7 @@ impl<S: BuildHasher> FileSource for HashMap<String, Vec<u8>, S> {
 
     fn find_ignoring_case(&self, path: &str) -> Option<String> {
         let wanted = path.to_lowercase();
-        // Of several the first, so that every run takes the same.
+        // The first of several, so that every run takes the same.
         self.keys().filter(|key| key.to_lowercase() == wanted).min().cloned()
     }
 }
@@ -81,7 +82,7 @@ impl FileSource for Memory<'_> {
     }
 }
 
-/// What a source calls the file at `path`.
+/// The name that a source uses for the file at `path`.
 pub(super) fn key(path: &Path) -> String {
     let mut words: Vec<Cow<'_, str>> = Vec::new();
     for component in path.components() {

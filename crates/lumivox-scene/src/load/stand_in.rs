@@ -1,4 +1,4 @@
-//! What stands in for what a file does not have.
+//! Stand-ins for missing parts of a file.
 
 use glam::Vec3;
 
@@ -9,10 +9,10 @@ use crate::{Filter, Material, Sampler, Texture};
 /// Between stone and plaster.
 const NO_MATERIAL_ALBEDO: f32 = 0.5;
 
-/// What surfaces without a material look like: matte grey, from both sides, for such files are mostly
-/// bare geometry, wound as it came. By the letter glTF's is a white rough metal of reflectance 1 (glTF
-/// 2.0, section 3.9.6), in which indirect light would never die out; nobody who leaves materials out
-/// means it.
+/// The look of surfaces without a material: matte grey, from both sides, because such files are
+/// mostly bare geometry with arbitrary winding. By its specification glTF's default is a white
+/// rough metal of reflectance 1 (glTF 2.0, section 3.9.6), in which indirect light would never die
+/// out; files without materials do not intend that.
 pub(super) fn no_material(notes: &mut Notes) -> Material {
     notes.warn(format!(
         "meshes without a material are shown matte grey with an albedo of {NO_MATERIAL_ALBEDO}"
@@ -39,7 +39,7 @@ pub(super) fn grey(name: &str) -> Material {
 /// The edge of the stand-in for an image, in texels.
 pub(super) const BOARD_EDGE: u32 = 8;
 
-/// Texels in place of an image that is missing: squares of magenta and black, which nobody overlooks.
+/// Texels in place of a missing image: squares of magenta and black, which are hard to overlook.
 pub(super) fn board() -> Pixels {
     let texel = |i: u32| {
         let is_even = (i % BOARD_EDGE + i / BOARD_EDGE).is_multiple_of(2);

@@ -1,7 +1,7 @@
-//! Files read piece by piece, with progress told by bytes.
+//! Files read piece by piece, with progress reported in bytes.
 //!
-//! A scan can be larger than half of the memory: no reader here holds its file, only the piece that
-//! it is at, so that the peak is about what the scene itself takes.
+//! A scan can be larger than half of the memory: no reader here holds its file, only the current
+//! piece, so that the peak is about the size of the scene itself.
 
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::Path;
@@ -11,11 +11,12 @@ use super::regular::open_regular;
 use super::source::key;
 use crate::SceneError;
 
-/// Bytes read at once, and how often progress is told: large enough for disks, small for memory.
+/// Bytes read at once, and the interval of progress reports: large enough for disks, small for
+/// memory.
 const PIECE: usize = 1 << 20;
 
-/// A reader whose bytes are counted and told.
-pub(super) struct Progress<'s, 'o, R> {
+/// A reader that counts its bytes and reports them.
+pub(super) struct CountingReader<'s, 'o, R> {
     inner: R,
     done: u64,
     total: u64,
@@ -23,13 +24,13 @@ pub(super) struct Progress<'s, 'o, R> {
 }
 
 /// A file on the disk or elsewhere.
-pub(super) type Opened<'s, 'o> = BufReader<Progress<'s, 'o, Box<dyn Read + 'o>>>;
+pub(super) type FileReader<'s, 'o> = BufReader<CountingReader<'s, 'o, Box<dyn Read + 'o>>>;
 
 /// Opens a file that is a file. The second part of the answer is its length in bytes.
 pub(super) fn open<'s, 'o>(
     file: &Path,
     options: &'s mut LoadOptions<'o>,
-) -> Result<(Opened<'s, 'o>, u64), SceneError> {
+) -> Result<(FileReader<'s, 'o>, u64), SceneError> {
     let source = options.files;
     let opened = || -> io::Result<(Box<dyn Read + 'o>, u64)> {
         if let Some(source) = source {
@@ -42,7 +43,7 @@ pub(super) fn open<'s, 'o>(
     };
     let (inner, total) =
         opened().map_err(|source| SceneError::Read { file: file.to_owned(), source })?;
-    Ok((BufReader::with_capacity(PIECE, Progress { inner, done: 0, total, options }), total))
+    Ok((BufReader::with_capacity(PIECE, CountingReader { inner, done: 0, total, options }), total))
 }
 
 /// Reads a whole file, for formats whose parts refer to each other.
@@ -56,7 +57,7 @@ pub(super) fn read_all(file: &Path, options: &mut LoadOptions<'_>) -> Result<Vec
     Ok(bytes)
 }
 
-impl<R: Read> Read for Progress<'_, '_, R> {
+impl<R: Read> Read for CountingReader<'_, '_, R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.inner.read(buffer)?;
         // A file may grow while it is read.

@@ -17,8 +17,8 @@ pub(super) fn generate(mesh: &mut Mesh) {
 }
 
 /// Replaces the mesh's tangents by those for this normal texture: they follow the coordinates at
-/// which the texture is read, its set and its transform. Vertices whose triangles disagree (mirrored images, seams) are
-/// split, so the mesh may grow; never beyond one vertex a corner.
+/// which the texture is read, its set and its transform. Vertices whose triangles disagree
+/// (mirrored images, seams) are split, so the mesh may grow; never beyond one vertex a corner.
 pub(super) fn generate_for(mesh: &mut Mesh, normals: TextureRef) {
     let mut corners = Corners { tangents: vec![None; mesh.indices.len()], mesh, normals };
     // The error type has no values.

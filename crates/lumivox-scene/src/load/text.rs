@@ -6,8 +6,8 @@ use std::path::Path;
 use super::files::shorten;
 use crate::SceneError;
 
-/// The longest line in bytes, joined ones together: a polygon of some millions of corners. A file of
-/// another format may have no line break at all, and would have to be held in memory.
+/// The longest line in bytes, joined ones together: a polygon of some millions of corners. A file
+/// of another format may have no line break at all, and would have to be held in memory.
 const LONGEST_LINE: usize = 64 << 20;
 
 /// The lines of a file, ended by LF, CR LF or CR.
@@ -20,7 +20,7 @@ pub(super) struct Lines<'f, R> {
 }
 
 impl<'f, R: BufRead> Lines<'f, R> {
-    /// The lines of what `reader` has left of `file`; `before` lines were read already.
+    /// The lines of the rest of `file` in `reader`; `before` lines were read already.
     pub(super) fn new(file: &'f Path, reader: R, before: u64) -> Self {
         Self { file, reader, line: Vec::new(), number: before, after_return: false }
     }
@@ -115,14 +115,14 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// A line's first word, and what follows without the spaces around it.
+/// A line's first word, and the rest without the spaces around it.
 pub(super) fn keyword(line: &[u8]) -> (&[u8], &[u8]) {
     let line = line.trim_ascii();
     let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
     (&line[..end], line[end..].trim_ascii_start())
 }
 
-/// A number; what is infinite or no number is so afterwards, in all spellings of common C libraries
+/// A number; infinities and NaN are read as such, in all spellings of common C libraries
 /// (`nan(ind)`, `1.#QNAN`).
 pub(super) fn number(word: &[u8]) -> Option<f32> {
     let text = std::str::from_utf8(word).ok()?;
@@ -133,7 +133,7 @@ pub(super) fn number(word: &[u8]) -> Option<f32> {
     (digits.starts_with("nan(") || digits.starts_with("1.#")).then_some(f32::NAN)
 }
 
-/// The next `N` numbers of a line, or the sentence that says what is wrong.
+/// The next `N` numbers of a line, or a sentence that says what is wrong.
 pub(super) fn numbers<'w, const N: usize>(
     words: &mut impl Iterator<Item = &'w [u8]>,
 ) -> Result<[f32; N], String> {

@@ -1,7 +1,7 @@
 //! The textures of a scene, from the first mention to the texels.
 //!
-//! While materials are read, textures are only listed: which images they are made of, and how. Of
-//! the images no more than the size is read then. At the end all sizes are known, so it can be said
+//! While materials are read, textures are only listed: which images they are made of, and how. Only
+//! the sizes of the images are read then. At the end all sizes are known, so the loader can decide
 //! beforehand how far the textures must shrink to fit into the budget; then they are made, several
 //! at a time, each shrunk before the next is begun.
 
@@ -18,7 +18,7 @@ use crate::{Sampler, SceneError, Texture};
 
 pub(super) use mix::Mix;
 
-/// Bytes that textures under way may take together; one alone may take more.
+/// Bytes that textures under way may take together; a single one may take more.
 const BYTES_UNDER_WAY: u64 = 512 << 20;
 /// Texels of all textures before they are shrunk: it would take minutes to decode more.
 const MOST_TEXELS: u64 = 1 << 35;
@@ -27,14 +27,14 @@ const MOST_TEXELS: u64 = 1 << 35;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ImageId(usize);
 
-/// What a texture is made of.
+/// The sources of a texture.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Recipe {
     /// An image as it is.
     Image(ImageId),
     /// A new image out of several.
     Mixed {
-        /// Those that it is made of, one or two.
+        /// The one or two images that it is made of.
         images: Vec<ImageId>,
         /// How.
         mix: Mix,
@@ -89,7 +89,7 @@ impl Product {
 pub(super) enum NotMade {
     /// Images that cannot be decoded, each with the reason; without them the scene can be shown.
     Images(Vec<(ImageId, Fault)>),
-    /// There is no help.
+    /// There is no remedy.
     Scene(SceneError),
 }
 
@@ -143,7 +143,7 @@ impl<'a> Textures<'a> {
 
     fn product(&mut self, recipe: Recipe, encoding: Encoding) -> usize {
         if let Some(&known) = self.product_of.get(&recipe) {
-            // What is a colour to one material and data to another is averaged as data.
+            // An image that is a colour to one material and data to another is averaged as data.
             if encoding == Encoding::Data {
                 self.products[known].encoding = Encoding::Data;
             }

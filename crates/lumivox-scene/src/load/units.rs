@@ -41,7 +41,8 @@ pub(super) fn check(file: &Path, options: &LoadOptions<'_>) -> Result<(), SceneE
     })
 }
 
-/// Turns and scales a loaded scene as the options say: places and lengths, not the strengths of lights.
+/// Turns and scales a loaded scene as the options say: places and lengths, not the strengths of
+/// lights.
 pub(super) fn apply(
     scene: &mut Scene,
     file: &Path,
@@ -54,7 +55,7 @@ pub(super) fn apply(
         return Ok(());
     }
     scene.transform(rotation);
-    // What moves keeps its unit at all times.
+    // Animations keep their unit at all times.
     if let Some(rig) = &mut scene.rig {
         rig.transform(scale);
     }
@@ -68,7 +69,7 @@ pub(super) fn apply(
             let at_a_metre = attenuation.at(1.0);
             attenuation.linear /= unit_m;
             attenuation.quadratic /= unit_m * unit_m;
-            // The strength is told by what arrives at a metre.
+            // The light that arrives at a metre gives the strength.
             if let LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } =
                 &mut light.kind
             {
@@ -88,7 +89,7 @@ pub(super) fn apply(
         camera.position *= unit_m;
         camera.near_m *= unit_m;
     }
-    // Extreme units make numbers overflow, or flatten what is small.
+    // Extreme units make numbers overflow, or flatten small things.
     crate::validate::validate(scene, file)
 }
 

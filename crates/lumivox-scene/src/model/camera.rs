@@ -64,8 +64,8 @@ impl Camera {
         )
     }
 
-    /// The ray through a place in a picture of `size`, in pixels from its upper left corner (the middle of the
-    /// first pixel is at 0.5, 0.5): the eye, and a unit vector.
+    /// The ray through a place in a picture of `size`, in pixels from its upper left corner (the
+    /// middle of the first pixel is at 0.5, 0.5): the eye, and a unit vector.
     pub fn ray(&self, pixel: Vec2, size: UVec2) -> (Vec3, Vec3) {
         let size = size.as_vec2();
         let half_height = (0.5 * self.vertical_fov_rad).tan();

@@ -10,7 +10,7 @@ use glam::Vec3;
 pub struct Light {
     /// A name for lists and messages.
     pub name: String,
-    /// What shines, and how strongly.
+    /// The kind and the strength of a light.
     pub kind: LightKind,
     /// Linear RGB that multiplies the intensity or illuminance. Default: white (1, 1, 1).
     pub color: Vec3,
@@ -22,18 +22,19 @@ pub struct Light {
     /// same. Default: 0, a point with hard shadows. A directional light has an angular radius in
     /// its kind instead.
     pub radius_m: f32,
-    /// How its light falls off in the look of the time before physical units. Default: none, for the
-    /// inverse square. Physical renderers pay no heed to it.
+    /// How its light falls off in the look of the time before physical units. Default: none, for
+    /// the inverse square. Physical renderers pay no heed to it.
     pub attenuation: Option<Attenuation>,
 }
 
-/// The fall-off of a light as the fixed pipelines of graphics hardware had it (Segal and Akeley 1992,
-/// "The OpenGL graphics system", section 2.13.1): of the light, a share of
+/// The fall-off of a light as the fixed pipelines of graphics hardware had it (Segal and Akeley
+/// 1992, "The OpenGL graphics system", section 2.13.1): of the light, a share of
 /// `1 / (constant + linear d + quadratic d²)` arrives at a distance of d metres.
 ///
 /// Physical renderers use the inverse square of the intensity instead; the `vxct` look uses this. A
-/// light that has it gives the same to both at a metre: with [`Attenuation::at`] 1 m of a, its intensity
-/// is pi a candela, so that a white diffuse surface that faces it there has a radiance of a cd/m².
+/// light that has it gives the same to both at a metre: with [`Attenuation::at`] 1 m of a, its
+/// intensity is pi a candela, so that a white diffuse surface that faces it there has a radiance of
+/// a cd/m².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attenuation {
     /// The part that is the same at any distance, at least 0. Default: 1.
@@ -101,17 +102,17 @@ pub enum LightKind {
         range_m: Option<f32>,
         /// Angle from the axis at which the intensity begins to fall, in radians, at least 0.
         inner_angle_rad: f32,
-        /// Angle from the axis at which it reaches zero, in radians, at least the inner angle and at
-        /// most pi/2.
+        /// Angle from the axis at which it reaches zero, in radians, at least the inner angle and
+        /// at most pi/2.
         outer_angle_rad: f32,
     },
 }
 
-/// What rays see that leave the scene.
+/// The light from outside the scene, which rays see that leave it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Environment {
-    /// Radiance in cd/m², the same in every direction; where there is a map, what its texels are
-    /// multiplied by. Default: zero, a black surrounding; a clear blue sky has about 3000.
+    /// Radiance in cd/m², the same in every direction; where there is a map, the factor of its
+    /// texels. Default: zero, a black surrounding; a clear blue sky has about 3000.
     pub radiance: Vec3,
     /// A picture of the surroundings. Default: none.
     pub map: Option<Arc<EnvironmentMap>>,
@@ -134,7 +135,7 @@ pub struct EnvironmentMap {
     /// Linear RGB, at least 0, row by row from the top; `width * height` texels. Radiance in cd/m²
     /// where [`Environment::radiance`] is 1.
     pub rgb: Vec<[f32; 3]>,
-    /// Sentences for the user on what was repaired or assumed while loading; they belong into
+    /// Sentences for the user on repairs and assumptions while loading; they belong into
     /// [`LoadNotes::warnings`](super::LoadNotes) of the scene that the map is put into.
     pub warnings: Vec<String>,
 }

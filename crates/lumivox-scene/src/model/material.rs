@@ -21,10 +21,10 @@ pub struct Material {
     pub normal_texture: Option<TextureRef>,
     /// Multiplies x and y of the normal texture. Default: 1; 0 switches the texture off.
     pub normal_scale: f32,
-    /// What the alpha of the base colour means. Default: nothing (opaque).
+    /// The meaning of the base colour's alpha. Default: nothing (opaque).
     pub alpha: AlphaMode,
-    /// Whether the back side is a surface, too, with the normal turned round. Default: no; then
-    /// what lies behind is seen through the back.
+    /// Whether the back side is a surface, too, with the normal turned. Default: no; then the back
+    /// side is invisible.
     pub double_sided: bool,
     /// A layer of varnish. Default: none.
     pub clearcoat: Clearcoat,
@@ -32,8 +32,8 @@ pub struct Material {
     pub sheen: Sheen,
     /// Light that goes through as through a pane of glass. Default: none.
     pub transmission: Transmission,
-    /// What the surface is in the look of VXCT, if its scene says so. Default: nothing; that look then goes by what is
-    /// above. Physical renderers pay no heed to it.
+    /// The surface's properties in the look of VXCT, if its scene gives them. Default: none; that
+    /// look then uses the fields above. Physical renderers ignore it.
     pub strengths: Option<Strengths>,
 }
 
@@ -125,15 +125,15 @@ pub struct MetallicRoughness {
     /// Scales the dielectric's reflectance, 0 to 1 (the factor of `KHR_materials_specular`).
     /// Default: 1; 0 leaves pure Lambert.
     pub specular: f32,
-    /// Linear RGB, at least 0, that multiplies the dielectric's reflectance at normal incidence; the
-    /// product is limited to 1 (the colour of `KHR_materials_specular`). Default: white.
+    /// Linear RGB, at least 0, that multiplies the dielectric's reflectance at normal incidence;
+    /// the product is limited to 1 (the colour of `KHR_materials_specular`). Default: white.
     pub specular_color: Vec3,
     /// Texture that multiplies `specular_color` by its colour (sRGB-encoded) and `specular` by its
     /// alpha.
     pub specular_texture: Option<TextureRef>,
     /// Index of refraction of the dielectric, at least 1 (`KHR_materials_ior`). Default: 1.5, a
-    /// reflectance of 4 % at normal incidence. 0 stands for a reflectance of 1, which leaves it to
-    /// `specular_color` alone.
+    /// reflectance of 4 % at normal incidence. 0 means a reflectance of 1, so that only
+    /// `specular_color` counts.
     pub ior: f32,
 }
 
@@ -183,11 +183,11 @@ impl Default for Phong {
     }
 }
 
-/// A surface as Phong's shader of the time before physical units has it: for each light, `color` times
-/// (ambient + diffuse cos + specular cos^shininess) is added up, and shown as it is.
+/// A surface as Phong's shader of the time before physical units has it: for each light, `color`
+/// times (ambient + diffuse cos + specular cos^shininess) is added up, and shown as it is.
 ///
-/// It may reflect more than it gets, and no number of it has a limit. [`Strengths::to_phong`] is the nearest surface
-/// that there could be.
+/// It may reflect more than it gets, and no number of it has a limit. [`Strengths::to_phong`] is
+/// the nearest surface that there could be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strengths {
     /// Linear RGB. Default: 0.85 each.
@@ -196,12 +196,12 @@ pub struct Strengths {
     pub ambient: f32,
     /// The share that it shows by how much it faces the light. Default: 1.
     pub diffuse: f32,
-    /// The share in the middle of the highlight; also what mirrored light is multiplied by. Default: 0.5.
+    /// The share in the middle of the highlight; also the factor of mirrored light. Default: 0.5.
     pub specular: f32,
     /// Exponent of the highlight; higher is sharper. Default: 32.
     pub shininess: f32,
-    /// Whether normals point away from the mesh's origin, as those of a cube of eight shared corners do. Default: no,
-    /// they are the mesh's own.
+    /// Whether normals point away from the mesh's origin, as those of a cube of eight shared
+    /// corners do. Default: no, they are the mesh's own.
     pub is_rounded: bool,
 }
 
@@ -222,12 +222,13 @@ impl Default for Strengths {
 impl Strengths {
     /// The physical surface that looks most like it.
     ///
-    /// A lamp that gives a white diffuse surface a radiance of L has an irradiance of E = pi L where it is met at right
-    /// angles. The diffuse albedo that gives `diffuse * color * L` is `diffuse * color`. The lobe of [`Phong`] is
-    /// normalised (Lafortune and Willems 1994, "Using the modified Phong reflectance model for physically based
-    /// rendering"): its peak is `specular (n + 2) / (2 pi)`, which times E is `specular (n + 2) / 2 L`. It equals
-    /// `specular * L` for 2 / (n + 2) of ours. Both are limited to what a surface can reflect, and what is below zero is
-    /// zero.
+    /// A lamp that gives a white diffuse surface a radiance of L has an irradiance of E = pi L
+    /// where it is met at right angles. The diffuse albedo that gives `diffuse * color * L` is
+    /// `diffuse * color`. The lobe of [`Phong`] is normalised (Lafortune and Willems 1994, "Using
+    /// the modified Phong reflectance model for physically based rendering"): its peak is
+    /// `specular (n + 2) / (2 pi)`, which times E is `specular (n + 2) / 2 L`. It equals
+    /// `specular * L` for 2 / (n + 2) of ours. Both are limited to the light that a surface can
+    /// reflect, and negative values count as zero.
     pub fn to_phong(&self) -> Phong {
         let shininess = self.shininess.max(0.0);
         let lobe = 2.0 * self.specular / (shininess + 2.0);
@@ -281,14 +282,14 @@ pub struct Sheen {
 /// Light that passes an infinitely thin surface without being bent (`KHR_materials_transmission`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Transmission {
-    /// The share of the light that is not reflected which passes, tinted by the base colour, instead
-    /// of being reflected diffusely; 0 (the default) to 1.
+    /// The share of the light that is not reflected which passes, tinted by the base colour,
+    /// instead of being reflected diffusely; 0 (the default) to 1.
     pub factor: f32,
     /// Data texture (linear) that multiplies `factor` by its red.
     pub texture: Option<TextureRef>,
 }
 
-/// What the alpha of the base colour means (glTF 2.0, section 3.9.4).
+/// The meaning of the base colour's alpha (glTF 2.0, section 3.9.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
     /// Nothing; the surface is solid.

@@ -1,4 +1,4 @@
-//! Triangles, and where they stand.
+//! Triangles, and their places in the world.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -19,7 +19,7 @@ pub struct Mesh {
     /// A second set of texture coordinates; empty where there is none.
     pub uvs1: Vec<Vec2>,
     /// Linear RGB and alpha, each 0 to 1, that multiply the material's base colour (or diffuse
-    /// colour); empty stands for white.
+    /// colour); empty means white.
     pub colors: Vec<Vec4>,
     /// Unit tangents along growing u, orthogonal to the normal; w is the sign of the bitangent
     /// `w * cross(normal, tangent)` (glTF 2.0, section 3.7.2.1). `MikkTSpace` where the material
@@ -40,8 +40,8 @@ impl Mesh {
         self.indices.chunks_exact(3).map(|t| [t[0] as usize, t[1] as usize, t[2] as usize])
     }
 
-    /// Turns every triangle's winding and every bitangent round: what a copy needs that a
-    /// mirroring transform will place, for its front to stay its front.
+    /// Turns every triangle's winding and every bitangent. A copy that a mirroring transform will
+    /// place needs it, so that its front stays its front.
     pub(crate) fn flip_winding(&mut self) {
         for triangle in self.indices.chunks_exact_mut(3) {
             triangle.swap(1, 2);
@@ -61,8 +61,8 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec4 {
 ///
 /// The loader turns the winding of meshes that a transform mirrors (negative determinant), so the
 /// front of a triangle is counter-clockwise in *world* space whatever the determinant's sign.
-/// Normals need the inverse transpose of the matrix, sign included: the adjugate alone would turn
-/// them inwards under a mirror.
+/// Normals need the inverse transpose of the matrix, sign included: the adjugate without it would
+/// turn them inwards under a mirror.
 ///
 /// The default is the first mesh in the first material where it was modelled, static, voxelized and
 /// shown.
@@ -77,18 +77,21 @@ pub struct Instance {
     pub material: usize,
     /// Affine transform from the mesh's local space to the world. Invertible.
     pub world_from_local: Mat4,
-    /// It stays as it is while others move, so that renderers may keep what they made of it. By default all is
-    /// static but what an animation can reach, by a node, a bone or a morph target.
+    /// Whether it stays as it is while others move, so that renderers may keep data that they made
+    /// of it. By default everything is static except for things that an animation can reach, by a
+    /// node, a bone or a morph target.
     pub is_static: bool,
-    /// Its surface is in the voxels, so that it takes part in indirect light; all of it is drawn and
-    /// casts shadows from shadow maps in any case, and rays of the reference meet it. Default: yes.
+    /// Its surface is in the voxels, so that it takes part in indirect light; all of it is drawn
+    /// and casts shadows from shadow maps in any case, and rays of the reference meet it. Default:
+    /// yes.
     pub is_voxelized: bool,
     /// It is as if it were not there: neither drawn nor voxelized, without shadow, outside of
-    /// [`Scene::bounds`](super::Scene::bounds); only kept and saved (`KHR_node_visibility`). Default: no.
+    /// [`Scene::bounds`](super::Scene::bounds); only kept and saved (`KHR_node_visibility`).
+    /// Default: no.
     pub is_hidden: bool,
-    /// It belongs to the surroundings, such as the ground of a studio: drawn, lit and voxelized where the
-    /// grid reaches, but outside of [`Scene::bounds`](super::Scene::bounds), so that neither the grid nor a
-    /// camera is fitted to it. Default: no.
+    /// It belongs to the surroundings, such as the ground of a studio: drawn, lit and voxelized
+    /// where the grid reaches, but outside of [`Scene::bounds`](super::Scene::bounds), so that
+    /// neither the grid nor a camera is fitted to it. Default: no.
     pub is_backdrop: bool,
 }
 

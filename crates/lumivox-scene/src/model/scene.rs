@@ -12,7 +12,7 @@ pub struct Scene {
     pub name: String,
     /// Triangles in local space.
     pub meshes: Vec<Mesh>,
-    /// Which meshes stand where, with which material.
+    /// The instances: each is a mesh with a transform and a material.
     pub instances: Vec<Instance>,
     /// Surfaces.
     pub materials: Vec<Material>,
@@ -24,42 +24,43 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The surroundings.
     pub environment: Environment,
-    /// What moves, for [`Scene::pose`]; none where a file has no animations. Setting it to none
-    /// keeps what is shown, and frees the memory.
+    /// The data of [`Scene::pose`]; none where a file has no animations. Setting it to none keeps
+    /// the present pose, and frees the memory.
     pub rig: Option<Rig>,
-    /// What a voxel grid is fitted to. Default: none, for [`Scene::bounds`]. A scene that has it may be
-    /// empty.
+    /// The box that a voxel grid is fitted to. Default: none, which means [`Scene::bounds`]. A
+    /// scene that has it may be empty.
     pub grid_bounds: Option<Bounds>,
-    /// What was noticed while loading.
+    /// Notes of the loader.
     pub notes: LoadNotes,
 }
 
-/// What was noticed while loading that is no error.
+/// Notes of the loader that are not errors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadNotes {
     /// How many triangles of no area were removed from the meshes.
     pub degenerate_triangles: usize,
-    /// Sentences for the user, each naming what was ignored or replaced.
+    /// Sentences for the user, each naming something that was ignored or replaced.
     pub warnings: Vec<String>,
     /// The program that wrote the file, if it says so.
     pub generator: Option<String>,
     /// The extensions of the format that the file uses (glTF), understood or not.
     pub extensions_used: Vec<String>,
-    /// Those of them without which it could not be shown.
+    /// The required ones among them.
     pub extensions_required: Vec<String>,
     /// The file's scenes in order, by their names or numbers (glTF, VXCT); see
     /// [`LoadOptions::scene`](crate::LoadOptions::scene).
     pub scenes: Vec<String>,
 }
 
-/// The boxes around a scene's instances. Whoever keeps them pays for what moves, and not for the whole scene.
+/// The boxes around a scene's instances. A caller that keeps them pays only for instances that
+/// move, and not for the whole scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstanceBounds {
     boxes: Vec<Bounds>,
 }
 
 impl InstanceBounds {
-    /// Of a scene as it stands, hidden instances included.
+    /// Measures all instances of a scene, hidden ones included.
     pub fn of(scene: &Scene) -> Self {
         let boxes = scene.instances.iter().map(|instance| scene.bounds_of(instance));
         Self { boxes: boxes.collect() }
@@ -101,13 +102,13 @@ impl Scene {
         self.instances.iter().filter(|instance| !instance.is_hidden)
     }
 
-    /// The instances that are not hidden and no backdrop: what the scene is about.
+    /// The subject of the scene: the instances that are neither hidden nor a backdrop.
     pub fn subjects(&self) -> impl Iterator<Item = &Instance> {
         self.shown().filter(|instance| !instance.is_backdrop)
     }
 
-    /// The smallest box around all instances that are neither hidden nor a backdrop, in world space;
-    /// [`Bounds::EMPTY`] without triangles. Where there is nothing but a backdrop, that is what counts.
+    /// The smallest box around all instances that are neither hidden nor a backdrop, in world
+    /// space; [`Bounds::EMPTY`] without triangles. Where there is only a backdrop, its box counts.
     pub fn bounds(&self) -> Bounds {
         InstanceBounds::of(self).all(self)
     }
@@ -124,7 +125,7 @@ impl Scene {
         bounds
     }
 
-    /// What a voxel grid is fitted to: [`Scene::grid_bounds`], or else [`Scene::bounds`].
+    /// The box that a voxel grid is fitted to: [`Scene::grid_bounds`], or else [`Scene::bounds`].
     pub fn voxel_bounds(&self) -> Bounds {
         self.grid_bounds.unwrap_or_else(|| self.bounds())
     }
@@ -138,8 +139,8 @@ impl Scene {
     }
 
     /// Moves everything, lights and cameras included, by a rigid motion (rotation and translation;
-    /// scale would change distances to lights and so their meaning). The surroundings stay. The box of
-    /// the voxels, whose axes are the world's, grows to hold what it held.
+    /// scale would change distances to lights and so their meaning). The surroundings stay. The box
+    /// of the voxels, whose axes are the world's, grows to hold its old content.
     pub fn transform(&mut self, rigid: Mat4) {
         if let Some(rig) = &mut self.rig {
             rig.transform(rigid);
@@ -161,11 +162,11 @@ impl Scene {
         }
     }
 
-    /// Turns everything that [`Scene::transform`] moves about the centre of the voxels' bounds: Euler angles in
-    /// radians about x, y and z (intrinsic, in that order).
+    /// Turns everything that [`Scene::transform`] moves about the centre of the voxels' bounds:
+    /// Euler angles in radians about x, y and z (intrinsic, in that order).
     ///
-    /// Pictures from the scene's own cameras stay the same but for the surroundings, and for how walls
-    /// fall in a voxel grid.
+    /// Pictures from the scene's own cameras stay the same, except for the surroundings and for the
+    /// places of walls in a voxel grid.
     pub fn rotate(&mut self, angles_rad: Vec3) {
         let turn = Quat::from_euler(EulerRot::XYZ, angles_rad.x, angles_rad.y, angles_rad.z);
         let center = self.voxel_bounds().center();

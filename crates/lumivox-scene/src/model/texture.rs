@@ -41,9 +41,9 @@ pub struct Texture {
 /// How an image is sampled. Default: repeating, linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Sampler {
-    /// What lies left and right of the image.
+    /// The texels left and right of the image.
     pub wrap_u: Wrap,
-    /// What lies above and below it.
+    /// The texels above and below it.
     pub wrap_v: Wrap,
     /// The filter where a texel covers several pixels.
     pub magnify: Filter,
@@ -51,7 +51,7 @@ pub struct Sampler {
     pub minify: Filter,
 }
 
-/// What lies outside of an image.
+/// The texels outside of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The image again.

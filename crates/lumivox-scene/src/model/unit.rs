@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 
 /// The vector at unit length; `None` where it has no direction.
 ///
-/// One that is a unit vector but for rounding stays as it is, to the bit: normalising again would move
-/// its last digits about each time that a scene is saved and loaded. 1e-5 is some 80 units in the last
-/// place, beyond what normalising itself leaves.
+/// A vector that is of unit length except for rounding stays as it is, to the bit: normalising
+/// again would move its last digits about each time that a scene is saved and loaded. 1e-5 is some
+/// 80 units in the last place, more than the error of normalising itself.
 pub(crate) fn to_unit(v: Vec3) -> Option<Vec3> {
     // In f64, where no finite f32 vector's length overflows or vanishes.
     let wide = v.as_dvec3();

@@ -1,10 +1,11 @@
-//! What a ray from the camera meets: which instance, which triangle, where.
+//! The thing that a ray from the camera meets: which instance, which triangle, where.
 //!
-//! Each mesh is kept once, in its local space, as runs of 32 triangles in the order of the file, which mostly
-//! follow one another on the surface; a hierarchy of boxes (`obvhs`) stands over the runs. A ray is brought into
-//! the space of each instance. So the memory is 24 bytes a triangle where triangles share vertices (85 where none does), 10 million triangles
-//! are ready in a second, and a scene that moves pays for instances alone. Triangles are met in 64 bits
-//! (Möller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection").
+//! Each mesh is kept once, in its local space, as runs of 32 triangles in the order of the file,
+//! which mostly follow one another on the surface; a hierarchy of boxes (`obvhs`) is built over the
+//! runs. A ray is brought into the space of each instance. So the memory is 24 bytes a triangle
+//! where triangles share vertices (85 where none does), 10 million triangles are ready in a second,
+//! and a scene that moves pays only for instances. Triangles are met in 64 bits (Möller and
+//! Trumbore 1997, "Fast, minimum storage ray/triangle intersection").
 
 mod shape;
 #[cfg(test)]
@@ -19,12 +20,12 @@ use shape::{Hit, Shape, Sides};
 pub struct Picker {
     /// One a mesh; none where no instance shows it.
     shapes: Vec<Option<Shape>>,
-    parts: Vec<Part>,
+    placed: Vec<PlacedShape>,
 }
 
 /// An instance.
 #[derive(Debug)]
-struct Part {
+struct PlacedShape {
     instance: usize,
     mesh: usize,
     world_from_local: Mat4,
@@ -32,18 +33,20 @@ struct Part {
     sides: Sides,
 }
 
-/// What a ray meets first.
+/// The first thing that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
     /// Index into [`Scene::instances`].
     pub instance: usize,
-    /// The number of the triangle in the instance's mesh: its vertices are those at three times this number.
+    /// The number of the triangle in the instance's mesh: its vertices are those at three times
+    /// this number.
     pub triangle: usize,
     /// Where, in the world, m.
     pub position: Vec3,
     /// The unit normal of the triangle's plane in the world, towards the ray's origin.
     pub normal: Vec3,
-    /// The unit normal interpolated between the vertices (without a normal texture), on the side that is seen.
+    /// The unit normal interpolated between the vertices (without a normal texture), on the side
+    /// that is seen.
     pub shading_normal: Vec3,
     /// From the ray's origin, m.
     pub distance_m: f32,
@@ -51,7 +54,7 @@ pub struct Pick {
 
 impl std::fmt::Debug for Picker {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Picker").field("parts", &self.parts.len()).finish_non_exhaustive()
+        f.debug_struct("Picker").field("placed", &self.placed.len()).finish_non_exhaustive()
     }
 }
 
@@ -61,7 +64,7 @@ impl Picker {
     /// 24 bytes a triangle; about a tenth of a second a million (debug build, one slow core).
     pub fn new(scene: &Scene) -> Self {
         let mut is_shown = vec![false; scene.meshes.len()];
-        let mut parts = Vec::new();
+        let mut all = Vec::new();
         let pickable = scene.instances.iter().enumerate().filter(|(_, placed)| !placed.is_hidden);
         for (instance, placed) in pickable {
             let Some(is_shown) = is_shown.get_mut(placed.mesh) else { continue };
@@ -76,7 +79,7 @@ impl Picker {
             } else {
                 Sides::CounterClockwise
             };
-            parts.push(Part {
+            all.push(PlacedShape {
                 instance,
                 mesh: placed.mesh,
                 world_from_local: placed.world_from_local,
@@ -86,37 +89,37 @@ impl Picker {
         }
         let shape = |(mesh, is_shown)| if is_shown { Shape::new(mesh) } else { None };
         let shapes = scene.meshes.iter().zip(is_shown).map(shape).collect();
-        Self { shapes, parts }
+        Self { shapes, placed: all }
     }
 
-    /// The first surface on a ray that a picture shows: the backs of single-sided surfaces let it pass, as they
-    /// do in pictures. Holes of masks and glass do not: a pane or a leaf is met all over. `direction` need not
-    /// have unit length; with a zero direction nothing is met.
+    /// The first surface on a ray that a picture shows: the backs of single-sided surfaces let it
+    /// pass, as they do in pictures. Holes of masks and glass do not: a pane or a leaf is met all
+    /// over. `direction` need not have unit length; with a zero direction nothing is met.
     ///
-    /// Of surfaces in the same place the one of the first instance counts.
+    /// Of surfaces in the same place, the one of the first instance counts.
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
         let origin = origin.as_dvec3();
         let direction = direction.as_dvec3().try_normalize()?;
-        let mut nearest: Option<(&Part, Hit)> = None;
-        for part in &self.parts {
-            let Some(shape) = &self.shapes[part.mesh] else { continue };
+        let mut nearest: Option<(&PlacedShape, Hit)> = None;
+        for placed in &self.placed {
+            let Some(shape) = &self.shapes[placed.mesh] else { continue };
             // The local direction is not of unit length, so that distances stay those of the world.
             let local = (
-                part.local_from_world.transform_point3(origin),
-                part.local_from_world.transform_vector3(direction),
+                placed.local_from_world.transform_point3(origin),
+                placed.local_from_world.transform_vector3(direction),
             );
             let limit = nearest.map_or(f64::INFINITY, |(_, hit)| hit.distance);
-            if let Some(hit) = shape.nearest(local, part.sides, limit) {
-                nearest = Some((part, hit));
+            if let Some(hit) = shape.nearest(local, placed.sides, limit) {
+                nearest = Some((placed, hit));
             }
         }
-        let (part, hit) = nearest?;
-        let shape = self.shapes[part.mesh].as_ref()?;
-        Some(part.tell(shape, hit, (origin, direction)))
+        let (placed, hit) = nearest?;
+        let shape = self.shapes[placed.mesh].as_ref()?;
+        Some(placed.tell(shape, hit, (origin, direction)))
     }
 }
 
-impl Part {
+impl PlacedShape {
     /// A hit in the words of the world.
     fn tell(&self, shape: &Shape, hit: Hit, (origin, direction): (DVec3, DVec3)) -> Pick {
         let corners = shape

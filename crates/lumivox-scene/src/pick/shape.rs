@@ -8,9 +8,11 @@ use obvhs::ray::{Ray, RayHit};
 
 use crate::Mesh;
 
-/// Triangles in one leaf: boxes then take 1 byte a triangle, and a ray tests a few hundred triangles.
+/// Triangles in one leaf: boxes then take 1 byte a triangle, and a ray tests a few hundred
+/// triangles.
 const RUN: usize = 32;
-/// Half the edge of the space that boxes live in is 1; corners and rays are rounded to 1e-7 of that.
+/// Half the edge of the space that boxes live in is 1; corners and rays are rounded to 1e-7 of
+/// that.
 const PADDING: f32 = 1e-5;
 /// A ray starts at most this far from the middle of that space, whose corners are sqrt(3) away.
 const REACH: f64 = 2.0;
@@ -90,15 +92,16 @@ impl Shape {
         Some(Self { positions: mesh.positions.clone(), normals, triangles, bvh, center, half })
     }
 
-    /// The nearest triangle on a ray that is nearer than `limit`; of several in one place that of the lowest
-    /// number.
+    /// The nearest triangle on a ray that is nearer than `limit`; of several in one place that of
+    /// the lowest number.
     pub(super) fn nearest(
         &self,
         (origin, direction): (DVec3, DVec3),
         sides: Sides,
         limit: f64,
     ) -> Option<Hit> {
-        // In the space of the boxes, from a start near to them: 32 bits do there, however far the eye is.
+        // In the space of the boxes, from a start near to them: 32 bits do there, however far the
+        // eye is.
         let length = direction.length() / self.half;
         let towards = direction.try_normalize()?;
         let from = (origin - self.center) / self.half;

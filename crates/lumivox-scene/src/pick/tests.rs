@@ -32,8 +32,8 @@ fn brute_force(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<(usize, u
     nearest
 }
 
-/// How far a place is from the nearest edge of its triangle, relative to the triangle's size: there, two ways to
-/// compute may take different triangles.
+/// How far a place is from the nearest edge of its triangle, relative to the triangle's size:
+/// there, two ways to compute may take different triangles.
 fn is_near_an_edge(scene: &Scene, (instance, triangle, _): (usize, usize, f64), at: Vec3) -> bool {
     let placed = &scene.instances[instance];
     let mesh = &scene.meshes[placed.mesh];
@@ -184,7 +184,8 @@ fn square(double_sided: bool, world_from_local: Mat4) -> Scene {
 
 #[test]
 fn a_hit_is_told_in_the_world() {
-    // Twice as wide: the triangle's normal stays, the vertices' normals turn by the inverse transpose.
+    // Twice as wide: the triangle's normal stays, the vertices' normals turn by the inverse
+    // transpose.
     let place = Mat4::from_translation(Vec3::new(5.0, 0.0, -2.0))
         * Mat4::from_scale(Vec3::new(2.0, 1.0, 1.0));
     let picker = Picker::new(&square(false, place));
@@ -205,7 +206,7 @@ fn backs_let_rays_pass_unless_they_are_surfaces() {
     let pick = Picker::new(&square(true, Mat4::IDENTITY)).pick(behind, Vec3::Z).unwrap();
     assert_eq!(pick.normal, Vec3::NEG_Z);
     assert!(pick.shading_normal.abs_diff_eq(Vec3::new(-0.6, 0.0, -0.8), 1e-6));
-    // The loader turns the winding of what a transform mirrors, so that the front stays in front.
+    // The loader turns the winding of mirrored meshes, so that the front stays in front.
     let mut mirrored = square(false, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
     mirrored.meshes[0].flip_winding();
     let picker = Picker::new(&mirrored);
@@ -229,7 +230,8 @@ fn rays_pass_what_is_hidden() {
     assert_eq!(meet(&scene), None);
 }
 
-/// Of surfaces in one place the first counts, so that an answer does not depend on how boxes are built.
+/// Of surfaces in one place the first counts, so that an answer does not depend on how boxes are
+/// built.
 #[test]
 fn of_what_lies_in_one_place_the_first_is_met() {
     let mut scene = square(false, Mat4::IDENTITY);
@@ -243,7 +245,7 @@ fn of_what_lies_in_one_place_the_first_is_met() {
 fn far_eyes_and_tiny_things_meet() {
     for size_m in [1e-4_f32, 1.0, 1e5] {
         let picker = Picker::new(&square(false, Mat4::from_scale(Vec3::splat(size_m))));
-        // As far as a pixel's ray in f32 still tells a thousandth of the thing apart.
+        // As far as a pixel's ray in f32 resolves a thousandth of the thing.
         let origin = Vec3::new(0.25, 0.125, 4096.0) * size_m;
         let pick = picker.pick(origin, Vec3::NEG_Z).unwrap();
         assert!((pick.distance_m / size_m - 4096.0).abs() < 1e-3);
@@ -262,7 +264,7 @@ fn a_scene_of_nothing_is_met_nowhere() {
     assert_eq!(Picker::new(&broken).pick(Vec3::Z, Vec3::NEG_Z), None);
 }
 
-/// Prints what `Picker::new` says in its documentation.
+/// Prints the figures in the documentation of `Picker::new`.
 #[test]
 fn a_million_triangles_are_taken_up_and_met() {
     let edge = 708_u32;

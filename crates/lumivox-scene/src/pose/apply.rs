@@ -69,7 +69,7 @@ impl Rig {
 
     /// Meshes that no animation deforms have their final shape now.
     fn drop_what_never_moves(&mut self) {
-        // The rig is new: nobody else holds its parts.
+        // The rig is new: its parts have no other owner.
         let Some(parts) = Arc::get_mut(&mut self.parts) else { return };
         let moves = moving(&parts.nodes, &parts.animations);
         let weighs = weighing(parts.nodes.len(), &parts.animations);
@@ -173,7 +173,7 @@ fn place_instances(
     }
     if !visible.iter().map(|v| v.0).eq(rig.shown.iter().copied()) {
         let others = scene.instances.split_off(rig.shown.len().min(scene.instances.len()));
-        // What stays in sight stays as it was marked since loading.
+        // Instances that stay in sight stay as they were marked since loading.
         let mut marked = rig.shown.iter().zip(&scene.instances).peekable();
         let again = visible.iter().map(|&(i, mesh, world_from_local)| {
             while marked.next_if(|(shown, _)| **shown < i).is_some() {}

@@ -25,7 +25,7 @@ use crate::validate::has_area;
 /// together. Some 200 kB of data: it fits the caches.
 const CHUNK: usize = 3 << 10;
 
-/// One of the scene's meshes, and what moves its vertices.
+/// One of the scene's meshes, and the joints and targets that move its vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Deformed {
     /// Index into the scene's meshes.
@@ -37,7 +37,7 @@ pub(crate) struct Deformed {
     pub(crate) base: Base,
     /// As many as the node has weights; those that never act may be empty.
     pub(crate) targets: Vec<Target>,
-    /// Without joints where there is no skin.
+    /// The influences of joints; without joints where there is no skin.
     pub(crate) influences: Influences,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct Base {
     pub(crate) is_flat: bool,
 }
 
-/// What a morph target displaces; all other vertices stay.
+/// The vertices that a morph target displaces; all others stay.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Target {
     /// Growing.
@@ -172,7 +172,7 @@ impl Deformed {
         }
     }
 
-    /// Moves a piece by its joints, and tells whether any vertex was mirrored.
+    /// Moves a piece by its joints, and returns whether any vertex was mirrored.
     fn skin(&self, joints: &[Affine3A], chunk: &mut Chunk<'_>) -> bool {
         let mut mirrors = false;
         for vertex in 0..chunk.positions.len() {
@@ -231,8 +231,8 @@ impl Deformed {
     }
 }
 
-/// The matrix that takes normals along, but for the determinant's sign and some factor, and the
-/// determinant, but for some positive factor.
+/// The matrix that transforms normals, up to the determinant's sign and some factor, and the
+/// determinant, up to some positive factor.
 fn cofactors(m: Mat3A) -> (Mat3A, f32) {
     let plain = |m: Mat3A| {
         let x = m.y_axis.cross(m.z_axis);
@@ -260,7 +260,7 @@ fn flatten(chunk: &mut Chunk<'_>, is_mirrored: impl Fn(usize) -> bool) {
     }
 }
 
-/// At unit length; `fallback` where there is no direction.
+/// The vector at unit length; `fallback` where it has no direction.
 fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
     let squared = v.length_squared();
     if squared > 1e-30 && squared < 1e30 {

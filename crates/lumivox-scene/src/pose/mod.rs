@@ -1,8 +1,8 @@
-//! Poses: where everything stands at a time of an animation.
+//! Poses: the places of everything at a time of an animation.
 //!
 //! A scene from a file with animations keeps a [`Rig`]: the tree of nodes, the channels that move
-//! them, the meshes that bones and morph targets deform, and what hangs on which node.
-//! [`Scene::pose`] computes transforms, lights, cameras and vertices anew from what the file says,
+//! them, the meshes that bones and morph targets deform, and the things on each node.
+//! [`Scene::pose`] always computes transforms, lights, cameras and vertices from the file's values,
 //! so nothing drifts: the same time gives the same bits, whatever was shown before.
 //!
 //! | file | idea |
@@ -51,11 +51,11 @@ pub enum AnimationChoice {
     All,
 }
 
-/// What a scene needs to be posed; see [`Scene::rig`]. Cheap to clone.
+/// The data that a scene needs to be posed; see [`Scene::rig`]. Cheap to clone.
 #[derive(Clone, PartialEq)]
 pub struct Rig {
     parts: Arc<Parts>,
-    /// What [`Scene::transform`] did since loading.
+    /// The product of all calls of [`Scene::transform`] since loading.
     world_from_file: Mat4,
     /// Which of the parts' instances the scene's first instances are; the others are hidden.
     shown: Vec<usize>,
@@ -89,20 +89,20 @@ impl Scene {
     /// times beyond its duration its end; nothing repeats.
     ///
     /// Changes transforms and meshes of instances, places of lights and cameras, and positions,
-    /// normals, tangents and triangles of meshes that bones or morph targets deform. What the
-    /// animation does not move is as the file stores it. An instance whose transform is flat at
-    /// that time, or whose triangles are, is left out of [`Scene::instances`] for as long. Meshes
-    /// keep their numbers; one without a visible triangle stays in the list, empty.
+    /// normals, tangents and triangles of meshes that bones or morph targets deform. Everything
+    /// that the animation does not move is as the file stores it. An instance whose transform is
+    /// flat at that time, or whose triangles are, is left out of [`Scene::instances`] for as long.
+    /// Meshes keep their numbers; one without a visible triangle stays in the list, empty.
     ///
     /// The rig's instances, lights and cameras are the first of their lists: append others behind
-    /// them, and posing leaves those alone. Without a rig there is nothing to move:
+    /// them, and posing does not touch those. Without a rig there is nothing to move:
     /// [`AnimationChoice::All`] then does nothing.
     ///
     /// # Errors
     /// [`SceneError::UnknownAnimation`] for a number beyond the list, [`SceneError::OutOfRange`]
-    /// for a time that is no number, [`SceneError::NotFinite`] where transforms overflow, and
+    /// for a time that is not a number, [`SceneError::NotFinite`] where transforms overflow, and
     /// [`SceneError::NothingAtTime`] where no triangle is left. After the last two the scene must
-    /// be posed anew before it is used.
+    /// be posed again before it is used.
     pub fn pose(&mut self, animation: AnimationChoice, time_s: f32) -> Result<(), SceneError> {
         apply::pose(self, animation, time_s)
     }

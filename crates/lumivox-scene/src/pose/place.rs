@@ -1,4 +1,4 @@
-//! Puts lights and cameras where their nodes stand.
+//! Puts lights and cameras at the places of their nodes.
 
 use glam::{Mat4, Vec3};
 
@@ -17,7 +17,7 @@ pub(crate) fn place_light(light: &mut Light, world_from_node: Mat4) {
 }
 
 /// A camera looks along its node's -z, with +y at the top (glTF 2.0, section 3.10.2). Where a scale
-/// of zero leaves no direction, the world's stands in; then it says `false`.
+/// of zero leaves no direction, the world's is used instead, and the result is `false`.
 pub(crate) fn place_camera(camera: &mut Camera, world_from_node: Mat4) -> bool {
     camera.position = world_from_node.w_axis.truncate();
     let axes = (direction(world_from_node, Vec3::NEG_Z), direction(world_from_node, Vec3::Y));

@@ -1,4 +1,4 @@
-//! What moves: the tree of nodes, the animations' channels, and what hangs on the nodes.
+//! The moving data: the tree of nodes, the animations' channels, and the things on the nodes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::Instance;
 pub(crate) struct Parts {
     /// For messages.
     pub(crate) file: PathBuf,
-    /// Parents stand before their children.
+    /// Parents come before their children.
     pub(crate) nodes: Vec<Node>,
     pub(crate) animations: Vec<Animation>,
     pub(crate) skins: Vec<Skin>,
@@ -33,7 +33,7 @@ pub(crate) struct Node {
     pub(crate) name: Arc<str>,
     /// Stands before this one.
     pub(crate) parent: Option<usize>,
-    /// Where it stands while nothing moves it.
+    /// Its transform while nothing moves it.
     pub(crate) rest: Local,
     /// How strongly its mesh's morph targets act while nothing moves them; empty without targets.
     pub(crate) weights: Vec<f32>,
@@ -76,7 +76,7 @@ pub(crate) struct Channel {
     pub(crate) track: Track,
 }
 
-/// What of a node moves.
+/// The property of a node that moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Property {
     Translation,
@@ -100,10 +100,10 @@ pub(crate) struct Placed {
     pub(crate) name: Arc<str>,
     /// `None` for skinned meshes, whose joints place them.
     pub(crate) node: Option<usize>,
-    /// One of many on its node stands here (`EXT_mesh_gpu_instancing`).
+    /// The transform of one of many copies on its node (`EXT_mesh_gpu_instancing`).
     pub(crate) node_from_local: Option<Mat4>,
-    /// The scene's mesh for transforms that do not mirror, and the one for those that do. There is
-    /// none for what never happens.
+    /// The scene's mesh for transforms that do not mirror, and the one for those that do. A case
+    /// that never happens has no mesh.
     pub(crate) meshes: [Option<usize>; 2],
     pub(crate) material: usize,
     /// Neither an animation nor the file itself says that it moves.
@@ -141,7 +141,7 @@ impl Placed {
 /// All nodes at one time.
 pub(crate) struct Pose {
     local: Vec<Local>,
-    /// Of each node's morph targets.
+    /// The weights of each node's morph targets.
     pub(crate) weights: Vec<Vec<f32>>,
 }
 
@@ -154,12 +154,12 @@ impl Pose {
         }
     }
 
-    /// Moves what the animation's channels name, at a time within its range.
+    /// Moves the properties that the animation's channels name, at a time within its range.
     pub(crate) fn play(&mut self, animation: &Animation, time_s: f32) {
         let time_s = time_s.clamp(0.0, animation.duration_s);
         for Channel { node, property, track } in &animation.channels {
             let Local::Parts { translation, rotation, scale } = &mut self.local[*node] else {
-                // Nodes with channels have parts; weights alone move any node.
+                // Nodes with other channels have parts; weights can change on any node.
                 if *property == Property::Weights {
                     track.sample(time_s, &mut self.weights[*node]);
                 }
@@ -190,8 +190,8 @@ impl Pose {
 }
 
 impl Skin {
-    /// What moves vertices from the mesh's space to the file's root, joint by joint (glTF 2.0,
-    /// section 3.7.3.3).
+    /// The matrices that move vertices from the mesh's space to the file's root, joint by joint
+    /// (glTF 2.0, section 3.7.3.3).
     pub(crate) fn file_from_mesh(&self, file_from_node: &[Mat4]) -> Vec<Affine3A> {
         let joints = self.joints.iter().zip(&self.joint_from_mesh);
         joints.map(|(&joint, &bind)| Affine3A::from_mat4(file_from_node[joint] * bind)).collect()

@@ -1,5 +1,5 @@
-//! Values over time: key frames, and what lies between them (glTF 2.0, section 3.11 and
-//! appendix C).
+//! Values over time: key frames, and the curve between them (glTF 2.0, section 3.11 and appendix
+//! C).
 //!
 //! With keys at `t_k` and `t_k+1`, `d = t_k+1 - t_k` and `t = (now - t_k) / d`:
 //!
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3, Vec4};
 
-/// What lies between two keys.
+/// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interpolation {
     Step,
@@ -121,7 +121,7 @@ impl Track {
         }
         let mut value = [0.0; 4];
         self.sample(time_s, &mut value);
-        // A spline may pass through zero, where there is no rotation: the last key's holds.
+        // A spline may pass through zero, where there is no rotation: then the last key's counts.
         unit(value).unwrap_or_else(|| match self.place(time_s) {
             Place::At(key) | Place::Behind(key, ..) => self.rotation(key),
         })

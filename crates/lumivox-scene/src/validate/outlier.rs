@@ -1,4 +1,5 @@
-//! A vertex far from all others, which makes a speck of the scene: everything is fitted to the bounds.
+//! A vertex far from all others, which makes a speck of the scene: everything is fitted to the
+//! bounds.
 
 use std::fmt;
 
@@ -6,8 +7,8 @@ use glam::{DVec3, Vec3};
 
 use crate::{Mesh, Scene};
 
-/// Times the reach of nearly all of the scene, beyond which a vertex counts: then the rest lies within a
-/// single voxel of the finest grid that there is, 1024 along an axis.
+/// Times the reach of nearly all of the scene, beyond which a vertex counts: then the rest lies
+/// within a single voxel of the finest grid that there is, 1024 along an axis.
 const FAR: f64 = 1024.0;
 /// Corners that are looked at for where nearly all of the scene is.
 const SAMPLES: usize = 4096;
@@ -40,9 +41,9 @@ impl fmt::Display for Outlier {
 }
 
 impl Scene {
-    /// The farthest vertex of a valid scene, if next to it nearly all else is smaller than a voxel of
-    /// any grid. Mostly it is a mistake of the export. None where the file says itself what the grid is
-    /// fitted to.
+    /// The farthest vertex of a valid scene, if next to it nearly all else is smaller than a voxel
+    /// of any grid. Mostly it is a mistake of the export. None where the file itself gives the box
+    /// of the grid.
     pub fn outlier(&self) -> Option<Outlier> {
         let count: usize = self.shapes().map(|(mesh, _)| mesh.indices.len()).sum();
         if self.grid_bounds.is_some() || count == 0 {
@@ -62,7 +63,8 @@ impl Scene {
             return None;
         }
 
-        // How many corners lie at distances up to each power of two; the first is for all below f32.
+        // How many corners lie at distances up to each power of two; the first is for all below
+        // f32.
         let mut counts = [0_usize; 512];
         let mut farthest = (0.0, None);
         for (mesh, vertex, position) in self.corners(1) {
@@ -90,7 +92,7 @@ impl Scene {
         })
     }
 
-    /// What is shown, and how it comes to the world.
+    /// The visible instances, and their transforms to the world.
     fn shapes(&self) -> impl Iterator<Item = (&Mesh, glam::DMat4)> {
         self.shown().filter_map(|instance| {
             let mesh = self.meshes.get(instance.mesh)?;

@@ -1,4 +1,5 @@
-//! Animations: what moves is where the key frames say, at any time and in any order of times.
+//! Animations: everything that moves is where the key frames say, at any time and in any order of
+//! times.
 
 use glam::{Mat4, Vec3};
 use lumivox_scene::{AnimationChoice, Scene, SceneError};
@@ -118,7 +119,7 @@ fn what_is_flat_is_hidden_for_as_long() {
     };
     for (time_s, visible) in [(0.5, true), (1.0, false), (1.5, true), (1.0, false), (0.0, true)] {
         scene.pose(AnimationChoice::One(0), time_s).unwrap();
-        // What was appended by hand stays.
+        // Things that were appended by hand stay.
         let expected: &[&str] =
             if visible { &["stand", "still", "own"] } else { &["still", "own"] };
         assert_eq!(names(&scene), expected, "at {time_s} s");
@@ -206,7 +207,7 @@ fn animations_play_alone_or_together() {
     let mut scene = file.load().unwrap();
     scene.pose(AnimationChoice::One(1), 2.0).unwrap();
     assert_eq!((origin(&scene), scene.bounds().size().x), (Vec3::Y, 2.0));
-    // What the second moved and the first does not is as stored.
+    // Things that the second moved and the first does not are as stored.
     scene.pose(AnimationChoice::One(0), 2.0).unwrap();
     assert_eq!((origin(&scene), scene.bounds().size().x), (Vec3::X, 1.0));
     scene.pose(AnimationChoice::All, 1.0).unwrap();
@@ -269,7 +270,8 @@ fn a_matrix_that_moves_is_split() {
     assert_eq!(origin(&posed(&file, 0.5)), Vec3::ZERO);
 }
 
-/// What an animation reaches is dynamic, all else static; a mark says otherwise, but not of what moves.
+/// Things that an animation reaches are dynamic, all else static; a mark says otherwise, but not
+/// for moving things.
 #[test]
 fn what_animations_reach_is_dynamic() {
     let mut file = File::triangle();

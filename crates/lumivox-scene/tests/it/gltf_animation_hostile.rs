@@ -71,7 +71,7 @@ fn joints_without_sense() {
     });
     assert!(error.contains("a weight of vertex 0"), "{error}");
 
-    // A skin without joints for it: the mesh stands on its node, and that is told.
+    // A skin without joints for it: the mesh stays on its node, and a warning says so.
     let mut bare = tube();
     attributes(&mut bare, |a| {
         a.as_object_mut().unwrap().remove("JOINTS_0");
@@ -99,7 +99,7 @@ fn skins_without_sense() {
         made.file.binary[at + 64..at + 68].copy_from_slice(&f32::NAN.to_le_bytes());
     });
     assert!(error.contains("inverse bind matrix 1"), "{error}");
-    // Bones in a ring, outside of the scene, bend what they bend without end or harm.
+    // Bones in a ring, outside of the scene, bend their vertices without end or harm.
     let mut ring = tube();
     let [first, _, last] = ring.joints;
     ring.file.json["nodes"][last]["children"] = json!([first]);
@@ -144,7 +144,7 @@ fn morph_targets_without_sense() {
     let error = changed(|made| made.file.json["nodes"][made.body]["weights"] = json!([1e39]));
     assert!(error.contains("weight") || error.contains("JSON"), "{error}");
 
-    // Too few and too many weights, and targets of what is not supported.
+    // Too few and too many weights, and targets of unsupported attributes.
     for weights in [json!([]), json!([0.0, 5.0, 5.0])] {
         let mut odd = tube();
         odd.file.json["nodes"][odd.body]["weights"] = weights;
@@ -317,7 +317,7 @@ fn pose_all(loaded: Result<Scene, lumivox_scene::SceneError>) {
     for time_s in [0.0, 0.4, 0.5, 1.0] {
         if scene.pose(AnimationChoice::All, time_s).is_ok() {
             let mut valid = scene.clone();
-            // Numbers near the largest may overflow in the world alone.
+            // Numbers near the largest may overflow only in the world.
             if valid.validate().is_ok() {
                 assert_eq!(valid, scene);
             }

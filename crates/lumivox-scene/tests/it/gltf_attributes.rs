@@ -59,7 +59,7 @@ fn interleaved_normalised_and_sparse_accessors() {
     let scene = file.load().unwrap();
     assert_eq!(scene.meshes[0].uvs, [Vec2::Y, Vec2::new(1.0, 0.2), Vec2::ZERO]);
     assert_eq!(scene.meshes[0].positions[1], Vec3::X * 5.0);
-    // What replaces elements that lie apart lies close together.
+    // The replacements of elements that lie apart lie close together.
     let indices = file.view(&[0, 2]);
     let values = file.view(&[51, 0, 255, 102]);
     file.json["accessors"][uvs]["sparse"] = json!({
@@ -190,7 +190,7 @@ fn the_second_set_is_read_where_it_is_used() {
     assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
     assert!(with_sets(json!({ "index": 0 })).load().unwrap().meshes[0].uvs1.is_empty());
 
-    // What the mesh or the model lacks is said.
+    // A warning names missing parts of the mesh or the model.
     let mut file = with_sets(json!({ "index": 0, "texCoord": 1 }));
     let primitive = &mut file.json["meshes"][0]["primitives"][0];
     primitive["attributes"].as_object_mut().unwrap().remove("TEXCOORD_1");

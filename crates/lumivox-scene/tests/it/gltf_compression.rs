@@ -8,7 +8,7 @@ use crate::common::{File, flip_bytes, load_from_memory, shading, world_triangles
 
 const GRID: &[u8] = include_bytes!("../data/grid.drc");
 
-/// A primitive whose data come from a Draco stream alone; attributes by their numbers in it.
+/// A primitive whose data come only from a Draco stream; attributes by their numbers in it.
 fn draco(stream: &[u8], attributes: &[(&str, u32, &str, u32)]) -> File {
     let mut file = File::new();
     let view = file.view(stream);
@@ -68,8 +68,8 @@ fn a_stream_of_googles_draco() {
     assert!((area - 1.0).abs() < 1e-3, "{area}");
 }
 
-/// Levels of Google's encoder that give streams of their own, and the triangles of the sphere in each: with
-/// a thousand and more it takes methods that it spares smaller meshes.
+/// Levels of Google's encoder that give streams of their own, and the triangles of the sphere in
+/// each: with a thousand and more it takes methods that it spares smaller meshes.
 const SPHERES: [(&[u8], usize); 6] = [
     (include_bytes!("../data/sphere-0.drc"), 80),
     (include_bytes!("../data/sphere-1.drc"), 1280),
@@ -122,7 +122,8 @@ fn draco_streams_without_sense() {
     primitive.remove("indices");
     assert!(fault(&file).contains("its indices are missing"));
 
-    // Four thousand million faces and points in a few bytes (sequential, version 2.2): no budget helps.
+    // Four thousand million faces and points in a few bytes (sequential, version 2.2): no budget
+    // helps.
     for method in [0, 1] {
         let mut claim = b"DRACO\x02\x02\x01\x00\x00\x00".to_vec();
         claim.extend([0xff, 0xff, 0xff, 0xff, 0x0e].repeat(2));

@@ -36,7 +36,7 @@ fn a_bent_tube_is_where_its_bones_are() {
     let mut scene = tube().file.load().unwrap();
     assert!(scene.notes.warnings.len() == 1, "{:?}", scene.notes.warnings);
     let last = scene.meshes[0].positions.len() - CORNERS - 1;
-    // The corner at the front, +z, of the last ring: on the third bone alone.
+    // The corner at the front, +z, of the last ring: only on the third bone.
     assert!(close(scene.meshes[0].positions[last], Vec3::new(0.0, HEIGHT_M, RADIUS_M)));
     for time_s in [0.0, 0.7, 1.0, 2.0_f32] {
         scene.pose(AnimationChoice::One(0), time_s).unwrap();
@@ -64,7 +64,7 @@ fn the_nodes_own_transform_does_not_place_a_skinned_mesh() {
     let moved = moved.file.load().unwrap();
     assert_eq!(moved.meshes, plain.meshes);
     assert_eq!(moved.instances, plain.instances);
-    // What the joints hang on does.
+    // A node that the joints hang on moves.
     let mut carried = tube();
     let joint = carried.joints[0];
     let carrier = json!({ "children": [joint], "translation": [7, 8, 9] });
@@ -190,7 +190,7 @@ fn bones_without_animations_leave_a_plain_scene() {
     assert!(close(scene.meshes[0].positions[last], tip + Vec3::Z * RADIUS_M));
 }
 
-/// One triangle on one joint of this matrix, bound where it stands.
+/// One triangle on one joint of this matrix, bound where it is.
 fn on_a_joint(joint: Mat4, weights: [f32; 4]) -> File {
     let mut file = File::triangle();
     let view = file.view(&[0; 12]);
@@ -354,7 +354,8 @@ fn triangles_without_area_at_rest_have_one_later() {
     assert_eq!(scene.meshes[0].normals[3], Vec3::Y);
 }
 
-/// Where one corner moves, its triangle's plane turns, and with it the frames of the corners that stay.
+/// Where one corner moves, its triangle's plane turns, and with it the frames of the corners that
+/// stay.
 #[test]
 fn frames_of_flat_triangles_turn_with_a_single_corner() {
     for corner in 0..3 {

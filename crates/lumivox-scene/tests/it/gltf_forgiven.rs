@@ -1,4 +1,4 @@
-//! Faults that cost no more than what is at fault: the rest of the scene is shown, with a warning.
+//! Faults that cost no more than the faulty part: the rest of the scene is shown, with a warning.
 
 use lumivox_scene::{LoadOptions, Scene, SceneError};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ fn warnings(file: &File) -> String {
     file.load().unwrap().notes.warnings.join("\n")
 }
 
-/// The triangle with a material, of which nothing need be told.
+/// The triangle with a material, which needs no warning.
 fn bare_triangle() -> File {
     let mut file = File::triangle();
     file.push("materials", json!({ "name": "paint" }));
@@ -60,7 +60,7 @@ fn a_bad_image_is_shown_as_a_missing_one_is() {
     ] {
         let file = painted(&bad, &good);
         if needles.is_empty() {
-            // What points at nothing breaks the document, and not the image.
+            // A reference to nothing breaks the document, and not the image.
             assert!(fault(&file).contains("malformed"));
             continue;
         }
@@ -69,7 +69,7 @@ fn a_bad_image_is_shown_as_a_missing_one_is() {
         assert_eq!(scene.materials, missing.materials, "{bad}");
         let said = scene.notes.warnings.join("\n");
         assert!(said.contains(needles) && said.contains("a stand-in is shown"), "{said}");
-        // A PNG that is broken is no better for being made a PNG.
+        // A broken PNG is not better for being made a PNG.
         assert!(!(needles == "download it again" && said.contains("PNG or JPEG")), "{said}");
 
         let scene = painted(&good, &bad).load().unwrap();
@@ -178,7 +178,7 @@ fn extensions_that_refine_the_picture_may_be_missing() {
         "the glTF extension KHR_materials_variants is not supported and was ignored: the first look \
          of each surface is shown"
     );
-    // Required, and not even listed among what is used.
+    // Required, and not even listed among the used extensions.
     file.json["extensionsUsed"] = json!([]);
     assert_eq!(warnings(&file), said);
 }
@@ -234,7 +234,7 @@ fn other_versions_are_told_apart_from_broken_files() {
     file.json["asset"]["version"] = json!("3.0");
     let text = fault(&file);
     assert!(text.contains("is glTF 3.0") && text.contains("export it as glTF 2.0"), "{text}");
-    // What needs no more than 2.0 is read.
+    // A file that needs no more than 2.0 is read.
     file.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
     file.load().unwrap();
     let mut container = File::triangle().glb();

@@ -161,7 +161,7 @@ fn geometry_without_sense() {
 #[test]
 fn claims_beyond_the_data() {
     let count = 4_000_000_000_u64;
-    // What the count says is wrong with the file, and no budget would help.
+    // The count is wrong, and no budget would help.
     for accessor in [0, 1] {
         let error = changed(|json| json["accessors"][accessor]["count"] = json!(count));
         assert!(error.contains("4000000000 elements"), "{error}");

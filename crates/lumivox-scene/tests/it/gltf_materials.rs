@@ -77,7 +77,7 @@ fn two_specular_textures_become_one() {
     let (color, strength) = (json!({ "index": 0 }), json!({ "index": 1 }));
     let both = json!({ "specularColorTexture": color, "specularTexture": strength });
     assert_eq!(specular(both), [10, 20, 30, 80]);
-    // What the other texture would hold is 1.
+    // The channels of the other texture are 1.
     assert_eq!(specular(json!({ "specularColorTexture": color })), [10, 20, 30, 255]);
     assert_eq!(specular(json!({ "specularTexture": strength })), [255, 255, 255, 80]);
     // One image for both is used as it is.

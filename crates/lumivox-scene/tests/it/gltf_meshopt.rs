@@ -148,7 +148,7 @@ fn filters() {
     let view = square.view(&encoded, 4, 8, attributes("OCTAHEDRAL"));
     square.attribute("TANGENT", view, 5122, "VEC4");
 
-    // As colours, for want of another attribute of four numbers: what stays within 0 and 1.
+    // As colours, since there is no other attribute of four numbers: values stay within 0 and 1.
     let turns = [
         [0.5_f32, 0.5, 0.5, 0.5],
         [0.0, 0.6, 0.0, 0.8],

@@ -80,7 +80,8 @@ fn links_that_stay_inside_are_followed() {
         let gltf = with(&scene, "scene.gltf", file.naming(uri));
         assert_eq!(Scene::load(gltf).unwrap().triangle_count(), 1, "{uri}");
     }
-    // The folder itself may be reached by a link, and the scene be one beside what it names.
+    // A link may lead to the folder itself, and the scene may be a link beside the files that it
+    // names.
     symlink(&scene, folder.path().join("elsewhere")).unwrap();
     let there = folder.path().join("elsewhere/scene.gltf");
     assert_eq!(Scene::load(there).unwrap().triangle_count(), 1);
@@ -144,7 +145,7 @@ fn obj_files_reach_no_further() {
     assert!(loaded.textures[0].name.starts_with("stand-in"), "{}", loaded.textures[0].name);
     assert!(loaded.notes.warnings.join("\n").contains("a link leads out of"));
     assert_eq!(load_anywhere(&obj).textures[0].rgba8, [1, 2, 3, 255]);
-    // A library in a folder below may use what lies beside the scene, by a link that stays inside.
+    // A library in a folder below may use a file beside the scene, by a link that stays inside.
     std::fs::create_dir(scene.join("library")).unwrap();
     with(&scene, "wood.png", png(1, 1, &[9, 8, 7, 255]));
     symlink("../wood.png", scene.join("library/wood.png")).unwrap();
@@ -188,7 +189,7 @@ fn scenes_of_vxct_reach_their_programs_folder() {
     }
 }
 
-/// Nobody writes into the pipe, so who opens it waits for ever.
+/// The pipe has no writer, so opening it waits for ever.
 #[test]
 fn pipes_are_refused_at_once() {
     let Place { folder: _folder, scene, .. } = place();

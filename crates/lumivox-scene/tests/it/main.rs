@@ -1,4 +1,5 @@
-//! What the crate does for its users, a topic in each module. One program, since each would link the whole crate.
+//! The crate as its users see it, a topic in each module. It is one program, since each would link
+//! the whole crate.
 
 #![allow(
     clippy::unwrap_used,

@@ -61,7 +61,7 @@ fn plain_materials_are_phongs() {
     assert_eq!(material(&scene).alpha, AlphaMode::Opaque);
     assert!(material(&scene).double_sided);
     assert_eq!(material(&scene).name, "m");
-    // One number stands for three.
+    // One number means three.
     assert_eq!(phong(&with("Kd 0.3", &[])).diffuse, Vec3::splat(0.3));
 }
 
@@ -105,7 +105,7 @@ fn opacities_in_all_ways() {
     assert_eq!(scene.textures[0].rgba8, [255, 255, 255, 100]);
     let scene = with("map_d -imfchan r m.png", &[("m.png", dot([9, 255, 255, 100]))]);
     assert_eq!(scene.textures[0].rgba8[3], 9);
-    // The alpha of a colour alone is not used, and that is told.
+    // The alpha of a single colour is not used, and a warning says so.
     let scene = with("map_Kd c.png", &[("c.png", dot([10, 20, 30, 7]))]);
     assert_eq!(scene.textures[0].rgba8, [10, 20, 30, 255]);
     assert_eq!(material(&scene).alpha, AlphaMode::Opaque);

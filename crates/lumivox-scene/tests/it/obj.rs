@@ -80,7 +80,7 @@ fn smoothing_groups_are_smooth_and_the_rest_is_flat() {
 #[test]
 fn creases_are_the_users() {
     let folder = tempfile::tempdir().unwrap();
-    // The seam in the texture is no edge.
+    // The seam in the texture is not an edge.
     let text = format!("{ROOF}vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 4/2 3/2 2/2\n");
     let path = write(folder.path(), "house.obj", text.as_bytes());
     for (degrees, is_smooth) in [(89.0_f32, false), (91.0, true)] {

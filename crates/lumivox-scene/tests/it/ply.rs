@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use crate::common::{load, load_from_memory, write};
 
-/// A square and a triangle that stands on its edge, with all that is read and more.
+/// A square and a triangle that is upright on its edge, with all properties that are read and more.
 const HEADER: &str = "comment made by hand
 obj_info of no use
 element camera 1

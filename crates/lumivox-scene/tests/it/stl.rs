@@ -21,7 +21,7 @@ fn binary(header: &[u8], count: u32, triangles: &[Triangle], attribute: u16) -> 
     bytes.resize(80, b' ');
     bytes.extend(count.to_le_bytes());
     for triangle in triangles {
-        // A normal that nobody may believe.
+        // A normal that is not to be trusted.
         bytes.extend([f32::NAN, 7.0, 0.0].iter().flat_map(|v| v.to_le_bytes()));
         bytes.extend(triangle.iter().flatten().flat_map(|v| v.to_le_bytes()));
         bytes.extend(attribute.to_le_bytes());

@@ -1,5 +1,5 @@
-//! The scenes of VXCT's format that come with the program, and what the format needs of scenes: instances
-//! that are hidden or not voxelized, and a box for the voxels.
+//! The scenes of VXCT's format that come with the program, and the features of scenes that the
+//! format needs: instances that are hidden or not voxelized, and a box for the voxels.
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ fn shipped_scenes_load_without_a_word_and_survive_being_saved() {
         assert_eq!(scene.notes.warnings, [""; 0], "{}", file.display());
         assert_eq!(scene.notes.scenes.concat(), scene.name, "the file is called as its scene");
         assert!(scene.triangle_count() > 30 && scene.shines());
-        // All of it lies in what VXCT voxelizes.
+        // All of it lies in the box that VXCT voxelizes.
         let (all, cube) = (scene.bounds(), scene.grid_bounds.unwrap());
         assert!(cube.contains(all.min) && cube.contains(all.max), "{all:?}");
         let glb = scene.to_glb().unwrap();

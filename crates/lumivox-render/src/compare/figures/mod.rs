@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::picture::check_values;
 use super::{CompareError, LinearPicture};
 
-/// A pixel's error is told as a share of its luminance, or of this share of the reference's mean
+/// A pixel's error is given as a share of its luminance, or of this share of the reference's mean
 /// luminance where the pixel is darker.
 pub const DARKEST_SHARE: f64 = 0.1;
 
@@ -15,28 +15,30 @@ pub const DARKEST_SHARE: f64 = 0.1;
 pub struct ErrorFigures {
     /// The mean over pixels and channels less the reference's, in percent. Negative: too dark.
     pub bias_percent: f64,
-    /// The root of the mean squared difference over pixels and channels from the truth, in percent: the
-    /// reference's own noise is taken out, `sqrt(mse - mean variance)`, or 0 where noise explains all. Its
-    /// square is an unbiased estimate (but for the cut at 0). Where the variance is not known it is the
-    /// difference from the reference as it is.
+    /// The root of the mean squared difference over pixels and channels from the truth, in percent:
+    /// the reference's own noise is taken out, `sqrt(mse - mean variance)`, or 0 where noise
+    /// explains all. Its square is an unbiased estimate (except for the cut at 0). Where the
+    /// variance is not known, it is the difference from the reference as it is.
     pub rmse_percent: f64,
     /// The root of the mean squared difference from the reference as it is, in percent.
     pub rmse_with_noise_percent: f64,
-    /// Of the absolute relative errors of the pixels ([`relative_errors`]), the smallest that at least
-    /// 95 % do not exceed, in percent of the pixels' own luminance.
+    /// The 95th percentile of the pixels' absolute relative errors ([`relative_errors`]): the
+    /// smallest that at least 95 % do not exceed, in percent of the pixels' own luminance.
     pub p95_percent: f64,
-    /// Mean FLIP error for screens, 0 to 1 (Andersson et al. 2020), of both pictures with the automatic
-    /// exposure of the reference and the curve [`ToneMap::Neutral`](crate::ToneMap::Neutral), at
-    /// 67 pixels a degree. None without the feature `flip`.
+    /// Mean FLIP error for screens, 0 to 1 (Andersson et al. 2020), of both pictures with the
+    /// automatic exposure of the reference and the curve
+    /// [`ToneMap::Neutral`](crate::ToneMap::Neutral), at 67 pixels a degree. None without the
+    /// feature `flip`.
     pub flip: Option<f64>,
-    /// The noise of the reference itself: the root of the mean variance of its pixels, in percent. None
-    /// where the variance is not known.
+    /// The noise of the reference itself: the root of the mean variance of its pixels, in percent.
+    /// None where the variance is not known.
     pub noise_percent: Option<f64>,
 }
 
 impl ErrorFigures {
     /// Compares `ours` with `reference`. `variance` has, for each pixel, the variance of the
-    /// reference, averaged over the channels: of the mean over all of its samples, not of a single one.
+    /// reference, averaged over the channels: of the mean over all of its samples, not of a single
+    /// one.
     ///
     /// # Errors
     /// [`CompareError`] when sizes differ, a value is not finite, or the reference is black.
@@ -93,9 +95,9 @@ impl ErrorFigures {
     }
 }
 
-/// The signed relative error of each pixel, row by row from the top: the difference of luminance, as a
-/// share of the reference's luminance or of [`DARKEST_SHARE`] times its mean, whichever is more.
-/// Negative: too dark.
+/// The signed relative error of each pixel, row by row from the top: the difference of luminance,
+/// as a share of the reference's luminance or of [`DARKEST_SHARE`] times its mean, whichever is
+/// more. Negative: too dark.
 ///
 /// # Errors
 /// As [`ErrorFigures::new`].

@@ -77,7 +77,7 @@ fn noise_is_taken_out() {
     assert_close(figures.noise_percent.expect("noise"), 15.0);
     assert_close(figures.rmse_percent, 20.0);
     assert_close(figures.rmse_with_noise_percent, 25.0);
-    // What noise explains is no error.
+    // A difference that noise explains is not an error.
     assert_eq!(with([1.0, 2.0]).rmse_percent, 0.0);
 }
 
@@ -131,7 +131,7 @@ fn flip_grows_with_the_difference() {
     let (small, large) = (flip(0.55), flip(0.8));
     // FLIP's published range; a tenth more red in half of the pixels is seen, but little.
     assert!(0.005 < small && 2.0 * small < large && large < 0.3, "{small} {large}");
-    // What is brighter as a whole is not exposed to be alike.
+    // A picture that is brighter as a whole is not exposed to look alike.
     let brighter = scaled(&checker(0.5), 4.0);
     let figures = ErrorFigures::new(&checker(0.5), None, &brighter).expect("figures");
     assert!(figures.flip > Some(0.1), "{figures:?}");

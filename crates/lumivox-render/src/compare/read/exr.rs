@@ -1,5 +1,5 @@
-//! `OpenEXR` pictures, which may have several layers: parts of the file, and channels whose names share
-//! what stands before the last dot.
+//! `OpenEXR` pictures, which may have several layers: parts of the file, and channels whose names
+//! share the text before the last dot.
 
 use std::collections::BTreeSet;
 use std::io::Cursor;
@@ -49,7 +49,7 @@ pub(super) fn decode(bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, F
             pixel[index] = value;
         }
     }
-    // The luminance of (1, 1, 1) in cd/m²; what is no such thing counts as absent.
+    // The luminance of (1, 1, 1) in cd/m²; a value without that meaning counts as absent.
     if let Some(unit) = attributes.white_luminance.filter(|unit| unit.is_normal() && *unit > 0.0) {
         rgb.as_flattened_mut().iter_mut().for_each(|value| *value *= unit);
     }
@@ -57,7 +57,7 @@ pub(super) fn decode(bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, F
     Ok(PictureFile { picture: LinearPicture { size, rgb }, layer })
 }
 
-/// What a file claims is checked before memory is taken.
+/// The sizes that a file claims are checked before memory is taken.
 fn check_sizes(bytes: &[u8]) -> Result<(), Fault> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(Fault::broken)?;
     let mut samples = 0_u64;

@@ -1,4 +1,4 @@
-//! Pictures from files: `OpenEXR`, Radiance, PNG, JPEG. The first bytes tell which.
+//! Pictures from files: `OpenEXR`, Radiance, PNG, JPEG. The first bytes give the format.
 
 use std::fmt::Display;
 use std::io::Cursor;
@@ -26,7 +26,7 @@ pub struct PictureFile {
     pub layer: Option<String>,
 }
 
-/// What is wrong with a file.
+/// The fault of a file.
 enum Fault {
     Content { reason: String, remedy: &'static str },
     Layer { layer: String, known: String },
@@ -44,17 +44,17 @@ impl Fault {
 }
 
 impl PictureFile {
-    /// Reads a picture as linear RGB: `OpenEXR` (.exr), Radiance (.hdr, divided by its `EXPOSURE` and
-    /// `COLORCORR`), PNG or JPEG (decoded from sRGB, so that white is 1). Alpha is left out.
+    /// Reads a picture as linear RGB: `OpenEXR` (.exr), Radiance (.hdr, divided by its `EXPOSURE`
+    /// and `COLORCORR`), PNG or JPEG (decoded from sRGB, so that white is 1). Alpha is left out.
     ///
-    /// `layer` is the `OpenEXR` layer to take: the name of a part, or what stands before the last dot of
-    /// the names of its channels, as in `full.R`. Files that name no layers are taken as they are.
-    /// Without `layer`, it is the one without a name, else the first. Layers of luminance alone (`Y`)
-    /// are grey.
+    /// `layer` is the `OpenEXR` layer to take: the name of a part, or the text before the last dot
+    /// of the names of its channels, as in `full.R`. Files that name no layers are taken as they
+    /// are. Without `layer`, it is the one without a name, else the first. Layers of only luminance
+    /// (`Y`) are grey.
     ///
     /// # Errors
-    /// [`CompareError::Read`] when the file cannot be read, is of another kind, is broken, or has more
-    /// than 2^27 pixels; [`CompareError::Layer`] when it has layers, but none of that name.
+    /// [`CompareError::Read`] when the file cannot be read, is of another kind, is broken, or has
+    /// more than 2^27 pixels; [`CompareError::Layer`] when it has layers, but none of that name.
     pub fn read(file: &Path, layer: Option<&str>) -> Result<Self, CompareError> {
         let bytes = read_regular(file)
             .map_err(|error| Fault::new(error.to_string(), "check the path and its permissions"));
@@ -110,7 +110,7 @@ fn decode_radiance(bytes: &[u8]) -> Result<LinearPicture, Fault> {
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(Fault::broken)?;
     let meta = decoder.metadata();
     check_size(meta.width.into(), meta.height.into())?;
-    // What the pixels were multiplied by since they were radiances.
+    // The factor by which the pixels were multiplied since they were radiances.
     let exposure = meta.exposure.unwrap_or(1.0);
     let (r, g, b) = meta.color_correction.unwrap_or((1.0, 1.0, 1.0));
     let factors = [r, g, b].map(|correction| correction * exposure);

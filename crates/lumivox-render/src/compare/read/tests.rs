@@ -20,8 +20,8 @@ fn read(bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, CompareError> 
 
 type Part = Layer<AnyChannels<FlatSamples>>;
 
-/// A part of 2 x 1 pixels: under each prefix, channels R, G and B of one value, 10 and 20 more, and a
-/// half more of each in the second pixel.
+/// A part of 2 x 1 pixels: under each prefix, channels R, G and B of one value, 10 and 20 more, and
+/// a half more of each in the second pixel.
 fn part(name: Option<&str>, prefixes: &[(&str, f32)]) -> Part {
     let attributes = name.map_or_else(LayerAttributes::default, LayerAttributes::named);
     let channels = prefixes.iter().flat_map(|&(prefix, value)| {
@@ -42,7 +42,7 @@ fn exr(parts: Vec<Part>, window: (i32, usize)) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// The first red value tells the layer.
+/// The first red value identifies the layer.
 fn red(file: &PictureFile) -> f32 {
     file.picture.rgb[0][0]
 }

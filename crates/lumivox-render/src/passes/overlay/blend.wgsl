@@ -1,4 +1,5 @@
-// The encoded picture with the overlay over it: what tone_map.wgsl writes, and one texture more.
+// The encoded picture with the overlay over it: the same as tone_map.wgsl writes, with one more
+// texture.
 
 import package::render::picture::tone_map::{encode, picture, screen};
 

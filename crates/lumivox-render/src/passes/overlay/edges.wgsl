@@ -1,4 +1,5 @@
-// The edges of the scene's triangles: six vertices an edge, pulled from the buffers of positions and indices.
+// The edges of the scene's triangles: six vertices an edge, pulled from the buffers of positions
+// and indices.
 
 import package::render::scene::draws::draws;
 import package::render::passes::overlay::segment::{
@@ -18,8 +19,8 @@ struct EdgeRange {
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
 
-// A line is at most this share of a small triangle's height, and at least this wide: thinner than a pixel it is on
-// that share of its pixels' samples, so that what is dense fades and does not fill up.
+// A line is at most this share of a small triangle's height, and at least this wide: thinner than a
+// pixel it is on that share of its pixels' samples, so that dense lines fade and do not fill up.
 const SHARE_OF_HEIGHT: f32 = 0.2;
 const MIN_WIDTH: f32 = 0.1;
 

@@ -1,7 +1,8 @@
 // Lines as quads of a width in pixels, hidden behind the surfaces of the G-buffer or not.
 //
-// A quad is a little larger than the line; its fragments measure their distance from it. All numbers are in pixels of
-// the picture, and depths those of the G-buffer, near / distance, which goes linearly along a line on the screen.
+// A quad is a little larger than the line; its fragments measure their distance from it. All
+// numbers are in pixels of the picture, and depths those of the G-buffer, near / distance, which
+// goes linearly along a line on the screen.
 
 import package::trace::gbuffer::octahedral_decode;
 
@@ -44,10 +45,11 @@ struct SegmentFragment {
 
 // How far beyond the picture's edge a line is cut, as a share of the picture: more than any width.
 const BEYOND: f32 = 1.1;
-// What rounding makes of depths: the rasterizer's of large triangles lie off by some 1e-5 of themselves, and half
-// floats of the normal turn a plane by 5e-4, seen a pixel away.
+// The rounding of depths: the rasterizer's depths of large triangles are off by some 1e-5 of
+// themselves, and half floats of the normal turn a plane by 5e-4, seen a pixel away.
 const DEPTH_PRECISION: f32 = 1e-4;
-// A line may lie this many pixels' slope behind the surface: the steps of a curved surface within a pixel.
+// A line may lie this many pixels' slope behind the surface: the steps of a curved surface within a
+// pixel.
 const SLOPE_PIXELS: f32 = 0.5;
 // Beyond this steepness the slope is no longer trusted.
 const MIN_COS: f32 = 0.05;
@@ -62,7 +64,7 @@ fn quad_corner(vertex: u32) -> vec2f {
     return vec2f(f32(corner >> 1u), f32(corner & 1u)) * 2.0 - 1.0;
 }
 
-// What nothing is drawn of.
+// A vertex of which nothing is drawn.
 fn nowhere() -> SegmentVertex {
     return SegmentVertex(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(0.0), vec2f(0.0), vec2f(0.0), vec4f(0.0));
 }
@@ -76,8 +78,8 @@ fn segment_corner(
     is_tested: bool,
     color: vec4f,
 ) -> SegmentVertex {
-    // The part of it before the near plane and not far out of the picture (Liang and Barsky 1984, "A new concept
-    // and method for line clipping", in homogeneous coordinates).
+    // The part of it before the near plane and not far out of the picture (Liang and Barsky 1984,
+    // "A new concept and method for line clipping", in homogeneous coordinates).
     var start = 0.0;
     var end = 1.0;
     for (var plane = 0u; plane < 5u; plane++) {
@@ -129,8 +131,9 @@ fn ray_through(pixel: vec2f) -> vec3f {
     return segment_view.ray_middle + ndc.x * segment_view.ray_across + ndc.y * segment_view.ray_up;
 }
 
-// Whether the surface of a pixel hides a point of that depth, which is seen at `place`, within a line's width. The
-// point is compared with the surface's plane right there: the edge of a surface lies in it however steep it is.
+// Whether the surface of a pixel hides a point of that depth, which is seen at `place`, within a
+// line's width. The point is compared with the surface's plane right there: the edge of a surface
+// lies in it however steep it is.
 fn is_hidden(pixel: vec2u, place: vec2f, depth: f32) -> bool {
     let surface = textureLoad(surface_depth, pixel, 0);
     let normal = octahedral_decode(textureLoad(surface_normals, pixel, 0).zw);

@@ -6,7 +6,7 @@ import package::trace::gbuffer::{gbuffer_depth, position_from_depth, view};
 
 struct WireSettings {
     color: vec4f,
-    // What the overlay starts from.
+    // The initial content of the overlay.
     background: vec4f,
     level: u32,
     is_hidden_by_surfaces: u32,

@@ -1,7 +1,8 @@
-// The bricks of one level of an octree, pulled apart: each node's 3x3x3 texels as small cubes in the node's place.
+// The bricks of one level of an octree, pulled apart: each node's 3x3x3 texels as small cubes in
+// the node's place.
 //
-// The layer that a brick has from its neighbours, the third texels along each axis, is tinted orange: it shows the
-// neighbour's first cells again.
+// The layer that a brick has from its neighbours, the third texels along each axis, is tinted
+// orange: it shows the neighbour's first cells again.
 
 import package::constants::ISOTROPIC;
 import package::grid::grid;
@@ -14,7 +15,7 @@ import package::trace::gbuffer::view;
 import package::volume::cells::atlas;
 import package::volume::parts::part_of;
 
-// Of a texel's share of its node, as much is left free on each side.
+// The share of a texel's edge that is left free on each side.
 const GAP: f32 = 0.12;
 const NEIGHBOR_TINT: vec3f = vec3f(1.0, 0.42, 0.08);
 
@@ -25,7 +26,7 @@ fn load_texel(node: u32, offset: vec3u, part: u32) -> vec4f {
     return textureLoad(atlas, brick_origin(brick_of(node, part)) + offset, 0);
 }
 
-// What faces a direction, each side by how much it does.
+// The value of a texel as seen against a direction: each side counts by how much it faces it.
 fn texel_towards(node: u32, offset: vec3u, direction: vec3f) -> vec4f {
     if ISOTROPIC != 0u {
         return load_texel(node, offset, 0u);

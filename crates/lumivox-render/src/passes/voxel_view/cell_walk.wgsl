@@ -1,5 +1,5 @@
-// A walk along a ray from cell to cell (Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing").
-// Lengths are in cells.
+// A walk along a ray from cell to cell (Amanatides and Woo 1987, "A fast voxel traversal algorithm
+// for ray tracing"). Lengths are in cells.
 
 struct CellWalk {
     cell: vec3f,
@@ -18,7 +18,7 @@ struct CellWalk {
 
 // Into the box from 0 to `size`; `direction` has unit length.
 fn walk_into(origin: vec3f, direction: vec3f, size: vec3f) -> CellWalk {
-    // A direction along a plane never crosses it: a large number stands for infinity.
+    // A direction along a plane never crosses it: a large number is used for infinity.
     let is_along = abs(direction) < vec3f(1e-12);
     let inverse = select(1.0 / direction, vec3f(1e30), is_along);
     let to_low = -origin * inverse;

@@ -1,6 +1,7 @@
 // The nodes of one level of an octree as wire boxes around the cells that they hold.
 //
-// Blue: nodes with cells of their own. Orange: those that are there for their neighbours' sake alone.
+// Blue: nodes with cells of their own. Orange: nodes that are there only for their neighbours'
+// sake.
 
 import package::grid::grid;
 import package::volume::octree::search::{find_node, node_parts};
@@ -32,7 +33,8 @@ fn has_own_cells(node_cell: vec3u, parts: u32, level: u32) -> bool {
     return is_own;
 }
 
-// The colour of the first line of a node that a ray meets before `end`; the ray is in units of nodes.
+// The colour of the first line of a node that a ray meets before `end`; the ray is in units of
+// nodes.
 fn first_line(ray: Ray, level: u32, end: f32) -> vec4f {
     let size = vec3f((grid.dimensions + ((1u << level) - 1u)) >> vec3u(level));
     var walk = walk_into(ray.origin, ray.direction, size);

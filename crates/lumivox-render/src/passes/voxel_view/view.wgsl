@@ -1,4 +1,4 @@
-// What all views of voxels share: their settings, their picture, a pixel's ray, outlines.
+// The shared parts of all views of voxels: their settings, their picture, a pixel's ray, outlines.
 
 import package::grid::grid_from_world;
 import package::trace::gbuffer::{position_from_depth, view};
@@ -15,8 +15,8 @@ struct VoxelViewSettings {
 @group(1) @binding(0) var<uniform> voxel_view_settings: VoxelViewSettings;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
-// A depth at which two points of a ray are far enough apart for f32 to hold its direction: a thousand times the
-// distance of the near plane.
+// A depth at which two points of a ray are far enough apart for f32 to hold its direction: a
+// thousand times the distance of the near plane.
 const FAR_DEPTH: f32 = 0.001;
 // Cells that cover less are empty: half floats do not hold the radiance of less to 1 %.
 const MIN_OPACITY: f32 = 0.001;
@@ -45,7 +45,8 @@ fn distance_to_edge(position: vec3f, axis: u32) -> f32 {
     return min(to_edge.x, min(to_edge.y, to_edge.z));
 }
 
-// 1 on a face, less near its edges; fades out where a pixel is as wide as the outline of many cubes.
+// 1 on a face, less near its edges; fades out where a pixel is as wide as the outline of many
+// cubes.
 fn outline(position: vec3f, axis: u32, distance: f32) -> f32 {
     let pixel = distance * voxel_view_settings.pixel_slope;
     let strength = saturate(1.5 - 5.0 * pixel);

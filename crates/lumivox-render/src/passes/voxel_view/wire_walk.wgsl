@@ -1,7 +1,8 @@
 // Wire cubes along a pixel's ray: the outlines of faces between an occupied cell and an empty one.
 //
-// The walk goes by the occupancy bits of the voxel list, from block to block: where a block of a coarser level is
-// empty it is crossed in one step, and the next one tried is twice as large; where it is not, it is looked into.
+// The walk goes by the occupancy bits of the voxel list, from block to block: where a block of a
+// coarser level is empty it is crossed in one step, and the next one tried is twice as large; where
+// it is not, it is looked into.
 
 import package::grid::{grid, grid_from_world};
 import package::render::passes::voxel_view::cell_walk::{longest_walk, walk_into};
@@ -13,14 +14,15 @@ import package::voxels::morton::morton_encode;
 
 // Half the width of a line in pixels.
 const HALF_WIDTH: f32 = 0.55;
-// Where a pixel is a larger share of a cell than this, lines get fainter by as much as they get denser.
+// Where a pixel is a larger share of a cell than this, lines get fainter by as much as they get
+// denser.
 const DENSEST: f32 = 0.15;
-// A ray that is covered to this share shows nothing of what follows.
+// A ray that is covered to this share hides everything behind it.
 const COVERED: f32 = 0.99;
 
 struct Wires {
     coverage: f32,
-    // Of the first line.
+    // The cell of the first line.
     cell: vec3u,
 }
 
@@ -43,9 +45,10 @@ fn has_voxel(cell: vec3u, first_word: u32) -> bool {
     return ((occupancy[first_word + code / 32u] >> (code & 31u)) & 1u) != 0u;
 }
 
-// How much of a pixel the outline of a face covers that the ray crosses; `cell` is the occupied one. Distances from
-// the edges are those on the screen, so that lines are as wide at any distance and slant. Where cells are small, lines
-// turn into an even tint, which fades where a pixel is as wide as several cells.
+// How much of a pixel the outline of a face covers that the ray crosses; `cell` is the occupied
+// one. Distances from the edges are those on the screen, so that lines are as wide at any distance
+// and slant. Where cells are small, lines turn into an even tint, which fades where a pixel is as
+// wide as several cells.
 fn outline_of(
     ray: PixelRay,
     cell: vec3i,
@@ -67,8 +70,8 @@ fn outline_of(
         // Cells that a pixel is wide.
         let pixel = max(distance * length(step), 1e-12);
         let pixels_off = abs(position[beside] - edge) / pixel;
-        // Half of a line lies on this face, the other half on the next; but at the outermost edges of what is seen
-        // there is no next one.
+        // Half of a line lies on this face, the other half on the next; but at the outermost
+        // visible edges there is no next one.
         let is_high = edge > f32(cell[beside]) + 0.5;
         var width = HALF_WIDTH;
         if is_entry && pixels_off < 2.0 * HALF_WIDTH && (ray.direction[beside] > 0.0) == is_high {

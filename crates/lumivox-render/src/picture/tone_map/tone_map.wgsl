@@ -1,16 +1,16 @@
-// From radiance or data to the 8 bits a channel of a screen. Knows nothing of the grid: its own bindings are in
-// group 0.
+// From radiance or data to the 8 bits a channel of a screen. Knows nothing of the grid: its own
+// bindings are in group 0.
 
 import package::constants::{ENCODE_COLOR, ENCODE_HEAT, TONE_MAP_ACES, TONE_MAP_NEUTRAL, TONE_MAP_RAW};
 
 struct ToneMapSettings {
     // ENCODE_COLOR, ENCODE_DATA or ENCODE_HEAT.
     encoding: u32,
-    // Of ENCODE_COLOR: one of TONE_MAP_...
+    // For ENCODE_COLOR: one of TONE_MAP_...
     curve: u32,
     // Multiplies the colour or the data.
     scale: f32,
-    // Of ENCODE_DATA: added where there is a surface.
+    // For ENCODE_DATA: added where there is a surface.
     offset: f32,
 }
 
@@ -47,8 +47,8 @@ fn srgb_encode(linear: vec3f) -> vec3f {
     return select(curve, 12.92 * bounded, bounded <= vec3f(0.0031308));
 }
 
-// The colour map viridis (van der Walt and Smith 2015), as the polynomial of degree 6 that Zucker fitted to it
-// (2019); encoded for the screen.
+// The colour map viridis (van der Walt and Smith 2015), as the polynomial of degree 6 that Zucker
+// fitted to it (2019); encoded for the screen.
 fn viridis(x: f32) -> vec3f {
     let c0 = vec3f(0.2777273, 0.0054073, 0.3340998);
     let c1 = vec3f(0.1050930, 1.4046135, 1.3845902);

@@ -19,7 +19,7 @@ fn the_first_gather_finds_one_bounce() {
     let once =
         |layers: &ReferenceLayers| Estimate::of(&layers.one_bounce, &layers.one_bounce_variance);
     once(&many).assert_near("one of many bounces", once(&one));
-    // What the 25th bounce brings is less than 0.73^24 of the light: a two-thousandth.
+    // The 25th bounce brings less than 0.73^24 of the light: a two-thousandth.
     let limit = Estimate::full(&all);
     let most = Estimate::full(&many);
     most.assert_near(

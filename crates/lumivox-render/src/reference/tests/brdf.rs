@@ -1,4 +1,5 @@
-//! The CPU twin of `scatter.wgsl`, in f64 and from the formulas' other forms: slopes and Smith's Lambda.
+//! The CPU twin of `scatter.wgsl`, in f64 and from the formulas' other forms: slopes and Smith's
+//! Lambda.
 
 use std::f64::consts::{PI, TAU};
 
@@ -101,7 +102,7 @@ impl Lobes {
     /// The density of directions.
     pub(super) fn density(&self, view: DVec3, light: DVec3) -> f64 {
         let half = (view + light).normalize();
-        // Of visible normals, mirrored: Heitz 2014, equations 43 and 2.
+        // The density of visible normals, mirrored: Heitz 2014, equations 43 and 2.
         let facets =
             |alpha| distribution(half, alpha) / ((1.0 + lambda(view, alpha)) * 4.0 * view.z);
         let gloss = if self.phong_exponent > 0.0 {
@@ -119,8 +120,8 @@ impl Lobes {
         shares.iter().zip(densities).map(|(share, density)| share * density).sum::<f64>() / sum
     }
 
-    /// The share of even light from all around that is reflected towards a cosine: each lobe is integrated in
-    /// coordinates in which it is smooth.
+    /// The share of even light from all around that is reflected towards a cosine: each lobe is
+    /// integrated in coordinates in which it is smooth.
     pub(super) fn albedo(&self, cosine: f64) -> f64 {
         let view = at_cosine(cosine);
         // D cos(h) dh is du dphi / 2 pi, where tan^2(h) = alpha^2 u / (1 - u).
@@ -179,8 +180,8 @@ fn the_twin_keeps_to_what_is_known() {
         assert!((smooth.albedo(cosine) - 1.0).abs() < 1e-4, "a mirror reflects all");
         assert!((white.albedo(cosine) - 1.0).abs() < 1e-9, "white reflects all");
     }
-    // Single scattering loses light between rough facets. From above, at alpha 1, the integral has a closed form:
-    // that of c / (1 + c) over the cosine c of the light.
+    // Single scattering loses light between rough facets. From above, at alpha 1, the integral has
+    // a closed form: that of c / (1 + c) over the cosine c of the light.
     let rough = Lobes { f0: 1.0, alpha: 1.0, ..Lobes::default() };
     let expected = 1.0 - std::f64::consts::LN_2;
     assert!((rough.albedo(1.0) - expected).abs() < 1e-4, "{}, not {expected}", rough.albedo(1.0));

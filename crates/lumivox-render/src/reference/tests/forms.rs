@@ -6,9 +6,9 @@ use glam::DVec3;
 
 use super::*;
 
-/// Irradiance over radiance at a point with a normal, by a polygon that is wholly above: Lambert, "Photometria"
-/// (1760); in the form of Arvo 1995, "Analytic methods for simulated light transport", section 3.1. The corners turn
-/// left as seen from the point.
+/// Irradiance over radiance at a point with a normal, by a polygon that is wholly above: Lambert,
+/// "Photometria" (1760); in the form of Arvo 1995, "Analytic methods for simulated light
+/// transport", section 3.1. The corners turn left as seen from the point.
 fn polygon_irradiance(point: DVec3, normal: DVec3, corners: &[DVec3]) -> f64 {
     let edges = corners.iter().zip(corners.iter().cycle().skip(1));
     let each = |(a, b): (&DVec3, &DVec3)| {
@@ -18,7 +18,8 @@ fn polygon_irradiance(point: DVec3, normal: DVec3, corners: &[DVec3]) -> f64 {
     0.5 * edges.map(each).sum::<f64>().abs()
 }
 
-/// The mean of a quantity over a pixel of a camera that looks straight down on `edge_m` of the floor.
+/// The mean of a quantity over a pixel of a camera that looks straight down on `edge_m` of the
+/// floor.
 fn pixel_mean(pixel: usize, edge_pixels: u32, edge_m: f64, of: impl Fn(DVec3) -> f64) -> f64 {
     let at = |pixel: u32, part: u32| {
         ((f64::from(pixel) + (f64::from(part) + 0.5) / 4.0) / f64::from(edge_pixels) - 0.5) * edge_m
@@ -46,7 +47,7 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
         .map(|pixel| pixel_mean(pixel, edge, 5.8, |at| polygon_irradiance(at, DVec3::Y, &corners)))
         .collect();
     let mean = expected.iter().sum::<f64>() / expected.len() as f64;
-    // What the panel fills of the view is not open, unless it is out of reach.
+    // The share of the view that the panel fills is not open, unless it is out of reach.
     let open: Vec<[f32; 3]> = layers.occlusion.iter().map(|open| [*open; 3]).collect();
     Estimate::of(&open, &layers.occlusion_variance).assert_is("openness", 1.0 - mean / PI);
     let near = ReferenceSettings { occlusion_distance_m: 0.9, ..settings(2, 16) };
@@ -56,8 +57,9 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
     once.assert_is("irradiance of one bounce", mean);
     // The floor reflects a half of it.
     Estimate::radiance(&layers).assert_is("radiance", 0.5 * mean / PI);
-    // Each pixel alone, too: the squares of its errors in standard deviations are 1 in the mean, within what a chi
-    // squared of so many degrees scatters by, and a tenth since deviations are estimated themselves.
+    // Each pixel by itself, too: the squares of its errors in standard deviations are 1 on average,
+    // within the spread of a chi squared of so many degrees, and a tenth since deviations are
+    // estimated themselves.
     let squares = layers.full.iter().zip(&layers.full_variance).zip(&expected).map(
         |(([value, ..], variance), expected)| {
             (f64::from(*value) - expected).powi(2) / f64::from(*variance)
@@ -69,7 +71,7 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
     assert!((score - 1.0).abs() < scatter, "{score} variances");
 }
 
-/// Lamps without size are without noise, but for the choice between them.
+/// Lamps without size are without noise, except for the choice between them.
 #[test]
 fn lamps_light_a_floor_by_their_distance_and_cosine() {
     let albedo = 0.6;
@@ -88,7 +90,7 @@ fn lamps_light_a_floor_by_their_distance_and_cosine() {
         kind: LightKind::Spot {
             intensity_cd: 3.0,
             range_m: None,
-            // All of what is seen lies inside.
+            // All visible points lie inside.
             inner_angle_rad: 1.2,
             outer_angle_rad: 1.3,
         },
@@ -123,7 +125,8 @@ fn lamps_light_a_floor_by_their_distance_and_cosine() {
     }
 }
 
-/// Where a plane through the edge of a wall and the middle of a round lamp meets the floor, half of the lamp is seen.
+/// Where a plane through the edge of a wall and the middle of a round lamp meets the floor, half of
+/// the lamp is seen.
 #[test]
 fn half_of_a_lamp_lights_the_middle_of_its_penumbra() {
     let mut scene = stage();

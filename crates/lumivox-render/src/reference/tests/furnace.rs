@@ -1,12 +1,13 @@
-//! White furnaces: even light all around shows how much a surface reflects, and that nothing makes light.
+//! White furnaces: even light all around shows how much a surface reflects, and that nothing makes
+//! light.
 
 use lumivox_scene::{Clearcoat, MetallicRoughness, Phong, Shading};
 
 use super::brdf::Lobes;
 use super::*;
 
-/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, n gathers bring the sum of the first
-/// powers of a half, and all of them 2 cd/m².
+/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, n gathers bring the sum of
+/// the first powers of a half, and all of them 2 cd/m².
 #[test]
 fn a_closed_furnace_is_a_geometric_series() {
     for (gathers, samples) in [(Some(0), 16), (Some(1), 16), (Some(3), 64), (None, 256)] {
@@ -14,7 +15,7 @@ fn a_closed_furnace_is_a_geometric_series() {
         let layers = traced(&builtin("furnace"), &asked);
         let powers = |count: u32| 2.0 - 0.5_f64.powi(count as i32 - 1);
         let [radiance, irradiance] = match gathers {
-            // Of 0 to n reflections; the irradiance is that before the last one.
+            // The light of 0 to n reflections; the irradiance is that before the last one.
             Some(n) => [powers(n + 1), powers(n)],
             None => [2.0, 2.0],
         };
@@ -26,8 +27,8 @@ fn a_closed_furnace_is_a_geometric_series() {
     }
 }
 
-/// A column of facets that turn away from the camera, in sections of one material each: convex, so that nothing
-/// is in the way of the light of an even sky.
+/// A column of facets that turn away from the camera, in sections of one material each: convex, so
+/// that nothing is in the way of the light of an even sky.
 const ANGLES: [f64; 5] = [0.05, 0.55, 0.95, 1.25, 1.45];
 
 struct Section {
@@ -135,7 +136,8 @@ fn surfaces_in_an_even_sky_show_their_directional_albedo() {
             assert!(seen.mean < 1.0 + 4.0 * seen.error + ROUNDING, "{what} makes light: {seen:?}");
         }
     }
-    // Any surface of a convex body gathers the whole sky. Its last facet ends within a column of pixels.
+    // Any surface of a convex body gathers the whole sky. Its last facet ends within a column of
+    // pixels.
     let inner: Vec<usize> =
         (0..layers.full.len()).filter(|pixel| layers.coverage[*pixel] == 1.0).collect();
     assert!(inner.len() > layers.full.len() / 2, "{} pixels", inner.len());

@@ -1,4 +1,5 @@
-//! What the path tracer says of visible surfaces is what the rasterizer says: the same materials, textures, lamps.
+//! The path tracer's layers of visible surfaces equal the rasterizer's: the same materials,
+//! textures, lamps.
 
 use glam::Vec2;
 use lumivox_scene::{Filter, Shading, Wrap};
@@ -27,7 +28,7 @@ fn pixels(renderer: &mut Renderer, view: View) -> Vec<[f32; 4]> {
     pollster::block_on(renderer.render(&mut |_| {})).expect("a picture").hdr
 }
 
-/// The differences of two layers in the mean over channels, of all pixels, sorted.
+/// The differences of two layers, averaged over channels, of all pixels, sorted.
 fn differences(actual: &[[f32; 3]], expected: &[[f32; 4]]) -> Vec<f32> {
     let each = |(a, b): (&[f32; 3], &[f32; 4])| {
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / 3.0
@@ -41,8 +42,8 @@ fn mean_of(values: &[[f32; 3]]) -> f32 {
     values.iter().flatten().sum::<f32>() / (3 * values.len()) as f32
 }
 
-/// Half of the pixels, which show no edge, agree within `median`; all within `mean` in the mean: there, the picture of
-/// one is made of other points than that of the other.
+/// Half of the pixels, which show no edge, agree within `median`; all within `mean` on average: at
+/// edges the two pictures are made of different points.
 #[track_caller]
 fn assert_alike(what: &str, actual: &[[f32; 3]], expected: &[[f32; 4]], median: f32, mean: f32) {
     let sorted = differences(actual, expected);
@@ -64,8 +65,9 @@ fn guides_are_those_of_the_rasterizer() {
         let size = UVec2::new(48, 27);
         let layers = traced(&scene, &ReferenceSettings { size, ..settings(1, 128) });
         let mut renderer = renderer(&scene, size, 32);
-        // Half as much again as measured on llvmpipe: 0.010 and 0.029 for the albedo of the zoo, where leaves, panes
-        // and edges alternate within a pixel. With more samples and frames it is less.
+        // Half as much again as measured on llvmpipe: 0.010 and 0.029 for the albedo of the zoo,
+        // where leaves, panes and edges alternate within a pixel. With more samples and frames it
+        // is less.
         let tolerances = |view| match view {
             View::Albedo => (0.015, 0.045),
             View::Normal => (0.001, 0.012),
@@ -94,7 +96,8 @@ fn guides_are_those_of_the_rasterizer() {
     }
 }
 
-/// Texels a third of a pixel and larger, beyond the edges of the texture, in all ways of wrapping and filtering.
+/// Texels a third of a pixel and larger, beyond the edges of the texture, in all ways of wrapping
+/// and filtering.
 #[test]
 fn textures_are_read_as_the_rasterizer_reads_them() {
     let mut scene = stage();

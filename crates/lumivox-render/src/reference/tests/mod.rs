@@ -1,7 +1,8 @@
 //! The path tracer against closed forms, against CPU twins of its parts, and against itself.
 //!
-//! Means are compared within four times the standard error that the tracer itself reports: seeds are fixed, so a test
-//! passes or fails for good on one device, and on another it fails by chance once in 16,000 comparisons.
+//! Means are compared within four times the standard error that the tracer itself reports: seeds
+//! are fixed, so a test passes or fails for good on one device, and on another it fails by chance
+//! once in 16,000 comparisons.
 
 mod bounces;
 mod brdf;
@@ -66,8 +67,8 @@ fn traced(scene: &Scene, settings: &ReferenceSettings) -> ReferenceLayers {
     finish(tracer(scene, settings))
 }
 
-/// A mean over pixels and channels, and the standard deviation that it is uncertain by at most (it is less where
-/// channels differ).
+/// A mean over pixels and channels, and the standard deviation that it is uncertain by at most (it
+/// is less where channels differ).
 #[derive(Clone, Copy, Debug)]
 struct Estimate {
     mean: f64,

@@ -1,4 +1,5 @@
-//! Rays against triangles: a plain loop on the CPU finds the same, and no ray slips through an edge.
+//! Rays against triangles: a plain loop on the CPU finds the same, and no ray slips through an
+//! edge.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -35,7 +36,7 @@ fn query(origin: DVec3, direction: DVec3, sides: u32) -> Query {
     }
 }
 
-/// What rays meet in a scene whose bounds have their middle in the origin.
+/// The hits of rays in a scene whose bounds have their middle in the origin.
 fn ask(scene: &Scene, queries: &[Query]) -> Vec<Query> {
     let middle = scene.bounds().center().length();
     assert!(middle < 1e-6 * scene.bounds().radius_m(), "the middle is {middle} away");
@@ -91,7 +92,8 @@ fn soup(corners: Vec<Vec3>) -> Mesh {
     }
 }
 
-/// The nearest distance, and whether rounding may decide it: whether the ray passes an edge closely.
+/// The nearest distance, and whether rounding may decide it: whether the ray passes an edge
+/// closely.
 fn nearest(
     corners: &[Vec3],
     is_double_sided: impl Fn(usize) -> bool,
@@ -149,7 +151,7 @@ fn rays_meet_what_a_plain_loop_meets() {
     let mut corners = Vec::new();
     for index in 0..600 {
         let center = random.point();
-        // Of all sizes; some are needles, and some have no area at all.
+        // Triangles of all sizes; some are needles, and some have no area at all.
         let size = 0.6 * random.next().powi(3) + 1e-3;
         let [a, b] = [random.point() * size, random.point() * size];
         let c = match index % 20 {
@@ -188,7 +190,8 @@ fn rays_meet_what_a_plain_loop_meets() {
     assert_twin("a soup", &scene, &corners, half, &queries);
 }
 
-/// Triangles that double in size, each within the next: a hierarchy of boxes is as deep as there are.
+/// Triangles that double in size, each within the next: a hierarchy of boxes is as deep as there
+/// are.
 #[test]
 fn hierarchies_may_be_deep() {
     let mut corners = Vec::new();

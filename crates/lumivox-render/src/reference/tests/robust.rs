@@ -20,7 +20,8 @@ fn a_scene_of_which_nothing_is_there_shows_its_surroundings() {
     assert!(layers.coverage.iter().chain(&layers.occlusion).all(|share| *share == 0.0));
 }
 
-/// Beside the cone of a round spot light and beyond the range of a lamp, directions meet discs that send nothing.
+/// Beside the cone of a round spot light and beyond the range of a lamp, directions meet discs that
+/// send nothing.
 #[test]
 fn round_lamps_that_send_nothing_here_are_dark() {
     let mut scene = stage();

@@ -30,7 +30,7 @@ fn runs_bands_and_interruptions_give_the_same_bits() {
     assert_eq!(last, 40.0);
     assert!(whole == banded.layers(), "bands differ");
 
-    // Between batches nothing is lost, and what follows is the same to the bit.
+    // Between batches nothing is lost, and the rest is the same to the bit.
     let mut first = tracer(&scene, &small());
     let mut go_on = |_| ControlFlow::Continue(());
     let is_more = pollster::block_on(first.render_batch(&mut go_on)).expect("a reference");
@@ -100,7 +100,8 @@ fn a_checkpoint_of_anything_else_is_refused() {
     assert!(refused(&painted, &small()));
 }
 
-/// A power of two changes exponents alone, so all that does not depend on the unit of radiance stays as it is.
+/// A power of two changes only exponents, so all that does not depend on the unit of radiance stays
+/// as it is.
 #[test]
 fn millimetres_and_kilometres_are_the_same() {
     let scene = zoo();

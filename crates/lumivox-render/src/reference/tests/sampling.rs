@@ -1,4 +1,4 @@
-//! What is drawn follows the density that is told, and `scatter` is the BRDF.
+//! Drawn directions follow the density that is returned, and `scatter` is the BRDF.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec2, Vec3};
@@ -38,7 +38,8 @@ struct Drawn {
     padding: f32,
 }
 
-/// A surface, the cosine that it is seen under, and the tilt of its true normal against that it is shaded with.
+/// A surface, the cosine that it is seen under, and the tilt of its true normal against that it is
+/// shaded with.
 struct Seen {
     what: &'static str,
     lobes: Lobes,
@@ -159,7 +160,8 @@ fn expected_counts(seen: &Seen) -> Vec<f64> {
     counts
 }
 
-/// Pearson's statistic in standard deviations from its mean; cells of less than ten are taken together.
+/// Pearson's statistic in standard deviations from its mean; cells of less than ten are taken
+/// together.
 fn chi_squared_sigmas(counts: &[f64], expected: &[f64]) -> f64 {
     let (mut statistic, mut freedom) = (0.0, -1.0);
     let (mut count, mut wanted) = (0.0, 0.0);

@@ -80,7 +80,8 @@ fn the_panorama_is_found_by_chance_and_by_asking() {
     assert_better("panorama", &finish(by_chance), &asked, 0.7);
 }
 
-/// A lamp with a radius sends what a glowing sphere of its size and power sends: to paint and in reflections.
+/// A lamp with a radius sends the light of a glowing sphere of its size and power: to paint and in
+/// reflections.
 #[test]
 fn a_round_lamp_is_a_glowing_sphere() {
     let mut scene = corner();
@@ -91,9 +92,10 @@ fn a_round_lamp_is_a_glowing_sphere() {
     let corners = |triangle: [usize; 3]| triangle.map(|index| 0.5 * mesh.positions[index]);
     let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let area: f32 = mesh.triangles().map(corners).map(of).sum();
-    // A convex body is seen with a fourth of its area in the mean (Cauchy 1841).
+    // A convex body is seen with a fourth of its area on average (Cauchy 1841).
     let intensity_cd = radiance * area / 4.0;
-    // The sphere itself is above the picture, and is not hit by light from floor to wall: one gather.
+    // The sphere itself is above the picture, and is not hit by light from floor to wall: one
+    // gather.
     let settings = ReferenceSettings { gathers: Some(1), ..settings(24, 256) };
     // The floor's highlight is in the middle: there both asking and chance find the lamp.
     scene.cameras = vec![Camera::look_at(Vec3::new(0.3, 1.6, 2.2), Vec3::new(0.2, 0.0, 0.5), 0.35)];
@@ -103,7 +105,7 @@ fn a_round_lamp_is_a_glowing_sphere() {
     let by_mesh = traced(&by_mesh, &ReferenceSettings { gathers: Some(1), ..settings.clone() });
     scene.lights = vec![point_light(center, intensity_cd, radius_m)];
     let by_lamp = traced(&scene, &ReferenceSettings { gathers: Some(0), ..settings });
-    // What corners leave: a thousandth.
+    // The light that corners lose: a thousandth.
     let mesh = Estimate::radiance(&by_mesh);
     let mesh = Estimate { error: mesh.error.hypot(2.5e-4 * mesh.mean), ..mesh };
     Estimate::radiance(&by_lamp).assert_near("a round lamp", mesh);

@@ -1,4 +1,4 @@
-//! What light passes, in which share and colour; and which side of a surface is there.
+//! The light that passes, in which share and colour; and which side of a surface is there.
 
 use glam::Vec4;
 use lumivox_scene::{AlphaMode, Filter, MetallicRoughness, Shading, Transmission};
@@ -93,7 +93,7 @@ fn panes_show_what_is_behind_them_in_proportion() {
     add(&mut scene, square(3, 0.0), glass(red, 0.8));
     add(&mut scene, back(4), glowing(before));
     add(&mut scene, back(5), Material { double_sided: true, ..glowing(before) });
-    // Mirrored: what was a front stays one.
+    // Mirrored: a front stays one.
     add(&mut scene, square(6, 0.0), glowing(before));
     let mirror = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     let there = Mat4::from_translation(Vec3::X * 2.0 * middle(6).x);
@@ -136,7 +136,7 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
     let leaf = leaf(&mut scene);
     let white = Material::diffuse("wall", Vec3::ONE);
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0), white);
-    // A wall, seen and lit along z. What casts shadows stands behind the camera.
+    // A wall, seen and lit along z. The things that cast shadows are behind the camera.
     let square = |cell: u32, z: f32| quad(middle(cell) + Vec3::Z * z, Vec3::X * 0.5, Vec3::Y * 0.5);
     let turned =
         |cell: u32, z: f32| quad(middle(cell) + Vec3::Z * z, Vec3::NEG_X * 0.5, Vec3::Y * 0.5);
@@ -151,7 +151,7 @@ fn shadows_are_as_deep_as_what_casts_them_is_solid() {
     add(&mut scene, square(3, 9.0), glass(green, 0.7));
     add(&mut scene, square(4, 9.0), glass(green, 1.0));
     add(&mut scene, square(4, 9.1), glass(Vec3::new(1.0, 0.5, 0.5), 1.0));
-    // Both sides of what is solid cast shadows, even where one of them is not seen.
+    // Both sides of solid things cast shadows, even where one of them is not seen.
     add(&mut scene, square(5, 9.0), glowing(black));
     add(&mut scene, turned(6, 9.0), glowing(black));
     add(&mut scene, square(7, 9.0), glass(green, 1.0));

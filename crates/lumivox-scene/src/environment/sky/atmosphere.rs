@@ -1,10 +1,10 @@
-//! The air: what it does to light on its way, and the light that it scatters many times.
+//! The air: its effect on light that passes, and the light that it scatters many times.
 //!
-//! A ball of 6360 km carries 100 km of air with three constituents: molecules (Rayleigh scattering),
-//! aerosol (Mie scattering and absorption), and ozone (absorption). Single scattering is integrated
-//! along each ray; all higher orders come from a table, as if they were the same in every direction:
-//! Hillaire 2020, "A scalable and production ready sky and atmosphere rendering technique", section
-//! 5.5. Lengths are in km.
+//! A ball of 6360 km carries 100 km of air with three constituents: molecules (Rayleigh
+//! scattering), aerosol (Mie scattering and absorption), and ozone (absorption). Single scattering
+//! is integrated along each ray; all higher orders come from a table, as if they were the same in
+//! every direction: Hillaire 2020, "A scalable and production ready sky and atmosphere rendering
+//! technique", section 5.5. Lengths are in km.
 
 use std::f64::consts::PI;
 
@@ -43,7 +43,8 @@ pub(super) struct Atmosphere {
     ozone: Spectrum,
     ground_albedo: f64,
     columns: Vec<Amounts>,
-    /// What all orders above the first send towards any direction, for a sun of irradiance 1.
+    /// The light that all orders above the first send towards any direction, for a sun of
+    /// irradiance 1.
     many: Vec<Spectrum>,
 }
 
@@ -52,8 +53,8 @@ const COLUMN_HEIGHTS: usize = 48;
 const COLUMN_COSINES: usize = 128;
 const MANY_HEIGHTS: usize = 24;
 const MANY_COSINES: usize = 48;
-/// The cosines of the sun's zenith angle in the table reach from this (35 degrees below the horizon,
-/// where even the highest air is in the earth's shadow) to 1.
+/// The cosines of the sun's zenith angle in the table reach from this (35 degrees below the
+/// horizon, where even the highest air is in the earth's shadow) to 1.
 const LEAST_COSINE: f64 = -0.574;
 
 const COLUMN_STEPS: usize = 64;
@@ -167,7 +168,7 @@ impl Atmosphere {
                 };
                 let ray = Ray { r, mu };
                 let mut column = [0.0; 3];
-                // The middle of a step stands for it; the way ends at the air's end, never below.
+                // The middle of a step represents it; the way ends at the air's end, never below.
                 for (middle, length) in steps(d, COLUMN_STEPS) {
                     let here = densities(ray.radius_after(middle));
                     (0..3).for_each(|i| column[i] += here[i] * length);
@@ -190,8 +191,9 @@ impl Atmosphere {
         })
     }
 
-    /// The share of sunlight that reaches a height, where the sun's middle stands at a zenith angle
-    /// of cosine `mu`: what the air lets through, times the share of the disc above the horizon.
+    /// The share of sunlight that reaches a height, where the sun's middle has a zenith angle of
+    /// cosine `mu`: the share that the air lets through, times the share of the disc above the
+    /// horizon.
     pub(super) fn sunlight(&self, height_km: f64, mu: f64) -> Spectrum {
         self.sunlight_at(GROUND_KM + height_km.max(0.0), mu)
     }
@@ -256,9 +258,9 @@ impl Atmosphere {
         std::array::from_fn(|band| second[band] / (1.0 - passed_on[band]).max(1e-6))
     }
 
-    /// Radiance that reaches the ground from a direction at a zenith angle of cosine `mu`, for a sun
-    /// of irradiance 1 outside of the air; `sun` is the cosine of its zenith angle, `to_sun` that of
-    /// the angle between both.
+    /// Radiance that reaches the ground from a direction at a zenith angle of cosine `mu`, for a
+    /// sun of irradiance 1 outside of the air; `sun` is the cosine of its zenith angle, `to_sun`
+    /// that of the angle between both.
     pub(super) fn radiance(&self, mu: f64, sun: f64, to_sun: f64) -> Spectrum {
         // A metre above the ground: the horizon is then below the lowest row of any map.
         let ray = Ray { r: GROUND_KM + 0.001, mu };
@@ -270,9 +272,9 @@ impl Atmosphere {
         self.march(ray, sun, to_sun, VIEW_STEPS, Some(phases)).radiance
     }
 
-    /// Follows a ray. With phases, they say what molecules and aerosol scatter of the sun towards
-    /// the eye, and higher orders are added; without, scattering is the same in all directions, and
-    /// the ground is seen.
+    /// Follows a ray. With `phases`, which say how much of the sun's light molecules and aerosol
+    /// scatter towards the eye, higher orders are added; without, scattering is the same in all
+    /// directions, and the ground is seen.
     fn march(
         &self,
         ray: Ray,
@@ -322,11 +324,10 @@ impl Atmosphere {
     }
 }
 
-/// What a ray gathers.
+/// The light that a ray gathers.
 struct Marched {
     radiance: Spectrum,
-    /// The share of the light that the ray meets scattering: what a radiance of 1 all around would
-    /// be scattered into it.
+    /// The share of a uniform radiance of 1 that is scattered into the ray on its way.
     scattered: Spectrum,
 }
 

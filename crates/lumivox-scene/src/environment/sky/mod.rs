@@ -1,12 +1,12 @@
-//! A clear sky in real units, from first principles: what the sun's light becomes in the air.
+//! A clear sky in real units, from first principles: the sun's light after its way through the air.
 //!
 //! Spectra of the sun outside of the air, of molecules, aerosol and ozone go in (`spectrum`,
 //! `atmosphere`); luminance in cd/m² and illuminance in lux come out, and colours by themselves:
 //! the blue zenith, the white horizon, the red sunset, dusk.
 //!
 //! The published fits (Preetham et al. 1999; Hosek and Wilkie 2012) end where the sun meets the
-//! horizon. A computed sky goes on through dusk, and its sun has the colour that its light has lost to
-//! the sky. It takes about half a second of one core.
+//! horizon. A computed sky goes on through dusk, and its sun has the colour that its light has lost
+//! to the sky. It takes about half a second of one core.
 
 mod atmosphere;
 mod spectrum;
@@ -21,7 +21,7 @@ use self::atmosphere::{Atmosphere, SUN_RADIUS_RAD};
 use self::spectrum::{Observer, Spectrum, solar};
 use crate::{EnvironmentMap, Light, LightKind, SceneError};
 
-/// What a sky is made from.
+/// The description of a sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkySettings {
     /// Towards the sun, in the world; any length above 0. Below the horizon, dusk falls; the sky is
@@ -57,15 +57,16 @@ pub struct Sky {
     /// The sky without the sun's disc, and the lit ground below the horizon, cd/m²; use it with a
     /// radiance of 1 and no rotation.
     pub map: EnvironmentMap,
-    /// The sun: lux, an angular radius of 0.00465 rad. Its colour is what the air leaves of it, of
-    /// luminance 1. `None` where no part of its disc is above the horizon.
+    /// The sun: lux, an angular radius of 0.00465 rad. Its colour is that of the light that passes
+    /// the air, at luminance 1. `None` where no part of its disc is above the horizon.
     pub sun: Option<Light>,
 }
 
 /// The weights of linear sRGB in luminance: ITU-R BT.709-6, section 3.2.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// The air of the default settings, through which most skies are seen: it takes as long to make as they do.
+/// The air of the default settings, through which most skies are seen: it takes as long to make as
+/// they do.
 static CLEAR: LazyLock<Atmosphere> = LazyLock::new(|| air(&SkySettings::default()));
 
 /// Makes a sky.

@@ -1,8 +1,9 @@
 //! Light of 16 wavelengths, and its way to luminance and colour.
 //!
 //! The air treats each wavelength differently, by far more than three channels could follow (the
-//! Rayleigh scattering of 400 nm is nine times that of 700 nm), so the sky is computed in bands of 20 nm from 390
-//! to 710 nm and becomes RGB at the very end: 683 lm/W times the CIE 1931 colour matching functions.
+//! Rayleigh scattering of 400 nm is nine times that of 700 nm), so the sky is computed in bands of
+//! 20 nm from 390 to 710 nm and becomes RGB at the very end: 683 lm/W times the CIE 1931 colour
+//! matching functions.
 
 use glam::{DMat3, DVec3};
 
@@ -16,8 +17,8 @@ const WIDTH_NM: f64 = 20.0;
 /// Luminous efficacy of radiation of 540 THz, lm/W: the definition of the candela.
 const LUMENS_PER_WATT: f64 = 683.0;
 
-/// Irradiance of the sun outside of the atmosphere, W/(m² nm), from 390 nm in steps of 10: the means
-/// of ASTM G173-03, "Standard tables for reference solar spectral irradiances".
+/// Irradiance of the sun outside of the atmosphere, W/(m² nm), from 390 nm in steps of 10: the
+/// means of ASTM G173-03, "Standard tables for reference solar spectral irradiances".
 const SOLAR: [f64; 2 * BANDS + 1] = [
     1.14716, 1.72765, 1.73054, 1.6887, 1.61253, 1.91198, 2.03474, 2.02042, 2.02212, 1.93377,
     1.95809, 1.91686, 1.8298, 1.8685, 1.8931, 1.85149, 1.8504, 1.8341, 1.8345, 1.8147, 1.78158,
@@ -79,8 +80,8 @@ impl Observer {
         Self { matching, rgb_from_xyz }
     }
 
-    /// Linear sRGB of a spectral radiance in W/(m² sr nm), in cd/m²; of an irradiance, in lux. What
-    /// lies outside of sRGB's colours becomes paler until it fits, at the same luminance.
+    /// Linear sRGB of a spectral radiance in W/(m² sr nm), in cd/m²; of an irradiance, in lux.
+    /// Colours outside of sRGB become paler until they fit, at the same luminance.
     pub(super) fn rgb(&self, spectrum: &Spectrum) -> DVec3 {
         let xyz: DVec3 = self.matching.iter().zip(spectrum).map(|(m, value)| *m * *value).sum();
         let rgb = self.rgb_from_xyz * xyz;
@@ -93,8 +94,8 @@ impl Observer {
     }
 }
 
-/// The CIE 1931 colour matching functions: the multi-lobe fit of Wyman, Sloan and Shirley 2013, "Simple
-/// analytic approximations to the CIE XYZ color matching functions", section 2.2.
+/// The CIE 1931 colour matching functions: the multi-lobe fit of Wyman, Sloan and Shirley 2013,
+/// "Simple analytic approximations to the CIE XYZ color matching functions", section 2.2.
 fn color_matching(nm: f64) -> DVec3 {
     let lobe = |mean: f64, below: f64, above: f64| {
         let width = if nm < mean { below } else { above };

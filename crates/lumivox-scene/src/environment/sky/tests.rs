@@ -1,4 +1,4 @@
-//! The sky against what light meters say of real ones.
+//! Compares the sky with measurements of real ones.
 
 use super::*;
 
@@ -55,9 +55,9 @@ fn the_sun_reddens_as_it_sinks() {
     assert!(last_red > 3.0, "a setting sun is red");
 }
 
-/// Civil twilight ends, at 6 degrees below the horizon, with some 3 lx; nautical twilight, at 12, with 0.01
-/// lx (Seidelmann 1992, "Explanatory supplement to the astronomical almanac", section 9.3, within
-/// what weather does). At sunset there are 400 to 1000 lx.
+/// Civil twilight ends, at 6 degrees below the horizon, with some 3 lx; nautical twilight, at 12,
+/// with 0.01 lx (Seidelmann 1992, "Explanatory supplement to the astronomical almanac", section
+/// 9.3, within the variation of the weather). At sunset there are 400 to 1000 lx.
 #[test]
 fn dusk_falls_as_measured() {
     let without_sun = |elevation| {
@@ -124,7 +124,7 @@ fn the_ground_reflects_what_it_gets() {
     let sun = sun.expect("it is up");
     let on_ground = map.irradiance(Vec3::Y) + sun.color * lux(Some(&sun)) * -sun.direction.y;
     let below = map.irradiance(Vec3::NEG_Y);
-    // The rows' middles stand for them: a thousandth.
+    // The rows' middles represent them: a thousandth.
     assert!((below / on_ground - 0.5).abs().max_element() < 2e-3, "{below} {on_ground}");
 }
 

@@ -1,4 +1,4 @@
-//! What a file says of itself.
+//! The properties of a file that describe the file itself.
 
 use gltf::json::Root;
 

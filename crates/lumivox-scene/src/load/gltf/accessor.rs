@@ -8,8 +8,8 @@ use super::Loader;
 use crate::SceneError;
 
 impl<'a> Loader<'a> {
-    /// Reads vectors of `N` floats. Integers are normalised to 0..1 or -1..1 where the accessor says
-    /// so (glTF 2.0, section 3.11).
+    /// Reads vectors of `N` floats. Integers are normalised to 0..1 or -1..1 where the accessor
+    /// says so (glTF 2.0, section 3.11).
     pub(super) fn read_floats<const N: usize>(
         &self,
         accessor: usize,
@@ -19,8 +19,8 @@ impl<'a> Loader<'a> {
         self.read_vectors(accessor, what, &layout)
     }
 
-    /// The same, with integers of any kind normalised: what cannot be anything but a share, such as
-    /// a colour, is one even where the accessor forgets to say so.
+    /// The same, with integers of any kind normalised: a value that can only be a share, such as a
+    /// colour, is one even where the accessor forgets to say so.
     pub(super) fn read_shares<const N: usize>(
         &self,
         accessor: usize,
@@ -128,7 +128,7 @@ impl<'a> Loader<'a> {
     }
 
     /// The accessor's bytes, from its first element to the end of its last; `None` where it has no
-    /// buffer view, which stands for zeros.
+    /// buffer view, which means zeros.
     fn slice(
         &self,
         accessor: usize,

@@ -17,7 +17,7 @@ type Known = HashMap<(usize, usize), Arc<[f32]>>;
 
 impl Loader<'_> {
     /// Reads all animations into the rig. Channels of nodes that are not in it are left out; so are
-    /// broken ones, with a warning: nobody should lose a mesh to the way that it moves.
+    /// broken ones, with a warning: a mesh should not be lost because of its motion.
     pub(super) fn load_animations(&mut self, tree: &Tree) {
         let mut known = Known::new();
         for (i, animation) in self.root().animations.iter().enumerate() {
@@ -87,8 +87,8 @@ impl Loader<'_> {
         Ok(Some(Channel { node, property, track }))
     }
 
-    /// What moves, and how many numbers its values have. `None`, with a warning, where that is not
-    /// supported.
+    /// The property that moves, and how many numbers its values have. `None`, with a warning, where
+    /// that is not supported.
     fn property(
         &mut self,
         part: &str,
@@ -111,7 +111,7 @@ impl Loader<'_> {
                     None
                 }
                 count => {
-                    // Those that are not given are zero.
+                    // Missing weights are zero.
                     let missing = count - self.rig.nodes[node].weights.len();
                     self.spend_weights(part, missing)?;
                     self.rig.nodes[node].weights.resize(count, 0.0);

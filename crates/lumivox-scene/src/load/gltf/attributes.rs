@@ -1,4 +1,5 @@
-//! Attributes of a primitive beyond its shape, and what all of them together may take.
+//! Attributes of a primitive other than its shape, and the memory that all of them together may
+//! take.
 
 use glam::{Vec2, Vec4};
 use gltf::Semantic;
@@ -18,7 +19,7 @@ impl Loader<'_> {
         part: &str,
         primitive: &gltf::Primitive<'_>,
     ) -> Result<(), SceneError> {
-        // A count that is wrong is no matter of the budget.
+        // A wrong count is not a question of the budget.
         let positions = primitive.get(&Semantic::Positions).map(|a| (a.index(), "positions"));
         let indices = primitive.indices().map(|a| (a.index(), "indices"));
         for (accessor, what) in positions.into_iter().chain(indices) {
@@ -95,7 +96,7 @@ impl Loader<'_> {
         let mut limited = 0;
         for color in &mut colors {
             let within = color.clamp(Vec4::ZERO, Vec4::ONE);
-            // What is not finite is refused by name later.
+            // Values that are not finite are refused by name later.
             if color.is_finite() && *color != within {
                 *color = within;
                 limited += 1;

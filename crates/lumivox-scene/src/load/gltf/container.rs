@@ -67,7 +67,7 @@ pub(super) fn parse<'a>(
     Ok(Parsed { document: Document::from_json_without_validation(root), buffers, about })
 }
 
-/// The JSON and the binary chunk. Lengths are checked against what is there.
+/// The JSON and the binary chunk. Lengths are checked against the bytes that exist.
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     let word = |at: usize| -> Result<u32, String> {
         let bytes = bytes.get(at..at + 4).ok_or("it ends in the middle of a header")?;
@@ -180,7 +180,7 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
         animation.channels.clear();
         animation.samplers.clear();
     }
-    // What the library's validation leaves out.
+    // Checks that the library's validation leaves out.
     for (i, camera) in root.cameras.iter().enumerate() {
         use gltf::json::camera::Type;
         let missing = match camera.type_ {
@@ -196,7 +196,8 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
     first.map_or(Ok(()), Err)
 }
 
-/// The number of the animation that a place in the document, such as `animations[3].channels[0]`, is in.
+/// The number of the animation that a place in the document, such as `animations[3].channels[0]`,
+/// is in.
 fn animation(place: &str) -> Option<usize> {
     place.strip_prefix("animations[")?.split(']').next()?.parse().ok()
 }
@@ -219,7 +220,7 @@ fn read_buffers<'a>(
             (Some(uri), _) => Cow::Owned(files::read_uri(file, &part, uri, reach)?),
             // Only the first buffer may be the GLB's own.
             (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
-            // What lies in it is compressed elsewhere.
+            // Its data are compressed elsewhere.
             (None, _) if compression::is_stand_in(buffer) => {
                 buffers.push(Cow::Borrowed(&[]));
                 continue;

@@ -10,7 +10,7 @@ use crate::validate::is_invertible;
 const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
 impl Loader<'_> {
-    /// Where the copies stand on the node; `None` where it has just the one mesh.
+    /// The transforms of the copies on the node; `None` where it has just the one mesh.
     pub(super) fn read_copies(
         &mut self,
         node: &gltf::Node<'_>,
@@ -38,7 +38,8 @@ impl Loader<'_> {
                 )),
             }
         }
-        // Before anything is read: no more copies than there are data for, and than the scene may have.
+        // Before anything is read: no more copies than there are data for, and than the scene may
+        // have.
         let given = || [translations, rotations, scales].into_iter().flatten();
         for accessor in given() {
             self.check_room(accessor, "copies")?;

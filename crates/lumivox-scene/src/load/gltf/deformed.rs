@@ -143,7 +143,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Which joints move each vertex. What exporters get wrong about weights is repaired.
+    /// The joints that move each vertex. Common faults of exporters in weights are repaired.
     fn influences(
         &mut self,
         part: &str,
@@ -273,7 +273,7 @@ struct Sources {
 }
 
 impl Sources {
-    /// Keeps what moves at all. Lists are empty or one a vertex of the file.
+    /// Keeps the attributes that move at all. Lists are empty or one a vertex of the file.
     fn target(&self, positions: &[Vec3], normals: &[Vec3], tangents: &[Vec3]) -> Target {
         let at = |list: &[Vec3], i: u32| list.get(i as usize).copied().unwrap_or(Vec3::ZERO);
         let moves = |i: u32| {

@@ -1,4 +1,4 @@
-//! Which of glTF's extensions are understood, and what becomes of the others.
+//! The glTF extensions that are understood, and the treatment of the others.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::Notes;
 use crate::SceneError;
 use crate::load::files;
 
-/// Those that are understood.
+/// The extensions that are understood.
 const SUPPORTED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -30,7 +30,7 @@ const SUPPORTED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Those that say nothing about the picture: metadata, sound, and what a user could do with things.
+/// The extensions that do not affect the picture: metadata, sound, and interaction with users.
 const SILENT: &[&str] = &[
     "AGI_articulations",
     "AGI_stk_metadata",
@@ -53,7 +53,7 @@ const SILENT: &[&str] = &[
     "VRMC_vrm",
 ];
 
-/// Those without which the picture is nearly what it should be, and what it lacks then.
+/// The extensions without which the picture is nearly as it should be, and what it lacks then.
 const REPLACED: &[(&str, &str)] = &[
     ("CESIUM_primitive_outline", "its outlines are not drawn"),
     ("EXT_lights_ies", "its lamps shine as if they had no profile"),
@@ -71,8 +71,8 @@ const REPLACED: &[(&str, &str)] = &[
     ("VRMC_materials_mtoon", "its surfaces are lit as real ones, not as drawings"),
 ];
 
-/// Refuses a file that requires what is not understood and may change what is shown, unless
-/// `ignore_required`, and warns of the rest.
+/// Refuses a file that requires an extension which is not understood and may change the picture,
+/// unless `ignore_required`, and warns of the rest.
 pub(super) fn check(
     file: &Path,
     root: &mut Root,
@@ -105,7 +105,7 @@ pub(super) fn check(
     }
     // The JSON library would refuse some that are read here.
     let required = std::mem::take(&mut root.extensions_required);
-    // What is required should be listed among what is used, and is not always.
+    // A required extension should be listed among the used ones, and is not always.
     for name in root.extensions_used.iter().chain(&required).filter(|name| !is_known(name)) {
         let effect = effect(name).map(|(_, effect)| format!(": {effect}"));
         if effect.is_none() && required.contains(name) {

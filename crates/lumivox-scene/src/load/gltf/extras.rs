@@ -1,7 +1,7 @@
-//! What Lumivox's own files say beyond glTF, under `extras.lumivox`; `save` writes it.
+//! The additions of Lumivox's own files to glTF, under `extras.lumivox`; `save` writes them.
 //!
-//! Extras are nobody's standard, and other programs carry them along through their own changes. So
-//! what does not fit is ignored with a warning, and never refused.
+//! Extras have no standard, and other programs carry them along through their own changes. So
+//! values that do not fit are ignored with a warning, and never refused.
 
 use std::sync::Arc;
 
@@ -40,12 +40,12 @@ pub(super) fn texture_transform(extras: &Extras) -> Option<Affine2> {
     exact_transform(&own(extras)?)
 }
 
-/// The same, out of what is ours of the extras.
+/// Reads the same from our own part of the extras.
 pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
     numbers(own.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
 }
 
-/// What a node says of its mesh.
+/// The additions of a node about its mesh.
 #[expect(clippy::struct_field_names, reason = "as the scene's instances call them")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Marks {
@@ -68,7 +68,7 @@ impl Marks {
     }
 }
 
-/// Makes a light what it was, of what other programs can show of it.
+/// Restores a light from the form that other programs can show.
 pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
     let Some(own) = own(extras) else { return };
     light.radius_m = not_negative(&own["radiusM"]).unwrap_or(light.radius_m);
@@ -95,7 +95,8 @@ fn attenuation(value: &Value) -> Option<Attenuation> {
     fits.then_some(Attenuation { constant, linear, quadratic })
 }
 
-/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the exponent.
+/// Makes a surface Phong's again, of which its metallic-roughness stand-in has all but the
+/// exponent.
 pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
     let Shading::MetallicRoughness(m) = shading else { return shading };
     let Some(own) = own(extras) else { return shading };
@@ -110,7 +111,7 @@ pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
     })
 }
 
-/// What a surface is in the look of VXCT.
+/// The surface's properties in the look of VXCT.
 pub(super) fn strengths(extras: &Extras) -> Option<Strengths> {
     let own = own(extras)?;
     let saved = own.get("strengths")?;

@@ -1,16 +1,18 @@
-//! Reads glTF 2.0 (Khronos, "glTF 2.0 specification", 2021), as `.gltf` with its files or as `.glb`.
+//! Reads glTF 2.0 (Khronos, "glTF 2.0 specification", 2021), as `.gltf` with its files or as
+//! `.glb`.
 //!
-//! Files come from anywhere, so nothing in them is believed: sizes are checked against the bytes
-//! that exist before memory is taken, indices before they are used, paths before they are followed.
-//! Only what one of the file's scenes reaches is loaded. One primitive becomes one
+//! Files come from anywhere, so they are not trusted: sizes are checked against the bytes that
+//! exist before memory is taken, indices before they are used, paths before they are followed. Only
+//! things that one of the file's scenes reaches are loaded. One primitive becomes one
 //! [`Mesh`](crate::Mesh); where a transform mirrors, an instance gets a copy with turned winding,
 //! and where bones or morph targets deform it, each use gets its own.
 //!
-//! The way of the data: `container` parses and checks, `compression` makes plain buffers of what is
-//! compressed, `extensions` refuses or warns. Then nodes go into a [`Rig`], what they reach is
-//! converted and put on them, and the rig places everything: at rest now, and at other times when
-//! asked to. `extras` restores what Lumivox's own files say beyond glTF. Textures are only listed
-//! meanwhile and made in the end, within the memory budget (`load::textures`).
+//! The way of the data: `container` parses and checks, `compression` makes plain buffers of
+//! compressed ones, `extensions` refuses or warns. Then nodes go into a [`Rig`], the things that
+//! they reach are converted and put on them, and the rig places everything: at rest now, and at
+//! other times when asked to. `extras` restores the additions of Lumivox's own files to glTF.
+//! Textures are only listed meanwhile and made in the end, within the memory budget
+//! (`load::textures`).
 
 mod about;
 mod accessor;
@@ -64,7 +66,7 @@ struct Loader<'a> {
     document: &'a gltf::Document,
     buffers: &'a [Cow<'a, [u8]>],
     scene: Scene,
-    /// What places the scene's instances, lights and cameras.
+    /// The rig that places the scene's instances, lights and cameras.
     rig: Parts,
     notes: Notes,
     budget: Budget<'a>,
@@ -72,7 +74,7 @@ struct Loader<'a> {
     skins: HashMap<usize, usize>,
     /// From primitives to a scene's meshes; `None` where one was skipped.
     meshes: HashMap<sharing::MeshKey, Option<usize>>,
-    /// From what a primitive says of its looks to a scene's material.
+    /// The scene's material for each material of a primitive.
     materials: HashMap<material::Key, usize>,
     /// The scene's textures, to be made in the end.
     textures: Textures<'a>,
@@ -96,8 +98,8 @@ fn load_bytes(
     let reach = options.reach(&folders);
     let parsed = container::parse(file, bytes, reach, options, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    // Which images cannot be decoded shows in the end. Then all is put together again without them, as
-    // if they had been missing from the start.
+    // Which images cannot be decoded shows in the end. Then all is put together again without them,
+    // as if they had been missing from the start.
     let mut bad: HashMap<usize, texture::Listed> = HashMap::new();
     loop {
         let name = name.clone().unwrap_or_default();
@@ -150,7 +152,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// What an error says, for a warning: those are told with the file's name already.
+    /// The text of an error for a warning: warnings already name the file.
     fn without_file(&self, error: &SceneError) -> String {
         let text = error.to_string();
         let file = format!("{}: ", self.file.display());
@@ -162,8 +164,8 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// The name of a part of a glTF file: its own, or its number. Cut short, since many things can share
-/// one.
+/// The name of a part of a glTF file: its own, or its number. Cut short, since many things can
+/// share one.
 fn name_or_index(name: Option<&str>, kind: &str, index: usize) -> String {
     name.map_or_else(|| format!("{kind} {index}"), files::shorten)
 }

@@ -1,4 +1,4 @@
-//! The node hierarchy: where meshes, lights and cameras stand.
+//! The node hierarchy: the places of meshes, lights and cameras.
 
 use std::sync::Arc;
 
@@ -101,7 +101,7 @@ impl Loader<'_> {
             if let Some(mesh) = gltf.mesh() {
                 self.put_mesh(gltf, &mesh, &site, &tree)?;
             }
-            // What is hidden does not shine, and there is no switch for a light.
+            // A hidden light does not shine, and lights have no switch.
             if let Some(light) = gltf.light() {
                 if site.is_hidden {
                     self.notes
@@ -124,15 +124,15 @@ impl Loader<'_> {
             let visible = nodes[number]
                 .extension_value("KHR_node_visibility")
                 .and_then(|extension| extension.get("visible")?.as_bool());
-            // Parents stand before their children.
+            // Parents come before their children.
             let from_above = node.parent.is_some_and(|parent| hidden[parent]);
             hidden.push(from_above || visible == Some(false));
         }
         hidden
     }
 
-    /// Puts a node and all below it into the rig, parents first. Nodes form trees: whoever is met
-    /// twice has two parents or is its own ancestor. That is an error where asked for.
+    /// Puts a node and all below it into the rig, parents first. Nodes form trees: a node that is
+    /// met twice has two parents or is its own ancestor. That is an error where asked for.
     fn walk(
         &mut self,
         nodes: &[gltf::Node<'_>],

@@ -1,9 +1,11 @@
-//! Primitives that share one long list of vertices, as some exporters write them: one primitive for each
-//! material, all with the vertices of the whole model. Each becomes a mesh with its own vertices alone.
+//! Primitives that share one long list of vertices, as some exporters write them: one primitive for
+//! each material, all with the vertices of the whole model. Each becomes a mesh with only its own
+//! vertices.
 
 use crate::Mesh;
 
-/// More vertices than corners by this many are somebody else's. Fewer are not worth the work.
+/// A list with this many more vertices than corners belongs to other primitives, too. Fewer are not
+/// worth the work.
 const SPARE: u64 = 1024;
 
 /// How many of `given` vertices a primitive with so many corners keeps, at most.
@@ -15,8 +17,8 @@ fn is_shared(given: u64, corners: u64) -> bool {
     given > corners.saturating_add(SPARE)
 }
 
-/// Drops the vertices that no triangle of a shared list uses; the others keep their order. `tangents` are the
-/// file's, one a vertex, if it has some.
+/// Drops the vertices that no triangle of a shared list uses; the others keep their order.
+/// `tangents` are the file's, one a vertex, if it has some.
 pub(super) fn keep_own(mesh: &mut Mesh, tangents: Option<&mut Vec<[f32; 4]>>) {
     if !is_shared(mesh.positions.len() as u64, mesh.indices.len() as u64) {
         return;

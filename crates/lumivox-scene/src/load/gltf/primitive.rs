@@ -122,7 +122,7 @@ impl Loader<'_> {
         normals::set_any_tangents(&mut mesh);
         match (tangents, self.scene.materials[material].normal_texture) {
             (Some(given), _) => use_tangents(&mut mesh, &given),
-            // What is not finite is refused by name later.
+            // Values that are not finite are refused by name later.
             (None, Some(texture)) if mesh.uvs.iter().chain(&mesh.uvs1).all(|uv| uv.is_finite()) => {
                 tangents::generate_for(&mut mesh, texture);
             }
@@ -166,7 +166,7 @@ impl Loader<'_> {
     }
 }
 
-/// What messages call a primitive.
+/// The name of a primitive in messages.
 pub(super) fn mesh_name(mesh: &gltf::Mesh<'_>, primitive: &gltf::Primitive<'_>) -> String {
     let name = name_or_index(mesh.name(), "mesh", mesh.index());
     if mesh.primitives().len() > 1 {

@@ -1,5 +1,5 @@
-//! Meshes on nodes: one mesh can stand on many nodes, mirrored or not, many times on one node, or
-//! be deformed by each in its own way.
+//! Meshes on nodes: one mesh can be on many nodes, mirrored or not, many times on one node, or be
+//! deformed by each in its own way.
 
 use glam::Mat4;
 use gltf::Semantic;
@@ -23,7 +23,7 @@ impl Loader<'_> {
         let is_skinned = |primitive: &gltf::Primitive<'_>| {
             node.skin().is_some() && primitive.get(&Semantic::Joints(0)).is_some()
         };
-        // Whatever the node's own scale, joints show what they move.
+        // Whatever the node's own scale is, joints show the vertices that they move.
         let is_flat = !site.moves && !is_invertible(site.world_from_node);
         if is_flat && !mesh.primitives().any(|primitive| is_skinned(&primitive)) {
             self.notes
@@ -40,7 +40,8 @@ impl Loader<'_> {
             ));
         }
         for primitive in mesh.primitives() {
-            // Counted before it is looked at: what is not shown takes time, too.
+            // It is counted before the test for visibility, because hidden primitives take time,
+            // too.
             self.spend_instances(&site.name, 1)?;
             match node.skin() {
                 Some(skin) if is_skinned(&primitive) => {
@@ -68,7 +69,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Joints alone place a skinned mesh (glTF 2.0, section 3.7.3.3).
+    /// Only joints place a skinned mesh (glTF 2.0, section 3.7.3.3).
     fn put_skinned(
         &mut self,
         mesh: &gltf::Mesh<'_>,

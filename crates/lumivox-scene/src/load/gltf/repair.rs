@@ -7,8 +7,8 @@ use super::{Notes, name_or_index};
 use crate::load::files::shorten;
 
 /// Reads the document. Channels that animate something other than nodes (`KHR_animation_pointer`)
-/// are taken out, with a warning; so are animations that are no animations, and what morph targets do
-/// to other things than positions, normals and tangents.
+/// are taken out, with a warning; so are malformed animations, and data of morph targets for
+/// attributes other than positions, normals and tangents.
 pub(super) fn read_root(json: &[u8], notes: &mut Notes) -> Result<Root, Error> {
     let root = match Root::from_slice(json) {
         Ok(root) => root,
@@ -30,7 +30,7 @@ fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
     let are_repaired = [
         name_nodes(&mut document),
         drop_pointers(&mut document, notes),
-        // What is left of them.
+        // The animations that are left.
         empty_animations(&mut document, notes),
     ];
     are_repaired.contains(&true).then(|| serde_json::to_vec(&document).ok())?

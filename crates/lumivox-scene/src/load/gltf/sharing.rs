@@ -1,7 +1,8 @@
 //! Which primitives are the same mesh.
 //!
-//! glTF ties a primitive to one material, so a shape in several materials comes as several primitives
-//! over the same accessors. A scene's mesh knows no material: it is read once for all of them.
+//! glTF ties a primitive to one material, so a shape in several materials comes as several
+//! primitives over the same accessors. A scene's mesh knows no material: it is read once for all of
+//! them.
 
 use gltf::Semantic;
 
@@ -19,8 +20,8 @@ pub(super) struct MeshKey {
     mirrored: bool,
     /// Whether the material uses the second texture coordinates.
     needs_second_uvs: bool,
-    /// What tangents are computed for, if they are: the normal texture's coordinates (floats by their
-    /// bits).
+    /// The input that tangents are computed for, if they are: the normal texture's coordinates
+    /// (floats by their bits).
     tangents: Option<(u32, [u32; 6])>,
 }
 

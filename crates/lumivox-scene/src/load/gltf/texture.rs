@@ -1,9 +1,9 @@
 //! Textures: which image a material means, where on it a vertex lies, and how it is sampled.
 //!
 //! Where a texture names its image by an extension and by the core format, the extension's comes
-//! first and the other is what remains when it cannot be had. An image that is missing or broken does
-//! not stop the scene: where it would show as a colour there is a board of magenta and black, and
-//! elsewhere no texture; both with a warning. Occlusion textures are not read at all: light is
+//! first, and the other is used when the first cannot be read. An image that is missing or broken
+//! does not stop the scene: where it would show as a colour there is a board of magenta and black,
+//! and elsewhere no texture; both with a warning. Occlusion textures are not read at all: light is
 //! computed here, and theirs would count twice.
 
 use std::borrow::Cow;
@@ -22,7 +22,7 @@ use crate::{Filter, Sampler, SceneError, TextureRef, Wrap};
 /// Extensions that name another image than the core format can, the preferred ones first.
 const IMAGE_EXTENSIONS: [&str; 2] = ["KHR_texture_basisu", "EXT_texture_webp"];
 
-/// What a material says of one of its textures.
+/// A material's reference to one of its textures.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureUse {
     texture: usize,
@@ -99,7 +99,7 @@ impl Placed {
 pub(super) type Listed = Result<ImageId, String>;
 
 impl<'a> Loader<'a> {
-    /// What the JSON of an extension says of a texture.
+    /// The JSON of an extension that refers to a texture.
     pub(super) fn texture_use(
         &self,
         info: &Value,
@@ -181,7 +181,7 @@ impl<'a> Loader<'a> {
         Ok(self.place(wanted, material)?.map(|placed| self.whole(placed, encoding)))
     }
 
-    /// The texture of what a surface's colour is, or the stand-in where its image is missing.
+    /// The texture of a surface's colour, or the stand-in where its image is missing.
     pub(super) fn color_texture(
         &mut self,
         wanted: Option<TextureUse>,
@@ -199,8 +199,8 @@ impl<'a> Loader<'a> {
         TextureRef::new(self.textures.texture(Recipe::Missing, Encoding::Color, sampler))
     }
 
-    /// One texture that holds what a material spreads over two: each says which channels of the
-    /// result are its own. Channels of neither are 1.
+    /// One texture in place of two of a material: each says which channels of the result are its
+    /// own. Channels of neither are 1.
     pub(super) fn pair(
         &mut self,
         material: &str,
@@ -272,7 +272,7 @@ impl<'a> Loader<'a> {
         Ok(None)
     }
 
-    /// Lists an image once, or tells why it cannot be had.
+    /// Lists an image once, or returns why it cannot be read.
     fn list_image(&mut self, index: usize) -> Result<Listed, SceneError> {
         if let Some(known) = self.images.get(&index) {
             return Ok(known.clone());
@@ -314,7 +314,7 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// Its name, or that of its file: what a user can find.
+/// Its name, or that of its file, which a user can find.
 fn image_name(json: &gltf::json::Image, index: usize) -> String {
     let file_name = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
     name_or_index(json.name.as_deref().or(file_name), "image", index)
@@ -358,7 +358,7 @@ fn convert_sampler(sampler: &gltf::texture::Sampler<'_>) -> Sampler {
             Some(MagFilter::Nearest) => Filter::Nearest,
             Some(MagFilter::Linear) | None => Filter::Linear,
         },
-        // Of a filter's two parts the one within a mip level counts.
+        // Of a filter's two parts, the one within a mip level counts.
         minify: match sampler.min_filter() {
             Some(
                 MinFilter::Nearest

@@ -1,4 +1,4 @@
-//! Versions of glTF other than 2.0: told apart from files that are broken.
+//! Versions of glTF other than 2.0, as distinguished from broken files.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(super) fn of_document(json: &[u8], root: Option<&Root>) -> Option<String> {
     match &document["asset"]["version"] {
         Value::String(version) if is_other(version) => Some(shorten(version)),
         Value::Number(version) if is_other(&version.to_string()) => Some(version.to_string()),
-        // Version 1.0 named its things by keys, and need not tell which version it is.
+        // Version 1.0 identified things by keys, and its files need not give their version.
         Value::Null if document["meshes"].is_object() || document["nodes"].is_object() => {
             Some("1.0".to_owned())
         }

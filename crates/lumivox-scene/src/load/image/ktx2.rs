@@ -1,9 +1,9 @@
 //! KTX 2.0 (Khronos, "KTX File Format Specification 2.0"): the container of compressed textures.
 //!
-//! Of a file its finest level is taken, of one face and layer. Basis Universal (ETC1S, UASTC) and
-//! ASTC are decoded by `basisu`, the older block formats by `texture2ddecoder`; both were chosen
-//! for what they do with broken files, and where a decoder's own reading of the container is
-//! careless, it is handed a container made here out of what was checked.
+//! Only the finest level of one face and layer is read. Basis Universal (ETC1S, UASTC) and ASTC are
+//! decoded by `basisu`, the older block formats by `texture2ddecoder`; both were chosen for their
+//! behaviour with broken files, and where a decoder's own reading of the container is careless, it
+//! gets a container made here from checked data.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -15,14 +15,14 @@ use super::Pixels;
 
 /// Bytes of the header.
 pub(super) const HEADER_BYTES: usize = Header::LENGTH;
-/// The decoder of `zstd` keeps as much of what it decoded as the file asks for, up to this.
+/// The decoder of `zstd` keeps as much decoded data as the file asks for, up to this.
 const LARGEST_WINDOW_BYTES: u64 = 128 << 20;
 
 pub(super) fn is_ktx2(start: &[u8]) -> bool {
     start.starts_with(&ktx2::MAGIC)
 }
 
-/// The size that the header tells, if the image is of a kind that is decoded here.
+/// The size in the header, if the image is of a kind that is decoded here.
 pub(super) fn size(start: &[u8]) -> Result<(u32, u32), String> {
     let header = header(start)?;
     if header.pixel_depth > 1 || header.face_count != 1 || header.layer_count > 1 {
@@ -170,7 +170,7 @@ fn inflate<'a>(
                 |error: &dyn std::fmt::Display| format!("its zstd data is broken: {error}");
             let decoder = StreamingDecoder::new_with_max_window_size(stored, LARGEST_WINDOW_BYTES);
             let mut data = Vec::new();
-            // What is longer than it should be is not read to its end.
+            // Data that are longer than they should be are not read to their end.
             decoder
                 .map_err(|error| broken(&error))?
                 .take(wanted as u64)
@@ -214,7 +214,7 @@ fn without_metadata(bytes: &[u8]) -> Vec<u8> {
     container
 }
 
-/// A container of the finest level alone, not compressed: `basisu` takes as much memory for a
+/// A container of only the finest level, not compressed: `basisu` takes as much memory for a
 /// compressed level as the file asks for.
 fn one_level(bytes: &[u8], header: &Header, level: &LevelIndex) -> Result<Vec<u8>, String> {
     let index = header.index;

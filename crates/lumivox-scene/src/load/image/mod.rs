@@ -1,7 +1,7 @@
 //! Image files, whatever their format: their size without decoding, and their texels.
 //!
-//! The format is told by the first bytes, since declared types are often wrong; only Targa, which
-//! has no signature, is told by the file's extension. A size that the file is too short for is
+//! The first bytes give the format, since declared types are often wrong; only Targa, which has no
+//! signature, is recognized by the file's extension. A size that the file is too short for is
 //! refused before memory is taken: a few bytes can claim a gigabyte.
 
 mod ktx2;
@@ -17,7 +17,7 @@ use super::regular::{open_regular, read_regular};
 
 pub(super) use shrink::{Encoding, halved, shrink};
 
-/// The longest edge in texels: what common GPUs take.
+/// The longest edge in texels: the limit of common GPUs.
 const LONGEST_EDGE: u32 = 16_384;
 /// Bytes that decoding one image may take: the largest image with 16 bits a channel, and some.
 const MOST_DECODER_BYTES: u64 = 3 << 30;
@@ -47,7 +47,7 @@ impl Source<'_> {
     }
 }
 
-/// What a file says of its image.
+/// The header's description of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Header {
     format: Format,
@@ -59,7 +59,7 @@ pub(super) struct Header {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
-    /// What the `image` crate decodes.
+    /// The formats that the `image` crate decodes.
     Plain(ImageFormat),
     Ktx2,
 }
@@ -77,15 +77,15 @@ pub(super) struct Pixels {
 pub(super) enum Fault {
     /// The file cannot be read.
     Unreadable(std::io::Error),
-    /// Its content is broken or of a kind that is not decoded: why, and what would help.
+    /// The content is broken or of a kind that is not decoded: the reason and the remedy.
     Bad(String, &'static str),
 }
 
-/// What helps where the bytes break their format.
+/// The remedy where the bytes break their format.
 const BROKEN: &str = "export it or download it again";
-/// What helps where the format is right and not one that is read.
+/// The remedy where the bytes are right, but the format is not supported.
 const OF_ANOTHER_KIND: &str = "save it as a plain PNG or JPEG";
-/// What helps against too many texels.
+/// The remedy against too many texels.
 const LARGE: &str = "scale it down";
 
 impl std::fmt::Display for Fault {
@@ -119,8 +119,8 @@ pub(super) fn header(source: &Source<'_>) -> Result<Header, Fault> {
     }
 }
 
-/// Decodes an image to 8 bits a channel. What has no alpha is opaque; grey becomes red, green and
-/// blue.
+/// Decodes an image to 8 bits a channel. An image without alpha is opaque; grey becomes red, green
+/// and blue.
 pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Fault> {
     let bytes = source.read()?;
     let pixels = match header.format {
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn a_size_that_the_file_cannot_hold_is_refused_before_it_is_decoded() {
-        // The header alone of a PNG of 16384 x 16384 texels, its checksum right.
+        // Only the header of a PNG of 16384 x 16384 texels, with a right checksum.
         let large = image::GrayImage::new(16_384, 1);
         let mut bytes = encode(&large.into(), ImageFormat::Png);
         bytes[20..24].copy_from_slice(&16_384_u32.to_be_bytes());

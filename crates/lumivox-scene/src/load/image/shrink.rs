@@ -2,12 +2,13 @@
 //!
 //! A texel of the result is the mean of the rectangle that it covers, in which texels at the border
 //! count as far as they lie inside (edges of odd length). Colours are averaged as light, and by
-//! their alpha, so that what is invisible does not bleed into what is seen; data as they are.
+//! their alpha, so that invisible texels do not bleed into visible ones; data are averaged as they
+//! are.
 
 use super::Pixels;
 use crate::load::color::{linear_from_srgb, srgb_from_linear};
 
-/// What the numbers of a texture stand for.
+/// The meaning of a texture's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::load) enum Encoding {
     /// sRGB-encoded colours with a linear alpha.
@@ -32,7 +33,7 @@ pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) ->
     let mut rgba8 = Vec::with_capacity(width as usize * height as usize * 4);
     for row in &rows {
         for column in &columns {
-            // Colour by alpha, colour alone, alpha, weight.
+            // Colour by alpha, only colour, alpha, weight.
             let (mut seen, mut all, mut alpha, mut weight) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
             for (y, wy) in row.iter() {
                 let begin = (y * pixels.width as usize + column.first) * 4;

@@ -3,7 +3,7 @@
 //! Chains from each place to its corners are shorter than hashing, and lie in memory as the file
 //! does: five million corners take their 16 bytes each and a second.
 
-/// A corner of polygons, as numbers of what was listed before.
+/// A corner of polygons, as numbers of the vectors that were listed before.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Corner {
     pub(super) position: u32,
@@ -25,7 +25,7 @@ impl Normal {
     pub(super) const FLAT: Self = Self(u32::MAX);
     const GROUP: u32 = 1 << 31;
 
-    /// One of the file's. Past what 31 bits name, it is that of the face.
+    /// A normal of the file. Numbers that do not fit into 31 bits become the normal of the face.
     pub(super) fn given(number: u32) -> Self {
         if number < Self::GROUP { Self(number) } else { Self::FLAT }
     }
@@ -55,8 +55,8 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Corners looked through at one place before another is made: more than real meshes have, and a
-    /// bound on what a hostile one costs.
+    /// Corners compared at one place before another is made: more than real meshes have, and a
+    /// bound on the cost of a hostile one.
     const LONGEST_CHAIN: usize = 32;
 
     /// The number of a corner; a new one where it was not met before.
@@ -96,7 +96,7 @@ impl Corners {
         self.list.len()
     }
 
-    /// Gives back what only new corners need.
+    /// Frees the memory that only new corners need.
     pub(super) fn close(&mut self) {
         self.next = Vec::new();
         self.heads = Vec::new();

@@ -18,7 +18,7 @@ pub(super) struct Map {
     pub(super) bump: f32,
     /// `-clamp`: whether the image does not repeat. Default: no.
     pub(super) clamp: bool,
-    /// `-imfchan`: the channel of an image that stands for one number.
+    /// `-imfchan`: the channel of an image that is used where one number is needed.
     pub(super) channel: Channel,
 }
 
@@ -36,8 +36,8 @@ pub(super) enum Channel {
 }
 
 impl Map {
-    /// Reads what follows the keyword; the second part of the answer names the options that were
-    /// ignored. `None` where no file is named.
+    /// Reads the rest of the line after the keyword; the second part of the answer names the
+    /// options that were ignored. `None` where no file is named.
     pub(super) fn parse(mut rest: &[u8]) -> Option<(Self, Vec<String>)> {
         let mut map = Self {
             file: Vec::new(),

@@ -1,10 +1,10 @@
 //! Materials of MTL in this crate's terms.
 //!
-//! With `Pr`, `Pm` or another key of physically-based materials the surface is of metal and roughness;
-//! otherwise it is Phong's, with `Ks` limited to what `Kd` leaves, so that no surface reflects more
-//! than it receives. `Ka` has no meaning where ambient light is computed. Colours are linear, as
-//! reflectivities ("the diffuse reflectivity using RGB values"). MTL knows no unit of light: `Ke` 1 is
-//! 1 cd/m², like glTF's emissive factor.
+//! With `Pr`, `Pm` or another key of physically-based materials the surface is of metal and
+//! roughness; otherwise it is Phong's, with `Ks` limited to the share that `Kd` leaves, so that no
+//! surface reflects more than it receives. `Ka` has no meaning where ambient light is computed.
+//! Colours are linear, as reflectivities ("the diffuse reflectivity using RGB values"). MTL has no
+//! unit of light: `Ke` 1 is 1 cd/m², like glTF's emissive factor.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -54,8 +54,8 @@ impl<'s, 'o> Materials<'s, 'o> {
         Self { file, reach, definitions, textures, options, known, images: 0, limited: 0 }
     }
 
-    /// The scene's number of a material; `colored` tells whether the vertices have colours, which
-    /// then are all that a missing one shows.
+    /// The scene's number of a material; `colored` says whether the vertices have colours, which
+    /// are then the only colours of a missing one.
     pub(super) fn get(
         &mut self,
         name: Option<&[u8]>,
@@ -87,7 +87,7 @@ impl<'s, 'o> Materials<'s, 'o> {
         scene.materials.len() - 1
     }
 
-    /// Says what concerns all of them.
+    /// Adds the warnings that concern all materials.
     pub(super) fn finish(self, notes: &mut Notes) {
         if self.limited > 0 {
             notes.warn(format!(
@@ -210,7 +210,7 @@ impl Conversion<'_, '_, '_> {
             match (self.mtl.scalar(Scalar::Opacity), self.mtl.scalar(Scalar::Transparency)) {
                 (Some(opacity), _) => opacity,
                 (None, Some(1.0)) => {
-                    // Nobody exports what cannot be seen; many took Tr for an opacity.
+                    // Exporters do not write invisible surfaces; many took Tr for an opacity.
                     self.warn("Tr 1 without d is taken for solid");
                     1.0
                 }
@@ -371,7 +371,7 @@ impl Conversion<'_, '_, '_> {
         let metal = factor(self.mtl.scalar(Scalar::Metallic), has_metal, 0.0);
         base.roughness = self.unit(rough, "roughness");
         base.metallic = self.unit(metal, "metallic");
-        // Ni 1, of a surface that could not be seen, is what exporters write for "unknown".
+        // Ni 1 would make the surface invisible; exporters write it for "unknown".
         base.ior = self.mtl.scalar(Scalar::Ior).filter(|&ior| ior > 1.0).unwrap_or(1.5);
 
         let strength = self.mtl.scalar(Scalar::Clearcoat).unwrap_or(0.0);

@@ -1,16 +1,16 @@
-//! The triangles of a part become a mesh of its own vertices.
+//! The triangles of a submesh become a mesh of its own vertices.
 
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3};
 
 use super::corners::{Corner, Normal};
-use super::read::{Model, Part};
+use super::read::{Model, Submesh};
 use crate::load::geometry::GeometryBudget;
 use crate::load::{Notes, color, normals};
 use crate::{Mesh, SceneError};
 
-/// A part that is ready.
+/// A submesh that is ready.
 pub(super) struct Built {
     pub(super) name: String,
     pub(super) material: Option<usize>,
@@ -23,9 +23,9 @@ pub(super) struct Builder<'m> {
     /// By corner, for those in smoothing groups.
     group_normals: &'m [Vec3],
     crease_rad: Option<f32>,
-    /// What vertex a corner became in the part at hand; [`Corner::NONE`] in between.
+    /// The vertex that each corner became in the current submesh; [`Corner::NONE`] in between.
     vertices: Vec<u32>,
-    /// What colours are divided by.
+    /// The number that colours are divided by.
     full_color: f32,
 }
 
@@ -43,15 +43,15 @@ impl<'m> Builder<'m> {
         Self { model, group_normals, crease_rad, vertices, full_color }
     }
 
-    /// The mesh of a part; `None` where it has no triangles.
+    /// The mesh of a submesh; `None` where it has no triangles.
     pub(super) fn build(
         &mut self,
-        part: Part,
+        submesh: Submesh,
         budget: &mut GeometryBudget<'_>,
         notes: &mut Notes,
     ) -> Result<Option<Built>, SceneError> {
         let model = self.model;
-        let Part { name, material, mut indices } = part;
+        let Submesh { name, material, mut indices } = submesh;
         if indices.is_empty() {
             return Ok(None);
         }
@@ -159,7 +159,7 @@ impl<'m> Builder<'m> {
 
     fn color(&self, corner: Corner) -> Vec3 {
         match self.model.colors.get(corner.position as usize) {
-            // In this order what is no number becomes zero.
+            // In this order a value that is not a number becomes zero.
             Some(color) if !color.is_nan() => (*color / self.full_color)
                 .max(Vec3::ZERO)
                 .min(Vec3::ONE)

@@ -1,21 +1,21 @@
-//! Reads OBJ with MTL (Wavefront, "Advanced Visualizer manual", appendix B1 and B2, 1995; `Pr`, `Pm`
-//! and the like by Exocortex, "Extension to Wavefront MTL to support physically-based rendering",
-//! 2014).
+//! Reads OBJ with MTL (Wavefront, "Advanced Visualizer manual", appendix B1 and B2, 1995; `Pr`,
+//! `Pm` and the like by Exocortex, "Extension to Wavefront MTL to support physically-based
+//! rendering", 2014).
 //!
-//! Read are vertices (with colours), polygons, objects, groups, smoothing groups and materials; free-form
-//! surfaces, lines and points are skipped with a warning. The faces of one object and group with one
-//! material become a mesh and an instance of that name.
+//! Read are vertices (with colours), polygons, objects, groups, smoothing groups and materials;
+//! free-form surfaces, lines and points are skipped with a warning. The faces of one object and
+//! group with one material become a mesh and an instance of that name.
 //!
-//! Corners without a normal are smooth among the faces of their smoothing group, across meshes. Outside
-//! of groups they are flat: that is the state in which the format begins ("the default is off"), and
-//! programs that mean smooth surfaces write normals or groups. [`LoadOptions::crease_rad`] says
-//! otherwise; then edges between two materials stay.
+//! Corners without a normal are smooth among the faces of their smoothing group, across meshes.
+//! Outside of groups they are flat: that is the state in which the format begins ("the default is
+//! off"), and programs that mean smooth surfaces write normals or groups.
+//! [`LoadOptions::crease_rad`] says otherwise; then edges between two materials stay.
 //!
 //! A material has no sides in MTL, and many files are wound as it came: all are seen from both.
 //!
 //! The file is read line by line ([`read`]) into shared lists of places, texture coordinates and
-//! normals, a table of the distinct corners, and the corners of each part's triangles, which become the
-//! mesh's indices in place ([`mesh`]).
+//! normals, a table of the distinct corners, and the corners of each submesh's triangles, which
+//! become the mesh's indices in place ([`mesh`]).
 //!
 //! `tobj` 4.0 was weighed: it keeps no smoothing groups, wants UTF-8, joins no lines, fans concave
 //! polygons, holds all faces beside the meshes, and knows neither texture options nor the keys of
@@ -36,8 +36,8 @@ use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
 use crate::{Instance, Mesh, Scene, SceneError};
 
-/// The first mesh of a file, without its materials, and how many others there are; `None` where there
-/// are no triangles. What is noticed goes to `notes`.
+/// The first mesh of a file, without its materials, and how many others there are; `None` where
+/// there are no triangles. Warnings go to `notes`.
 pub(super) fn first_mesh(
     file: &Path,
     options: &mut LoadOptions<'_>,
@@ -48,11 +48,11 @@ pub(super) fn first_mesh(
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, notes, budget)?;
     let normals = model.group_normals();
-    let mut parts = std::mem::take(&mut model.parts);
-    parts.retain(|part| !part.indices.is_empty());
-    let others = parts.len().saturating_sub(1);
+    let mut submeshes = std::mem::take(&mut model.submeshes);
+    submeshes.retain(|submesh| !submesh.indices.is_empty());
+    let others = submeshes.len().saturating_sub(1);
     let mut builder = mesh::Builder::new(&model, &normals, crease_rad);
-    let Some(first) = parts.into_iter().next() else { return Ok(None) };
+    let Some(first) = submeshes.into_iter().next() else { return Ok(None) };
     let built = builder.build(first, budget, notes)?;
     Ok(built.map(|built| (built.mesh, others)))
 }
@@ -66,15 +66,15 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, &mut notes, &budget)?;
     let normals = model.group_normals();
-    let parts = std::mem::take(&mut model.parts);
+    let submeshes = std::mem::take(&mut model.submeshes);
 
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let mut scene = Scene { name: name.unwrap_or_default(), ..Scene::default() };
     let library = mtl::Library::load(file, reach, &model.libraries, &mut notes)?;
     let mut materials = material::Materials::new(file, reach, library, options);
     let mut builder = mesh::Builder::new(&model, &normals, crease_rad);
-    for part in parts {
-        let Some(built) = builder.build(part, &mut budget, &mut notes)? else { continue };
+    for submesh in submeshes {
+        let Some(built) = builder.build(submesh, &mut budget, &mut notes)? else { continue };
         let colored = !built.mesh.colors.is_empty();
         let name = built.material.map(|i| model.materials[i].as_slice());
         let material = materials.get(name, colored, &mut scene, &mut notes);

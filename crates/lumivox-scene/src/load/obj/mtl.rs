@@ -21,7 +21,7 @@ pub(super) struct Library {
 /// One material as its file says it; `None` is not said.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mtl {
-    /// The file that it stands in.
+    /// The file that contains it.
     pub(super) file: PathBuf,
     pub(super) diffuse: Option<Vec3>,
     pub(super) specular: Option<Vec3>,
@@ -60,7 +60,7 @@ pub(super) enum Slot {
 }
 
 impl Library {
-    /// Reads what `mtllib` names in the scene `file`. What is missing is a warning.
+    /// Reads the libraries that `mtllib` names in the scene `file`. A missing one is a warning.
     pub(super) fn load(
         file: &Path,
         reach: Reach<'_>,
@@ -183,9 +183,8 @@ impl Mtl {
             b"map_pr" => self.map_statement(Slot::Roughness, rest)?,
             b"map_pm" => self.map_statement(Slot::Metallic, rest)?,
             b"map_ps" => self.map_statement(Slot::Sheen, rest)?,
-            // Light from nowhere in particular is what this program computes; and every exporter
-            // writes both. The sharpness of reflections and anti-aliasing are no properties of
-            // surfaces.
+            // This program computes ambient light, and every exporter writes both keys. The
+            // sharpness of reflections and anti-aliasing are not properties of surfaces.
             b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
             b"tf" if color(rest) == Ok(Vec3::ONE) => {}
             b"aniso" | b"anisor" if number(rest) == Some(0.0) => {}
@@ -221,7 +220,7 @@ impl Mtl {
     }
 }
 
-/// `r [g b]`, or `xyz x [y z]`; what is left out is like the first.
+/// `r [g b]`, or `xyz x [y z]`; missing numbers equal the first.
 fn color(rest: &[u8]) -> Result<Vec3, String> {
     let (first, after) = keyword(rest);
     let (xyz, rest) = match first {

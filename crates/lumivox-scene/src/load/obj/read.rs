@@ -14,7 +14,7 @@ use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{Notes, normals};
 
 /// Parts beyond which groups of one material share one: a file could name millions.
-const MOST_PARTS: usize = 1 << 16;
+const MOST_SUBMESHES: usize = 1 << 16;
 /// Material libraries that are looked for.
 const MOST_LIBRARIES: usize = 64;
 
@@ -27,16 +27,16 @@ pub(super) struct Model {
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
     pub(super) corners: Corners,
-    pub(super) parts: Vec<Part>,
+    pub(super) submeshes: Vec<Submesh>,
     /// The names that `usemtl` gives, in any encoding.
     pub(super) materials: Vec<Vec<u8>>,
-    /// What `mtllib` names.
+    /// The files that `mtllib` names.
     pub(super) libraries: Vec<Vec<u8>>,
 }
 
 /// The triangles of one object and group with one material.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct Submesh {
     pub(super) name: String,
     /// Index into [`Model::materials`].
     pub(super) material: Option<usize>,
@@ -94,7 +94,7 @@ impl From<String> for Fault {
 }
 
 /// Object, group and material.
-type PartKey = (Vec<u8>, Vec<u8>, Option<usize>);
+type SubmeshKey = (Vec<u8>, Vec<u8>, Option<usize>);
 
 /// Where reading is.
 #[derive(Default)]
@@ -107,10 +107,10 @@ struct State {
     groups: HashMap<u64, u32>,
     material: Option<usize>,
     material_numbers: HashMap<Vec<u8>, usize>,
-    /// From names and material to parts.
-    part_numbers: HashMap<PartKey, usize>,
-    /// The part that faces go to; `None` after any of its names changed.
-    part: Option<usize>,
+    /// From names and material to submeshes.
+    submesh_numbers: HashMap<SubmeshKey, usize>,
+    /// The submesh that faces go to; `None` after any of its names changed.
+    submesh: Option<usize>,
     triangles: u64,
     cutter: Cutter,
     face: Vec<u32>,
@@ -118,7 +118,7 @@ struct State {
     skipped: Skipped,
 }
 
-/// What is left out, counted.
+/// Counts of the things that are left out.
 #[derive(Default)]
 struct Skipped {
     lines_and_points: u64,
@@ -127,7 +127,7 @@ struct Skipped {
     broken_uvs: u64,
     lost_uvs: u64,
     lost_normals: u64,
-    joined_parts: u64,
+    joined_submeshes: u64,
     libraries: u64,
     others: BTreeMap<String, u64>,
 }
@@ -138,7 +138,7 @@ impl State {
             b"v" => self.vertex(rest)?,
             b"vt" => self.texture_coordinate(rest)?,
             b"vn" => {
-                // What has no direction is repaired later.
+                // Normals without a direction are repaired later.
                 let normal = numbers::<3>(&mut words(rest))?;
                 self.model.normals.push(Vec3::from_array(normal));
             }
@@ -146,11 +146,11 @@ impl State {
             b"o" => {
                 self.object = rest.to_vec();
                 self.group.clear();
-                self.part = None;
+                self.submesh = None;
             }
             b"g" => {
                 self.group = rest.to_vec();
-                self.part = None;
+                self.submesh = None;
             }
             b"s" => self.smoothing_group(rest)?,
             b"usemtl" => {
@@ -160,7 +160,7 @@ impl State {
                     self.model.materials.push(rest.to_vec());
                 }
                 self.material = Some(number);
-                self.part = None;
+                self.submesh = None;
             }
             b"mtllib" => {
                 let libraries = &mut self.model.libraries;
@@ -174,7 +174,7 @@ impl State {
             }
             b"l" | b"p" => self.skipped.lines_and_points += 1,
             b"curv" | b"curv2" | b"surf" => self.skipped.free_form += 1,
-            // What belongs to free-form shapes, and display attributes without a meaning here.
+            // Statements of free-form shapes, and display attributes without a meaning here.
             b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole"
             | b"scrv" | b"sp" | b"end" | b"con" | b"mg" | b"ctech" | b"stech" | b"bevel"
             | b"c_interp" | b"d_interp" | b"lod" | b"bsp" | b"bzp" | b"cdc" | b"cdp" | b"res"
@@ -261,11 +261,11 @@ impl State {
         if self.model.corners.len() >= Corner::NONE as usize {
             return Err("there are too many different corners, split it".to_owned().into());
         }
-        let part = match self.part {
-            Some(part) => part,
-            None => self.start_part(),
+        let submesh = match self.submesh {
+            Some(submesh) => submesh,
+            None => self.start_submesh(),
         };
-        let indices = &mut self.model.parts[part].indices;
+        let indices = &mut self.model.submeshes[submesh].indices;
         match self.face.as_slice() {
             [] | [_] | [_, _] => self.skipped.short_faces += 1,
             [a, b, c] => indices.extend([*a, *b, *c]),
@@ -275,7 +275,7 @@ impl State {
                 let place = |&i: &u32| model.positions[model.corners.get(i).position as usize];
                 self.points.extend(face.iter().map(place));
                 let triangles = self.cutter.cut(&self.points);
-                let indices = &mut self.model.parts[part].indices;
+                let indices = &mut self.model.submeshes[submesh].indices;
                 indices.extend(triangles.iter().map(|&i| face[i as usize]));
             }
         }
@@ -296,7 +296,7 @@ impl State {
                 count,
             },
         })?;
-        // What is out of range here costs the picture less than no picture.
+        // An index out of range is ignored here: without it the picture is better than no picture.
         let mut other = |count: usize, lost: &mut u64| match parts.next() {
             None | Some([]) => Ok(None),
             Some(part) => {
@@ -314,32 +314,33 @@ impl State {
         })
     }
 
-    /// The part that the current names stand for.
-    fn start_part(&mut self) -> usize {
-        let parts = &mut self.model.parts;
+    /// The submesh for the current names.
+    fn start_submesh(&mut self) -> usize {
+        let submeshes = &mut self.model.submeshes;
         // Beyond the limit only the material counts.
-        let crowded = parts.len() >= MOST_PARTS;
-        self.skipped.joined_parts += u64::from(crowded);
+        let crowded = submeshes.len() >= MOST_SUBMESHES;
+        self.skipped.joined_submeshes += u64::from(crowded);
         let key = if crowded {
             (b"others".to_vec(), Vec::new(), self.material)
         } else {
             (self.object.clone(), self.group.clone(), self.material)
         };
-        let part = *self.part_numbers.entry(key).or_insert_with_key(|(object, group, material)| {
-            let name = match (object.as_slice(), group.as_slice()) {
-                ([], []) => "object".to_owned(),
-                (name, []) | ([], name) => readable(name),
-                (object, group) if object == group => readable(object),
-                (object, group) => format!("{}/{}", readable(object), readable(group)),
-            };
-            parts.push(Part { name, material: *material, indices: Vec::new() });
-            parts.len() - 1
-        });
-        self.part = Some(part);
-        part
+        let submesh =
+            *self.submesh_numbers.entry(key).or_insert_with_key(|(object, group, material)| {
+                let name = match (object.as_slice(), group.as_slice()) {
+                    ([], []) => "object".to_owned(),
+                    (name, []) | ([], name) => readable(name),
+                    (object, group) if object == group => readable(object),
+                    (object, group) => format!("{}/{}", readable(object), readable(group)),
+                };
+                submeshes.push(Submesh { name, material: *material, indices: Vec::new() });
+                submeshes.len() - 1
+            });
+        self.submesh = Some(submesh);
+        submesh
     }
 
-    /// Memory in use, but for names.
+    /// Memory in use, except for names.
     fn bytes(&self) -> u64 {
         let model = &self.model;
         let lists = (model.positions.len() + model.colors.len() + model.normals.len()) * 12
@@ -366,8 +367,10 @@ impl State {
                 notes.warn(format!("{count} {what}"));
             }
         }
-        if skipped.joined_parts > 0 {
-            notes.warn(format!("groups after the {MOST_PARTS}th were joined by their materials"));
+        if skipped.joined_submeshes > 0 {
+            notes.warn(format!(
+                "groups after the {MOST_SUBMESHES}th were joined by their materials"
+            ));
         }
         for (word, count) in &skipped.others {
             notes.warn(format!("{count} statements \"{word}\" are unknown and were ignored"));
@@ -376,20 +379,22 @@ impl State {
 }
 
 impl Model {
-    /// The normals of the corners in smoothing groups, by corner; empty without groups. Gives back what
-    /// only reading needs.
+    /// The normals of the corners in smoothing groups, by corner; empty without groups. Frees the
+    /// memory that only reading needs.
     pub(super) fn group_normals(&mut self) -> Vec<Vec3> {
         let count = self.corners.len() as u32;
         let mut sums = Vec::new();
         if (0..count).any(|number| self.corners.get(number).normal.is_group()) {
-            // Corners that differ by texture coordinates alone share one normal: that of the first.
+            // Corners that differ only by texture coordinates share one normal: that of the first.
             let first = |number: u32| {
                 let corner = self.corners.get(number);
                 let fits = |other: &Corner| other.normal == corner.normal;
                 self.corners.find(corner.position, fits).unwrap_or(number)
             };
             sums = vec![Vec3::ZERO; count as usize];
-            for triangle in self.parts.iter().flat_map(|part| part.indices.chunks_exact(3)) {
+            for triangle in
+                self.submeshes.iter().flat_map(|submesh| submesh.indices.chunks_exact(3))
+            {
                 let triangle = [triangle[0], triangle[1], triangle[2]];
                 let corners = triangle.map(|number| self.corners.get(number));
                 let places = corners.map(|corner| self.positions[corner.position as usize]);
@@ -412,7 +417,7 @@ impl Model {
     }
 }
 
-/// A whole number; what does not fit saturates.
+/// A whole number; numbers that do not fit saturate.
 fn integer(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word {
         [b'-', digits @ ..] => (true, digits),
@@ -431,7 +436,7 @@ fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// The place in a list of what is counted from 1, or backwards from -1.
+/// The place in a list of an index that counts from 1, or backwards from -1.
 fn resolve(index: i64, count: usize) -> Option<u32> {
     let count = count as i64;
     let from_zero = if index < 0 { count + index } else { index - 1 };

@@ -12,13 +12,14 @@ use crate::load::image::{Encoding, Pixels};
 use crate::load::{self, Notes, color, stand_in};
 use crate::{Scene, Texture};
 
-/// What white stands above black in a bump map whose `-bm` is 1, as a share of the image's width. MTL
-/// gives heights no length; a hundredth is a joint between tiles of a metre, one centimetre deep.
+/// The height of white above black in a bump map whose `-bm` is 1, as a share of the image's width.
+/// MTL gives heights no length; a hundredth is a joint between tiles of a metre, one centimetre
+/// deep.
 const BUMP_DEPTH: f32 = 0.01;
 /// The share of texels that may be neither clear nor solid in an image that cuts out: its edges.
 const MOST_EDGE_TEXELS: f32 = 0.1;
 
-/// What a texture is made of.
+/// The sources of a texture.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Source {
     /// A colour; alpha is 1, whatever the file has.
@@ -40,7 +41,7 @@ impl Source {
     }
 }
 
-/// What is known of a texture that was made.
+/// The properties of a texture that was made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Made {
     pub(super) texture: usize,
@@ -62,7 +63,7 @@ pub(super) struct Textures<'a> {
     /// How many times all textures were halved.
     halvings: u32,
     made: HashMap<(Source, bool), Made>,
-    /// Of the scene's textures.
+    /// The encodings of the scene's textures.
     encodings: Vec<Encoding>,
 }
 
@@ -210,7 +211,7 @@ fn make(source: &Source, reach: Reach<'_>) -> Result<(String, RgbaImage, Made), 
             };
             let size = rough_image.as_ref().or(metal_image.as_ref());
             let (width, height) = size.map_or((1, 1), RgbaImage::dimensions);
-            // What has no image is left to its number.
+            // Without an image the number of the material counts.
             let value = |image: &Option<RgbaImage>, x, y, channel| {
                 image.as_ref().map_or(255, |image| pick(*image.get_pixel(x, y), channel))
             };
@@ -272,8 +273,8 @@ fn luminance(texel: Rgba<u8>) -> u8 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722)).round() as u8
 }
 
-/// Whether an image that is said to be bumps holds normals, as many exporters write: grey images are
-/// heights; in those of normals most texels are unit vectors out of the surface.
+/// Whether an image that is said to be bumps holds normals, as many exporters write: grey images
+/// are heights; in those of normals most texels are unit vectors out of the surface.
 fn holds_normals(image: &RgbaImage) -> bool {
     let texels = u64::from(image.width()) * u64::from(image.height());
     let fitting = image.pixels().filter(|texel| {
@@ -285,8 +286,8 @@ fn holds_normals(image: &RgbaImage) -> bool {
     !grey && fitting.count() as u64 * 2 > texels
 }
 
-/// Tangent-space normals of a height field: its gradient by Sobel's differences (weights 1 2 1 across,
-/// eight texels in sum), the image repeating at its edges.
+/// Tangent-space normals of a height field: its gradient by Sobel's differences (weights 1 2 1
+/// across, eight texels in sum), the image repeating at its edges.
 fn normals_from_heights(heights: &RgbaImage, bump: f32) -> RgbaImage {
     let (width, height) = heights.dimensions();
     // Rows of heights, so that each texel is weighed once.

@@ -11,7 +11,7 @@ use crate::load::polygon::Cutter;
 use crate::load::{Notes, color};
 use crate::{Mesh, SceneError};
 
-/// What a vertex's property is.
+/// The meaning of a vertex's property.
 #[derive(Clone, Copy)]
 enum Use {
     Position(usize),
@@ -72,7 +72,7 @@ impl<'f> Body<'f> {
         Ok(())
     }
 
-    /// The mesh, but for what can be derived.
+    /// The mesh, except for derived data.
     pub(super) fn finish(mut self) -> Result<(Mesh, GeometryBudget<'f>, Notes), SceneError> {
         let mesh = &mut self.mesh;
         if mesh.indices.is_empty() {
@@ -85,7 +85,7 @@ impl<'f> Body<'f> {
             };
             return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
         }
-        // Scans mark what was not seen by places that are no numbers.
+        // Scans mark unseen points by positions that are not numbers.
         let lost = |i: u32| !mesh.positions[i as usize].is_finite();
         if let Some(&i) = mesh.indices.iter().find(|&&i| lost(i)) {
             let part = format!("vertex {i}, which faces use,");
@@ -114,7 +114,7 @@ impl<'f> Body<'f> {
         Ok((self.mesh, self.budget, self.notes))
     }
 
-    /// What the header declares must fit into the file.
+    /// The elements that the header declares must fit into the file.
     fn check_room(&self, element: &Element) -> Result<(), SceneError> {
         let least = element.least_bytes(self.header.encoding);
         // The last line may lack its end.
@@ -351,7 +351,7 @@ fn skip_items(count: f64, property: &Property, source: &mut impl Source) -> Resu
     (0..whole(count)).try_for_each(|_| source.value(property.scalar).map(drop))
 }
 
-/// The length of a list: what is no number, or negative, is zero.
+/// The length of a list: a value that is negative or not a number counts as zero.
 fn whole(count: f64) -> u64 {
     count as u64
 }

@@ -1,4 +1,4 @@
-//! The head of a PLY file: its encoding, and what elements it holds.
+//! The head of a PLY file: its encoding, and its elements.
 
 use std::io::{BufRead, ErrorKind};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::SceneError;
 use crate::load::text::{keyword, readable, words};
 
-/// Bytes that a header may have: a thousand times what real ones do.
+/// Bytes that a header may have: a thousand times those of real ones.
 const LONGEST: usize = 1 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,9 +36,9 @@ pub(super) struct Element {
 #[derive(Debug)]
 pub(super) struct Property {
     pub(super) name: String,
-    /// What it is, or what its items are.
+    /// The type of the value, or of a list's items.
     pub(super) scalar: Scalar,
-    /// For lists, what tells their lengths.
+    /// For lists, the type of their lengths.
     pub(super) list_count: Option<Scalar>,
 }
 
@@ -182,15 +182,15 @@ fn parse_property(rest: &[u8]) -> Result<Property, String> {
     Ok(Property { name: readable(name), scalar, list_count })
 }
 
-/// The lines of the header alone: the next byte may be anything.
+/// Reads only the lines of the header: the next byte may be anything.
 struct HeadLines<'a, R> {
     file: &'a Path,
     reader: &'a mut R,
     line: Vec<u8>,
     bytes: usize,
     number: u64,
-    /// Whether lines end in CR alone; the first one tells. In a CR LF file LF is part of the ending,
-    /// in the other it may be the first byte of the body.
+    /// Whether lines end in CR only; the first line decides. In a CR LF file LF is part of the
+    /// ending, in the other it may be the first byte of the body.
     cr: Option<bool>,
 }
 

@@ -5,13 +5,13 @@
 //! `tristrips`; every other element and property is skipped by its declared size, whatever it is.
 //! The whole is one mesh.
 //!
-//! Where a file brings no normals they are smooth: vertices of PLY are shared by their triangles, and
-//! scans sample surfaces that are smooth mostly. [`LoadOptions::crease_rad`] says otherwise. Colours
-//! of integers are taken for sRGB, as scanners and their programs write them, those of floats for
-//! linear.
+//! Where a file brings no normals they are smooth: vertices of PLY are shared by their triangles,
+//! and scans sample surfaces that are smooth mostly. [`LoadOptions::crease_rad`] says otherwise.
+//! Colours of integers are taken for sRGB, as scanners and their programs write them, those of
+//! floats for linear.
 //!
-//! `ply-rs-bw` 4.0 was weighed: it collects one object an element before anything can be done with it,
-//! and a vector for each face, several times what the mesh itself takes.
+//! `ply-rs-bw` 4.0 was weighed: it collects one object an element before anything can be done with
+//! it, and a vector for each face, several times the memory of the mesh itself.
 
 mod body;
 mod header;

@@ -46,7 +46,7 @@ impl<'f, R: BufRead> Text<'f, R> {
 }
 
 impl<R: BufRead> Source for Text<'_, R> {
-    /// What a line has too much is dropped, so that one bad line spoils one element.
+    /// Surplus words of a line are dropped, so that one bad line spoils one element.
     fn begin(&mut self) -> Result<(), SceneError> {
         self.advance()?;
         while self.lines.line().trim_ascii().is_empty() {

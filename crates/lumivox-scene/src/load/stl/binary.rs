@@ -8,8 +8,8 @@ use super::{BINARY_HEAD, BINARY_TRIANGLE, Reading, Solid};
 use crate::SceneError;
 
 impl Reading<'_> {
-    /// Reads as many triangles as there are, whatever the count says: some programs write it wrong or
-    /// not at all.
+    /// Reads as many triangles as there are, whatever the count says: some programs write it wrong
+    /// or not at all.
     pub(super) fn binary(
         &mut self,
         mut reader: impl Read,
@@ -21,7 +21,8 @@ impl Reading<'_> {
         let bytes = length.saturating_sub(BINARY_HEAD as u64);
         let held = bytes / BINARY_TRIANGLE as u64;
         let rest = bytes % BINARY_TRIANGLE as u64;
-        // Triangles up to the very end are meant; what is left otherwise is something else.
+        // If triangles fill the file to its very end, all of them count; otherwise the rest is
+        // something else.
         let count = if declared == 0 || rest == 0 { held } else { declared.min(held) };
         if declared != held {
             self.notes.warn(format!(

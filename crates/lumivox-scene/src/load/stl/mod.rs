@@ -3,13 +3,13 @@
 //!
 //! A file is binary if its length is that which its count of triangles asks for (many binary files
 //! begin with `solid`, as text does), and otherwise if it holds a zero byte where text would not.
-//! Each solid becomes a mesh. A triangle faces the way that it is wound; the normals in the file, which
-//! say the same or are zero, are not used. STL knows no shared corners, so it is flat; with
+//! Each solid becomes a mesh. A triangle faces the way that it is wound; the normals in the file,
+//! which say the same or are zero, are not used. STL knows no shared corners, so it is flat; with
 //! [`LoadOptions::crease_rad`] equal corners are joined and flat edges smoothed.
 //!
-//! `stl_io` 0.11 was weighed and found too strict for files in the wild (one solid, `solid` in lower
-//! case with a space, UTF-8, a binary file with `solid` in its header is refused), and its text reader
-//! makes a string of every word.
+//! `stl_io` 0.11 was weighed and found too strict for files in the wild (one solid, `solid` in
+//! lower case with a space, UTF-8, a binary file with `solid` in its header is refused), and its
+//! text reader makes a string of every word.
 
 mod ascii;
 mod binary;
@@ -37,7 +37,7 @@ struct Solid {
     corners: Vec<Vec3>,
 }
 
-/// What the readers of both kinds share.
+/// The state that the readers of both kinds share.
 struct Reading<'f> {
     file: &'f Path,
     notes: Notes,

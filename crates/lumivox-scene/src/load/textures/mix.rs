@@ -1,4 +1,4 @@
-//! One image out of two, where a format spreads over several images what a
+//! One image out of two, where a format spreads the channels over several images that a
 //! [`Material`](crate::Material) reads from one.
 
 use crate::load::color::{linear_from_srgb, srgb_from_linear};

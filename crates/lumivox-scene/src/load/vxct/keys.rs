@@ -1,4 +1,4 @@
-//! What blocks may hold, and of what kind it is.
+//! The keys that blocks may hold, and the kind of their values.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::load::Notes;
 pub(super) struct Keys {
     /// The kind, with its article.
     pub(super) what: &'static str,
-    /// Of these the first counts.
+    /// The first of these counts.
     pub(super) once: &'static [&'static str],
     /// These may come any number of times.
     pub(super) many: &'static [&'static str],
@@ -54,7 +54,7 @@ pub(super) const LIGHT: Keys = Keys {
 pub(super) const XYZ: Keys = Keys { what: "a vector", once: &["x", "y", "z"], many: &[] };
 pub(super) const RGB: Keys = Keys { what: "a colour", once: &["r", "g", "b"], many: &[] };
 
-/// Reads the values of blocks, and notes what is passed over.
+/// Reads the values of blocks, and notes the entries that are ignored.
 pub(super) struct Values<'v> {
     pub(super) file: &'v Path,
     pub(super) notes: &'v mut Notes,
@@ -132,7 +132,7 @@ impl Values<'_> {
         let fault = |expected: &str| fault(self.file, word.at, quote(word), expected);
         let text = word.text.strip_suffix(',').unwrap_or(word.text);
         let text = text.strip_suffix('f').unwrap_or(text);
-        // Rust knows words for what is not finite.
+        // Rust's parser accepts words for infinity and NaN.
         let is_number =
             text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
         match text.parse::<f32>() {
@@ -159,7 +159,7 @@ impl Values<'_> {
         Ok(word.text == "true")
     }
 
-    /// Three numbers. What is missing takes the value of the first that is there.
+    /// Three numbers. A missing number equals the first one that is there.
     pub(super) fn vector(
         &mut self,
         block: &Block<'_>,

@@ -10,9 +10,9 @@ use crate::{Attenuation, Camera, Light, LightKind, SceneError};
 
 /// The light of a block, the `number`th of its scene.
 ///
-/// VXCT gives a surface `colour * cos / (c + l d + q d²)` times its own colour, and shows that as it is.
-/// Here a surface of albedo a that faces a lamp of I candela at a metre has a radiance of a I / pi, so
-/// with I = pi / (c + l + q) both agree there, one being a cd/m².
+/// VXCT gives a surface `colour * cos / (c + l d + q d²)` times its own colour, and shows that as
+/// it is. Here a surface of albedo a that faces a lamp of I candela at a metre has a radiance of a
+/// I / pi, so with I = pi / (c + l + q) both agree there, one being a cd/m².
 pub(super) fn light(
     block: &Block<'_>,
     number: usize,

@@ -1,5 +1,6 @@
-//! Reads the scenes of VXCT, a program for voxel cone tracing of 2019: a text of names and blocks that
-//! places OBJ files and point lights. `docs/vxct-scenes.md` has the format and what its numbers mean here.
+//! Reads the scenes of VXCT, a program for voxel cone tracing of 2019: a text of names and blocks
+//! that places OBJ files and point lights. `docs/vxct-scenes.md` describes the format and the
+//! meaning of its numbers here.
 //!
 //! | file | does |
 //! | --- | --- |
@@ -10,8 +11,9 @@
 //! | `surface.rs` | its material in physical terms |
 //! | `light.rs` | a light, and the cameras of the program |
 //!
-//! The program passes over much in silence. So does this reader, but it says so, with line and column;
-//! what cannot be meant (a block that does not end, a word for a number) is an error.
+//! The program silently ignores many faults. This reader ignores them too, but reports them with
+//! line and column. A text that cannot be intended (a block that does not end, a word for a number)
+//! is an error.
 
 mod keys;
 mod light;
@@ -62,7 +64,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
     scene.notes.scenes = scene_names(&root, &values)?;
     match choose(&root, &mut values, &scene.notes.scenes, options.scene.as_deref())? {
         Some(block) => fill(&mut scene, block, &mut values, options)?,
-        // An empty file is an empty scene; one of other words is no scene.
+        // An empty file is an empty scene; a file of other words is not a scene.
         None if strays > 0 || !root.entries.is_empty() => {
             let first = token::Tokens::new(&text).next();
             let found = first.as_ref().map_or_else(String::new, quote);

@@ -34,7 +34,8 @@ pub(super) struct Models<'m, 'o> {
     /// Files, each in a folder where models are looked for.
     beside: Vec<PathBuf>,
     reach: Reach<'m>,
-    /// The scene's mesh for transforms that do not mirror, and for those that do; why there is none.
+    /// The scene's mesh for transforms that do not mirror, and for those that do; why there is
+    /// none.
     meshes: HashMap<Source, Result<(usize, Option<usize>), String>>,
     count: usize,
 }
@@ -189,7 +190,8 @@ impl<'m, 'o> Models<'m, 'o> {
         Ok(Some(mirrored))
     }
 
-    /// Reads a source. A file that cannot be used is no error of the scene, unless it is too large.
+    /// Reads a source. A file that cannot be used is not an error of the scene, unless it is too
+    /// large.
     fn read(
         &mut self,
         source: &Source,
@@ -235,8 +237,8 @@ fn is_obj(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
 }
 
-/// The folder above the scene's, if the scene's is called `scenes` or all folders are allowed: there
-/// VXCT itself would stand. It does so for sure in the first case.
+/// The folder above the scene's, if the scene's is called `scenes` or all folders are allowed: VXCT
+/// itself would be in it, for sure in the first case.
 pub(super) fn program_folder(file: &Path, options: &LoadOptions<'_>) -> Option<(PathBuf, bool)> {
     let folder = file.parent()?;
     let is_scenes = |name: &OsStr| name.eq_ignore_ascii_case("scenes");
@@ -259,7 +261,7 @@ fn transform(block: &Block<'_>, values: &mut Values<'_>) -> Result<Mat4, SceneEr
         values.number(block, "scale_y", 1.0)?,
         values.number(block, "scale_z", 1.0)?,
     );
-    // In f64, so that a quarter of a turn leaves no more of a cosine than f32 can tell from none.
+    // In f64, so that the cosine of a quarter turn is zero in f32.
     let angle = |degrees: f32| f64::from(degrees % 360.0).to_radians();
     let world_from_local = DMat4::from_translation(position.as_dvec3())
         * DMat4::from_rotation_x(angle(rotation_deg.x))

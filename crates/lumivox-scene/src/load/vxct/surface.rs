@@ -1,4 +1,4 @@
-//! A model's material: Phong's strengths as the file has them, and what comes nearest in physical terms.
+//! A model's material: Phong's strengths as the file has them, and the nearest physical equivalent.
 
 use glam::Vec3;
 
@@ -48,7 +48,7 @@ pub(super) fn material(
     Ok(material)
 }
 
-/// What no surface can be.
+/// The values that are impossible for a surface.
 fn limits(strengths: &Strengths) -> impl Iterator<Item = &'static str> {
     let Strengths { color, ambient, diffuse, specular, shininess, .. } = *strengths;
     let least = [color.min_element(), ambient, diffuse, specular, shininess];

@@ -1,4 +1,4 @@
-//! Tokens: what white space separates.
+//! Tokens, which white space separates.
 
 use std::str::CharIndices;
 
@@ -24,7 +24,7 @@ pub(super) struct Token<'t> {
 }
 
 impl Token<'_> {
-    /// Whether it is one of the signs that stand alone.
+    /// Whether it is one of the signs that are words of their own.
     pub(super) fn is_sign(&self) -> bool {
         matches!(self.text, "=" | "{" | "}")
     }

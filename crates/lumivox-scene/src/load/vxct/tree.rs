@@ -4,8 +4,7 @@
 //! block := { NAME '=' VALUE | NAME ['='] '{' block '}' | STRAY }
 //! ```
 //!
-//! A name and a value are any token but the three signs. What is neither name nor value is stray and
-//! passed over.
+//! A name and a value are any token but the three signs. Other tokens are stray and ignored.
 
 use std::iter::Peekable;
 use std::path::Path;
@@ -19,27 +18,27 @@ use crate::load::files::shorten;
 const DEEPEST: usize = 32;
 /// Names of a file: more than a hundred thousand models have, and a bound on memory.
 const MOST_ENTRIES: usize = 1 << 20;
-/// Stray tokens that are told one by one.
+/// Stray tokens that are reported one by one.
 const MOST_STRAYS: usize = 20;
 
-/// A name with what it is given.
+/// A name and its value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry<'t> {
     pub(super) key: Token<'t>,
     pub(super) value: Value<'t>,
 }
 
-/// What a name is given.
+/// The value of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value<'t> {
     Word(Token<'t>),
     Block(Block<'t>),
 }
 
-/// What stands between braces; the whole file is one, too.
+/// The entries between braces; the whole file is a block, too.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Block<'t> {
-    /// Of the brace.
+    /// The place of the brace.
     pub(super) at: Place,
     pub(super) entries: Vec<Entry<'t>>,
 }
@@ -98,7 +97,7 @@ struct Reader<'r, 't> {
 }
 
 impl<'t> Reader<'_, 't> {
-    /// Reads up to the brace that closes what `open` opens; without one, up to the end of the file.
+    /// Reads up to the brace that closes the one at `open`; without one, up to the end of the file.
     fn block(&mut self, open: Option<Token<'t>>, depth: usize) -> Result<Block<'t>, SceneError> {
         let at = open.map_or(Place { line: 1, column: 1 }, |brace| brace.at);
         if depth > DEEPEST {
@@ -134,7 +133,7 @@ impl<'t> Reader<'_, 't> {
         }
     }
 
-    /// What a name is given; `None` where it is no name.
+    /// The entry of a name; `None` where the token is not a name.
     fn entry(&mut self, key: Token<'t>, depth: usize) -> Result<Option<Entry<'t>>, SceneError> {
         let after = self.tokens.next_if(|token| matches!(token.text, "=" | "{"));
         let brace = match after {

@@ -10,7 +10,7 @@ use super::File;
 /// Rings along the tube's axis, and corners of each.
 pub const RINGS: usize = 31;
 pub const CORNERS: usize = 24;
-/// The tube stands on the origin and is this high, with this radius, in metres.
+/// The tube starts at the origin and has this height and radius, in metres.
 pub const HEIGHT_M: f32 = 3.0;
 pub const RADIUS_M: f32 = 0.4;
 
@@ -22,7 +22,7 @@ pub struct Tube {
     pub joints: [usize; 3],
 }
 
-/// The tube along +y. Bones stand at heights 0, 1 and 2 m. The animation "bend" takes two seconds:
+/// The tube along +y. Bones are at heights 0, 1 and 2 m. The animation "bend" takes two seconds:
 /// the two upper bones turn by 45 degrees each about z, towards -x, and the middle swells to twice
 /// its radius.
 pub fn tube() -> Tube {

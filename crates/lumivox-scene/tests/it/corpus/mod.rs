@@ -1,5 +1,5 @@
-//! Runs the fuzz targets' committed inputs (`fuzz/corpus`), as a fuzzer would: seeds, and what once
-//! made a loader fail. `fuzz/README.md` tells how to fuzz.
+//! Runs the fuzz targets' committed inputs (`fuzz/corpus`), as a fuzzer would: seeds, and inputs
+//! that once made a loader fail. `fuzz/README.md` says how to fuzz.
 
 mod seeds;
 mod shapes;
@@ -12,7 +12,7 @@ fn folder(target: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "..", "..", "fuzz", "corpus", target].iter().collect()
 }
 
-/// Each input in a line of its own, so that the last one is what failed.
+/// Each input in a line of its own, so that the last line is the input that failed.
 #[test]
 fn no_input_of_the_corpus_makes_a_loader_fail() {
     for target in targets::TARGETS {

@@ -63,7 +63,7 @@ pub fn binary_stl() -> Vec<u8> {
     stl
 }
 
-/// A scene of VXCT with all of its keys, and what is passed over.
+/// A scene of VXCT with all of its keys, and with things that are ignored.
 pub const VXCT: &[u8] = b"scene { name = all
 model { name = Box active = true static = false path = models/box.obj primitive = cube
 position { x = -0.5f, y = .25f, z = 1e-1 } rotation { x = 90 y = 45.5f z = 0 } scale = 0.5f

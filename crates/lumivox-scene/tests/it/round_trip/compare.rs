@@ -67,7 +67,8 @@ fn references(material: &mut Material) -> Vec<Option<&mut TextureRef>> {
     all
 }
 
-/// Panics unless `loaded` is `saved`, but for what the normal form of `save` leaves out.
+/// Panics unless `loaded` equals `saved`, except for data that the normal form of `save` leaves
+/// out.
 pub fn assert_same(saved: &Scene, loaded: &Scene) {
     let mut expected = resolve(saved);
     for instance in &mut expected {
@@ -94,7 +95,7 @@ pub fn assert_same(saved: &Scene, loaded: &Scene) {
     for (saved, loaded) in saved.cameras.iter().zip(&loaded.cameras) {
         assert_same_camera(saved, loaded);
     }
-    // What instances share they still share, and nothing has multiplied.
+    // Instances still share the same data, and nothing has multiplied.
     assert!(meshes(loaded) <= meshes(saved), "{} > {}", meshes(loaded), meshes(saved));
     assert!(loaded.materials.len() <= saved.materials.len());
     assert!(loaded.textures.len() <= saved.textures.len());
@@ -126,12 +127,12 @@ fn resolve_textures(material: &Material) -> Vec<TextureRef> {
 fn assert_same_camera(saved: &Camera, loaded: &Camera) {
     let up = loaded.up;
     assert_eq!(*saved, Camera { up: saved.up, ..loaded.clone() });
-    // The writer keeps an up whose part along the line of sight is below 1e-6, and rounding in f32 adds
-    // some 1e-7 for each product here.
+    // The writer keeps an up whose part along the line of sight is below 1e-6, and rounding in f32
+    // adds some 1e-7 for each product here.
     assert!(up.dot(loaded.forward).abs() < 2e-6, "{loaded:?}");
     assert!((up.length() - 1.0).abs() < 2e-6);
     let turned = saved.up.as_dvec3() - up.as_dvec3() * saved.up.as_dvec3().dot(up.as_dvec3());
-    // What is left of the saved up lies along the line of sight: the roll is the same.
+    // The rest of the saved up vector lies along the line of sight: the roll is the same.
     let sideways = saved.forward.as_dvec3().cross(turned).length();
     if saved.up.cross(saved.forward).length() > 0.1 {
         assert!(sideways < 2e-6, "{sideways}");

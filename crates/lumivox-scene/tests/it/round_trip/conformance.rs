@@ -1,4 +1,4 @@
-//! The rules of glTF 2.0 for what the writer makes use of, checked without the loader.
+//! The rules of glTF 2.0 for the features that the writer uses, checked without the loader.
 //!
 //! Section numbers are those of Khronos' "glTF 2.0 specification" (2021).
 
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-/// Panics where the bytes are no GLB file by the letter.
+/// Panics where the bytes break the rules of a GLB file.
 pub fn check(glb: &[u8]) {
     let (json, binary) = split(glb);
     let document = Document { json, binary };
@@ -316,7 +316,7 @@ impl Document<'_> {
         }
     }
 
-    /// Section 3.12: what is used is said to be, and nothing else.
+    /// Section 3.12: the used extensions are listed, and no others.
     fn extensions(&self) {
         let mut used = BTreeSet::new();
         each_object(&self.json, &mut |object| {

@@ -1,4 +1,4 @@
-//! What is saved as GLB loads as the same scene, and is a file that follows the specification.
+//! A scene that is saved as GLB loads as the same scene, and the file follows the specification.
 
 mod compare;
 mod conformance;
@@ -129,7 +129,7 @@ fn with_json(glb: &[u8], text: &str, other: &str) -> Vec<u8> {
     changed
 }
 
-/// Extras are nobody's standard: another program may have changed the rest of the file.
+/// Extras have no standard: another program may have changed the rest of the file.
 #[test]
 fn extras_that_do_not_fit_are_ignored_with_a_warning() {
     let mut scene = builtin::scene("cornell").unwrap();
@@ -146,7 +146,7 @@ fn extras_that_do_not_fit_are_ignored_with_a_warning() {
     }
 }
 
-/// Who knows nothing of our exact matrix has offset, rotation and scale, which say the same.
+/// Programs that do not know our exact matrix have offset, rotation and scale, which say the same.
 #[test]
 fn textures_lie_right_without_extras() {
     for (scale, angle_rad) in [(Vec2::new(2.0, 0.5), 0.7), (Vec2::new(1.0, -3.0), -2.5)] {

@@ -124,7 +124,7 @@ fn mesh() -> impl Strategy<Value = Mesh> {
                 mesh.tangents.push(if tangents {
                     tangent.extend(if turned { -1.0 } else { 1.0 })
                 } else {
-                    // What the loader makes where none are needed.
+                    // The loader's tangents where none are needed.
                     normal.any_orthonormal_vector().extend(1.0)
                 });
             }
@@ -285,7 +285,7 @@ fn transform() -> impl Strategy<Value = Mat4> {
         Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), translation.extend(1.0))
     });
     prop_oneof![Just(Mat4::IDENTITY), placed, sheared]
-        // A determinant that rounding may turn is nobody's.
+        // A determinant whose sign rounding may turn has no defined side.
         .prop_filter("flattened", |m| m.determinant().abs() > 1e-9)
 }
 

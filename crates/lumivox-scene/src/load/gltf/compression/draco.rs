@@ -2,7 +2,7 @@
 //! stream of the Draco library, decoded by `draco-core`.
 //!
 //! The accessors of the compressed attributes say what they are, but have no data; the decoded data
-//! become theirs. Draco may split vertices, so it tells how many there are.
+//! become theirs. Draco may split vertices, so it returns their number.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -28,7 +28,7 @@ pub(super) fn decompress(
     buffers: &mut Buffers<'_>,
     sink: &mut Sink<'_>,
 ) -> Result<(), SceneError> {
-    // What accessors got: primitives may share them.
+    // The data that accessors got: primitives may share them.
     let mut filled: HashMap<usize, usize> = HashMap::new();
     for mesh in 0..root.meshes.len() {
         for index in 0..root.meshes[mesh].primitives.len() {
@@ -76,7 +76,7 @@ fn wanted(root: &Root, mesh: usize, index: usize, stream: &Value) -> Vec<(usize,
         let Checked::Valid(semantic) = semantic else { continue };
         let id = &stream["attributes"][semantic.to_string()];
         if !id.is_null() {
-            // What is no number is no attribute's, either.
+            // A value that is not a number cannot be an attribute's, either.
             wanted.push((accessor.value(), Some(id.as_u64().unwrap_or(u64::MAX))));
         }
     }
@@ -115,7 +115,7 @@ fn decode(
     Ok(mesh)
 }
 
-/// Gives an accessor its part of what was decoded.
+/// Gives an accessor its part of the decoded data.
 fn fill(
     root: &mut Root,
     buffers: &mut Buffers<'_>,

@@ -14,7 +14,7 @@ use crate::SceneError;
 /// Bytes that a byte of a stream can become: 256 vertices' byte of the same number need two bits
 /// (meshoptimizer, vertex codec version 1), and indices less.
 const MOST_BYTES_A_BYTE: u64 = 1024;
-/// What even the shortest stream may become.
+/// The size to which even the shortest stream may grow.
 const FREE_BYTES: u64 = 1 << 20;
 
 /// Decompresses all views that are compressed.
@@ -87,7 +87,7 @@ fn decode_stream(
     (count, stride): (usize, usize),
     filter: &str,
 ) -> Result<Vec<u8>, String> {
-    // What it may take was checked against the budget.
+    // Its size was checked against the budget.
     let limits = Limits { max_bytes: usize::MAX, max_work: u64::MAX };
     let workspace = &mut Workspace::new(limits);
     let bytes = match (mode, stride) {
@@ -109,7 +109,7 @@ fn decode_stream(
     if mode != Some("ATTRIBUTES") {
         return Ok(bytes);
     }
-    // Undoes what was done to numbers so that they compress better.
+    // Inverts the filters that make numbers compress better.
     let undone = match (filter, stride) {
         ("NONE", _) => Ok(()),
         ("OCTAHEDRAL", 4 | 8) => codec::decode_filter_oct(&mut bytes, count, stride, workspace),

@@ -1,8 +1,8 @@
 //! Geometry that is stored compressed, put back into plain buffers before anything reads it.
 //!
 //! Each decoder appends a buffer of its own to the document and turns views or accessors to it, so
-//! the rest of the loader knows nothing of compression. What a stream claims is checked against its
-//! length and against the budget before memory is taken.
+//! the rest of the loader knows nothing of compression. The sizes that a stream claims are checked
+//! against its length and against the budget before memory is taken.
 
 mod draco;
 mod meshopt;
@@ -24,7 +24,8 @@ const MESHOPT: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"
 /// The bytes of a document's buffers; a GLB's own are part of the file's.
 pub(super) type Buffers<'a> = Vec<Cow<'a, [u8]>>;
 
-/// Decompresses what is compressed; `budget` is what it may take in bytes.
+/// Decompresses all compressed buffers and accessors; `budget` is the memory that they may take, in
+/// bytes.
 pub(super) fn decompress(
     file: &Path,
     root: &mut Root,
@@ -44,7 +45,7 @@ pub(super) fn is_stand_in(buffer: &Buffer) -> bool {
     })
 }
 
-/// What decompressing may take, and how faults are told.
+/// The limits of decompression, and how faults are reported.
 struct Sink<'a> {
     file: &'a Path,
     budget: GeometryBudget<'a>,
@@ -64,7 +65,7 @@ impl Sink<'_> {
         self.budget.take(|| part.trim_end_matches(',').to_owned(), bytes)
     }
 
-    /// What a decoder says that stopped at the limit it was given.
+    /// The message of a decoder that stopped at the limit it was given.
     fn too_large(&self, part: &str) -> SceneError {
         SceneError::TooLarge {
             file: self.file.to_owned(),

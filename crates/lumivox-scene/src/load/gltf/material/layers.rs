@@ -1,6 +1,6 @@
-//! What lies on the core's surface or changes its reflection: specular colour, clearcoat, sheen,
-//! transmission. Where an extension has two textures, they are read into the one that the scene's
-//! material has.
+//! The layers on the core's surface and the changes of its reflection: specular colour, clearcoat,
+//! sheen, transmission. Where an extension has two textures, they are read into the one that the
+//! scene's material has.
 
 use glam::Vec3;
 use serde_json::Value;

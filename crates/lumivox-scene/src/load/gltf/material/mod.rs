@@ -13,12 +13,12 @@ use crate::load::image::Encoding;
 use crate::load::stand_in;
 use crate::{AlphaMode, Material, MetallicRoughness, SceneError, Shading, Unlit};
 
-/// What a primitive says of its looks.
+/// The material of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Key {
     /// One of the file's materials.
     Material(usize),
-    /// The colours of its vertices alone.
+    /// Only the colours of its vertices.
     OnlyColors,
     /// Nothing at all.
     Nothing,
@@ -66,8 +66,8 @@ impl Loader<'_> {
             strengths: extras::strengths(material.extras()),
             ..Material::default()
         };
-        // What is unlit says nothing of light; the rest of its material is for programs that do not
-        // know the extension (`KHR_materials_unlit`).
+        // An unlit material has no data on light; the rest of it is for programs that do not know
+        // the extension (`KHR_materials_unlit`).
         if material.unlit() {
             return Ok(Material { shading: self.unlit(material, &name)?, name, ..plain });
         }
@@ -146,7 +146,7 @@ impl Loader<'_> {
         let wanted = material.emissive_texture().as_ref().map(TextureUse::new);
         let is_textured = wanted.is_some();
         let texture = self.plain_texture(wanted, name, Encoding::Color)?;
-        // Without its picture of what glows, all of the surface would.
+        // Without the emissive texture all of the surface would glow.
         if is_textured && texture.is_none() {
             return Ok((Vec3::ZERO, None));
         }
@@ -169,7 +169,7 @@ impl Loader<'_> {
                 "material \"{material}\": its {what} of {value} was limited to {clamped}"
             ));
         }
-        // What is not finite stays, for validation to refuse by name.
+        // Values that are not finite stay, for validation to refuse by name.
         if value.is_finite() { clamped } else { value }
     }
 }

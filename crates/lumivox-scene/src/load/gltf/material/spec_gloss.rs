@@ -2,9 +2,9 @@
 //!
 //! Its surface is a dielectric without a law between its parts: a diffuse colour, a reflectance at
 //! normal incidence for each of red, green and blue, and a glossiness. That is the core with no
-//! metal, an index of refraction of 0 (which leaves the reflectance to the specular colour alone),
-//! the specular colour as it is, a roughness of 1 - glossiness, and a base colour from which the
-//! extension takes what is reflected: diffuse * (1 - max(specular)). Where textures hold the
+//! metal, an index of refraction of 0 (which leaves the reflectance to the specular colour), the
+//! specular colour as it is, a roughness of 1 - glossiness, and a base colour from which the
+//! extension subtracts the reflected share: diffuse * (1 - max(specular)). Where textures hold the
 //! numbers, new ones are made by the same formulas.
 
 use glam::Vec3;

@@ -26,7 +26,7 @@ fn load(text: &str) -> Result<Scene, SceneError> {
     load_from("scenes/a.scene", text, &["models/tri.obj"])
 }
 
-/// The scene of a body, and what was noticed.
+/// The scene of a body, and the warnings.
 fn body(text: &str) -> (Scene, Vec<String>) {
     let scene = load(&format!("scene {{ {text} }}")).unwrap();
     let warnings = scene.notes.warnings.clone();
@@ -302,7 +302,7 @@ fn an_empty_file_is_an_empty_scene() {
         assert!(scene.bounds().is_empty());
         assert_eq!(scene.voxel_bounds().size(), Vec3::splat(2.0));
         scene.validate().unwrap();
-        // It is no place, has no light, and can be saved.
+        // It is not a room, does not shine, and can be saved.
         assert!(!crate::Framing::of(&scene).is_place() && !scene.shines());
         let again =
             Scene::from_memory("a.glb", &scene.to_glb().unwrap(), &mut LoadOptions::default());
@@ -354,7 +354,7 @@ fn strengths_become_reflectances() {
     assert_eq!(warnings, [""; 0]);
     let surface = phong(&scene);
     assert_eq!(surface.diffuse, Vec3::new(0.5, 0.25, 0.0));
-    // The peak of the normalised lobe under the irradiance pi L is what VXCT adds.
+    // The peak of the normalised lobe under the irradiance pi L equals VXCT's highlight.
     let peak = surface.specular * (surface.shininess + 2.0) / (2.0 * PI) * PI;
     assert!(peak.abs_diff_eq(Vec3::splat(0.25), 1e-6), "{peak}");
 
