@@ -16,7 +16,8 @@ pub fn write_atomically(
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut builder = tempfile::Builder::new();
     // Made here, it has the permissions of every new file: the crate's own are the user's private ones.
-    let file = builder.prefix(".").suffix(".part").make_in(folder, |name| File::create_new(name))?;
+    let file =
+        builder.prefix(".").suffix(".part").make_in(folder, |name| File::create_new(name))?;
     let mut out = BufWriter::with_capacity(1 << 20, file.as_file());
     write(&mut out)?;
     out.flush()?;
