@@ -1,85 +1,54 @@
 //! Progress on stderr: a bar on a terminal, a line now and then elsewhere, nothing for short work.
 //!
-//! The work itself blocks for long, in drivers and loaders. So a thread of its own keeps what is
-//! shown up to date, and the work only tells it how far it is.
+//! The work itself blocks for long, in drivers and loaders, so a thread of its own shows what it reports.
 
+use std::fmt;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{FormattedDuration, HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::host::Host;
 
-/// Work shorter than this shows nothing.
+/// Shorter work has no bar.
 const SHOW_AFTER: Duration = Duration::from_secs(1);
-/// How often the bar is brought up to date.
+/// How often the bar is drawn.
 const REFRESH: Duration = Duration::from_millis(100);
 /// How often a line is written where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
-/// Characters of a full bar.
-const BAR_WIDTH: usize = 24;
-/// A guess from less than this would jump about.
-const GUESS_AFTER: Duration = Duration::from_millis(500);
+/// The bar's parts of a step: a step may be done by a share.
+const PARTS: f64 = 1000.0;
 
 /// Shows how far the work is until it is dropped.
 #[derive(Debug)]
 pub struct Progress {
-    shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
+    /// Its prefix is the stage, its message the steps; it has a length where there are several.
+    bar: ProgressBar,
+    /// Shows the bar until the channel is closed.
+    shown: Option<(Sender<()>, JoinHandle<()>)>,
     stop: Arc<AtomicBool>,
-}
-
-#[derive(Debug)]
-struct Shared {
-    state: Mutex<State>,
-    changed: Condvar,
-}
-
-#[derive(Clone, Debug)]
-struct State {
-    stage: &'static str,
-    /// Steps done, maybe with a share of the next.
-    done: f64,
-    /// Steps of the stage; below 2, where they are counted, they are not worth telling.
-    total: f64,
-    is_counted: bool,
-    stage_start: Instant,
-    is_over: bool,
 }
 
 impl Progress {
     /// Starts with a stage of one step.
     pub fn start(host: &Host, stage: &'static str) -> Self {
-        let state = State {
-            stage,
-            done: 0.0,
-            total: 1.0,
-            is_counted: true,
-            stage_start: Instant::now(),
-            is_over: false,
-        };
-        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
-        let (seen, host) = (shared.clone(), host.clone());
+        let mut progress = Self::silent(stage);
+        let (sender, over) = mpsc::channel();
+        let (bar, host) = (progress.bar.clone(), host.clone());
         // Without a thread (the system may refuse one) the work goes on, unseen.
-        let thread = std::thread::Builder::new().spawn(move || show(&seen, &host)).ok();
-        Self { shared, thread, stop: Arc::default() }
+        let thread = std::thread::Builder::new().spawn(move || show(&bar, &host, &over)).ok();
+        progress.shown = thread.map(|thread| (sender, thread));
+        progress
     }
 
-    /// Shows nothing by itself: who has a [`Watch`] looks at it.
+    /// Shows nothing by itself; a [`Watch`] reads it.
     pub fn silent(stage: &'static str) -> Self {
-        let state = State {
-            stage,
-            done: 0.0,
-            total: 1.0,
-            is_counted: true,
-            stage_start: Instant::now(),
-            is_over: false,
-        };
-        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
-        Self { shared, thread: None, stop: Arc::default() }
+        let bar = ProgressBar::hidden().with_style(style(false)).with_prefix(stage);
+        Self { bar, shown: None, stop: Arc::default() }
     }
 
     /// From now on Ctrl-C is a wish to stop, which the work must look at: see [`Host::stop_on_interrupt`].
@@ -101,66 +70,74 @@ impl Progress {
         if self.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// Looks at it from elsewhere.
+    /// Reads it from another thread.
     pub fn watch(&self) -> Watch {
-        Watch(self.shared.clone())
+        Watch(self.bar.clone())
     }
 
-    /// Tells how far the work is: `done` steps of `total`.
+    /// Reports how far the work is: `done` steps of `total`.
     pub fn set(&self, stage: &'static str, done: u32, total: u32) {
-        self.change(stage, f64::from(done), f64::from(total), true);
+        self.set_within(stage, done, total, 0.0);
     }
 
     /// The same with a share of the next step, from 0 to 1, that is done.
     pub fn set_within(&self, stage: &'static str, done: u32, total: u32, share: f64) {
-        self.change(stage, f64::from(done) + share.min(0.999), f64::from(total), true);
+        let exact = f64::from(done) + share.min(0.999);
+        self.change(stage, format!(" {done}/{total}"), exact, f64::from(total));
     }
 
     /// The same for what nobody counts, such as bytes: it is shown in per cent.
     pub fn set_share(&self, stage: &'static str, done: u64, total: u64) {
-        self.change(stage, done as f64, total as f64, false);
+        let percent = done.saturating_mul(100) / total.max(1);
+        self.change(stage, format!(" {percent} %"), done as f64, total as f64);
     }
 
-    fn change(&self, stage: &'static str, done: f64, total: f64, is_counted: bool) {
-        let mut state = self.shared.lock();
-        if state.stage != stage {
-            (state.stage, state.stage_start) = (stage, Instant::now());
+    fn change(&self, stage: &'static str, steps: String, done: f64, total: f64) {
+        let bar = &self.bar;
+        if bar.prefix() != stage {
+            bar.set_prefix(stage);
+            bar.reset();
         }
-        (state.done, state.total, state.is_counted) = (done, total, is_counted);
+        // A stage of one step has nothing to count.
+        let has_steps = total > 1.0;
+        if has_steps != bar.length().is_some() {
+            bar.set_style(style(has_steps));
+        }
+        if has_steps {
+            bar.set_message(steps);
+            bar.set_length((total * PARTS) as u64);
+            bar.set_position((done * PARTS) as u64);
+        } else {
+            bar.set_message("");
+            bar.unset_length();
+        }
     }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.shared.lock().is_over = true;
-        self.shared.changed.notify_all();
-        if let Some(thread) = self.thread.take() {
-            // A panic in there has been told by the hook.
+        if let Some((sender, thread)) = self.shown.take() {
+            drop(sender);
+            // The hook has reported a panic in there.
             let _ = thread.join();
         }
     }
 }
 
-/// Looks at how far the work of a [`Progress`] is, from another thread.
+/// Reads how far the work of a [`Progress`] is, from another thread.
 #[derive(Clone, Debug)]
-pub struct Watch(Arc<Shared>);
+pub struct Watch(ProgressBar);
 
 impl Watch {
-    /// What is done, how far it is, and how long it will take.
+    /// The stage, how far it is, and how long it will take.
     pub fn words(&self) -> String {
-        self.0.lock().words()
+        let (stage, steps) = (self.0.prefix(), self.0.message());
+        format!("{stage}{steps}, {}{}", FormattedDuration(self.0.elapsed()), left(self.0.eta()))
     }
 
     /// The share of the stage that is done, from 0 to 1; `None` where there are no steps to count.
     pub fn share(&self) -> Option<f32> {
-        let state = self.0.lock();
-        state.has_steps().then(|| (state.done / state.total) as f32)
-    }
-}
-
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.length().map(|length| self.0.position() as f32 / length as f32)
     }
 }
 
@@ -176,93 +153,38 @@ pub fn words(stage: &'static str) -> &'static str {
     }
 }
 
-/// The thread: waits, looks, shows.
-fn show(shared: &Shared, host: &Host) {
-    let start = Instant::now();
-    let has_terminal = host.has_terminal_for_errors() && !host.bars().is_hidden();
-    let mut bar: Option<ProgressBar> = None;
-    let mut last_line = start;
-    let mut guard = shared.lock();
-    while !guard.is_over {
-        let waited = shared.changed.wait_timeout(guard, REFRESH);
-        guard = waited.unwrap_or_else(PoisonError::into_inner).0;
-        if guard.is_over || start.elapsed() < SHOW_AFTER {
-            continue;
+/// The thread: shows the bar until the work is over.
+fn show(bar: &ProgressBar, host: &Host, over: &Receiver<()>) {
+    let lasts = |time| over.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
+    if !host.has_terminal_for_errors() || host.bars().is_hidden() {
+        while lasts(LINE_EVERY) {
+            host.complain(&format!("{}\n", Watch(bar.clone()).words()));
         }
-        let state = guard.clone();
-        drop(guard);
-        if has_terminal {
-            let bar = bar.get_or_insert_with(|| host.bars().add(new_bar()));
-            bar.set_message(state.words_with_bar());
-            bar.tick();
-        } else if last_line.elapsed() >= LINE_EVERY {
-            last_line = Instant::now();
-            host.complain(&format!("{}\n", state.words()));
-        }
-        guard = shared.lock();
-    }
-    drop(guard);
-    if let Some(bar) = bar {
+    } else if lasts(SHOW_AFTER) {
+        host.bars().add(bar.clone());
+        bar.enable_steady_tick(REFRESH);
+        // Ends when the sender is dropped.
+        let _ = over.recv();
         bar.finish_and_clear();
     }
 }
 
-fn new_bar() -> ProgressBar {
-    // The bar is part of the message: set apart, they would be drawn one after the other.
-    let style = ProgressStyle::with_template("{spinner} {wide_msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_spinner())
-        .tick_chars("-\\|/ ");
-    // Hidden until it is added: it must not draw beside the others.
-    ProgressBar::with_draw_target(None, indicatif::ProgressDrawTarget::hidden()).with_style(style)
+fn style(has_steps: bool) -> ProgressStyle {
+    let bar = if has_steps { "[{bar:24}] " } else { "" };
+    ProgressStyle::with_template(&format!(
+        "{{spinner}} {bar}{{prefix}}{{msg}}, {{elapsed_precise}}{{left}}"
+    ))
+    .unwrap_or_else(|_| ProgressStyle::default_spinner())
+    .with_key("left", |state: &ProgressState, out: &mut dyn fmt::Write| {
+        let _ = out.write_str(&left(state.eta()));
+    })
+    .tick_chars("-\\|/ ")
+    .progress_chars("= ")
 }
 
-impl State {
-    fn has_steps(&self) -> bool {
-        self.total > 1.0
-    }
-
-    /// A bar, where there are steps, and the words.
-    fn words_with_bar(&self) -> String {
-        if !self.has_steps() {
-            return self.words();
-        }
-        let full = (self.done * BAR_WIDTH as f64 / self.total) as usize;
-        let bar = "=".repeat(full.min(BAR_WIDTH));
-        format!("[{bar:<BAR_WIDTH$}] {}", self.words())
-    }
-
-    fn words(&self) -> String {
-        let elapsed = self.stage_start.elapsed();
-        let steps = match (self.has_steps(), self.is_counted) {
-            (false, _) => String::new(),
-            (true, true) => format!(" {}/{}", self.done.floor(), self.total),
-            (true, false) => format!(" {:.0} %", (100.0 * self.done / self.total).floor()),
-        };
-        let left = match time_left(elapsed, self.done, self.total) {
-            Some(left) => format!(", about {} left", clock(left)),
-            None => String::new(),
-        };
-        format!("{}{steps}, {}{left}", self.stage, clock(elapsed))
-    }
-}
-
-/// The time that the rest takes if it goes on as it went so far; `None` while that is unknown.
-fn time_left(elapsed: Duration, done: f64, total: f64) -> Option<Duration> {
-    if done <= 0.0 || total <= 1.0 || elapsed < GUESS_AFTER {
-        return None;
-    }
-    Duration::try_from_secs_f64(elapsed.as_secs_f64() * (total - done).max(0.0) / done).ok()
-}
-
-/// `m:ss`, or `h:mm:ss`.
-fn clock(duration: Duration) -> String {
-    let seconds = duration.as_secs();
-    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
-    if hours > 0 {
-        format!("{hours}:{minutes:02}:{seconds:02}")
-    } else {
-        format!("{minutes}:{seconds:02}")
-    }
+/// The time that is left, which is zero where it is unknown.
+fn left(eta: Duration) -> String {
+    if eta.is_zero() { String::new() } else { format!(", about {:#} left", HumanDuration(eta)) }
 }
 
 #[cfg(test)]
@@ -270,47 +192,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rest_is_guessed_from_what_was() {
-        let seconds = Duration::from_secs;
-        assert_eq!(time_left(seconds(10), 5.0, 16.0), Some(seconds(22)));
-        assert_eq!(time_left(seconds(10), 2.5, 5.0), Some(seconds(10)));
-        assert_eq!(time_left(seconds(10), 16.0, 16.0), Some(Duration::ZERO));
-        assert_eq!(time_left(seconds(10), 0.0, 16.0), None);
-        assert_eq!(time_left(seconds(10), 1.0, 1.0), None);
-        assert_eq!(time_left(Duration::from_millis(10), 1.0, 16.0), None);
-        assert_eq!(time_left(seconds(10), 1e-300, 16.0), None);
-    }
-
-    #[test]
-    fn clocks_are_short() {
-        assert_eq!(clock(Duration::from_secs(7)), "0:07");
-        assert_eq!(clock(Duration::from_secs(754)), "12:34");
-        assert_eq!(clock(Duration::from_secs(3600 * 3 + 62)), "3:01:02");
-    }
-
-    #[test]
-    fn bars_grow_with_the_steps() {
-        let stage_start = Instant::now();
-        let state = |done, total| State {
-            stage: "frame",
-            done,
-            total,
-            is_counted: true,
-            stage_start,
-            is_over: false,
-        };
-        assert_eq!(state(0.0, 1.0).words_with_bar(), "frame, 0:00");
-        let half = format!("[{}{}] frame 8/16, 0:00", "=".repeat(12), " ".repeat(12));
-        assert_eq!(state(8.0, 16.0).words_with_bar(), half);
-        assert_eq!(state(8.4, 16.0).words(), "frame 8/16, 0:00");
-        assert!(state(16.0, 16.0).words_with_bar().starts_with(&format!("[{}]", "=".repeat(24))));
-        let bytes = State { is_counted: false, ..state(123_456.0, 987_654.0) };
-        assert_eq!(bytes.words(), "frame 12 %, 0:00");
+    fn the_words_say_the_stage_the_steps_and_the_time() {
+        let progress = Progress::silent("loading");
+        let watch = progress.watch();
+        assert_eq!((watch.words(), watch.share()), ("loading, 00:00:00".to_owned(), None));
+        progress.set_share("loading", 123_456, 987_654);
+        assert!(watch.words().starts_with("loading 12 %, 00:00:00"), "{}", watch.words());
+        progress.set("frame", 8, 16);
+        assert!(watch.words().starts_with("frame 8/16, 00:00:00"), "{}", watch.words());
+        assert_eq!(watch.share(), Some(0.5));
+        progress.set_within("frame", 8, 16, 0.5);
+        assert_eq!(watch.share(), Some(8.5 / 16.0));
+        progress.set("uploading", 0, 1);
+        assert_eq!((watch.words(), watch.share()), ("uploading, 00:00:00".to_owned(), None));
+        assert_eq!(left(Duration::from_secs(754)), ", about 13m left");
     }
 
     #[test]
     fn it_ends_at_once() {
-        let start = Instant::now();
+        let start = std::time::Instant::now();
         let progress = Progress::start(&Host::of_process(), "testing");
         progress.set("testing", 1, 2);
         drop(progress);

@@ -7,6 +7,7 @@ use glam::{Vec3, Vec4};
 use super::suggest;
 use crate::Failure;
 use crate::values::Refused;
+use crate::values::number::{Number, in_words as range_in_words, read};
 
 /// The largest coordinate, m: differences of two still tell a kilometre.
 pub const FARTHEST_M: f32 = 1e9;
@@ -24,34 +25,14 @@ pub fn refused(what: &str, got: &str) -> impl Fn(Refused) -> Failure {
     move |refused| Failure::input(format!("{what}: {refused}; got \"{got}\""))
 }
 
-/// A finite number in a range.
-pub fn number(text: &str, what: &str, range: RangeInclusive<f32>) -> Result<f32, Failure> {
-    let number = text.parse::<f32>().ok().filter(|number| range.contains(number));
-    number.ok_or_else(|| {
-        let (low, high) = (bound(*range.start()), bound(*range.end()));
-        wrong(what, &format!("a number from {low} to {high}"), text)
-    })
-}
-
-/// An end of a range for people: with an exponent where digits would have to be counted.
-fn bound(number: f32) -> String {
-    let is_plain = number == 0.0 || (1e-4..1e7).contains(&number.abs());
-    if is_plain { number.to_string() } else { format!("{number:e}") }
-}
-
-/// A whole number in a range.
-pub fn whole(text: &str, what: &str, range: RangeInclusive<u32>) -> Result<u32, Failure> {
-    let number = text.parse().ok().filter(|number| range.contains(number));
-    number.ok_or_else(|| {
-        let (low, high) = (range.start(), range.end());
-        wrong(what, &format!("a whole number from {low} to {high}"), text)
-    })
+/// A number in a range.
+pub fn number<T: Number>(text: &str, what: &str, range: RangeInclusive<T>) -> Result<T, Failure> {
+    read(text, &range).map_err(|_| wrong(what, &range_in_words(&range), text))
 }
 
 /// An angle in degrees, as radians: read in f64, so that every `f32` of radians can be written.
 pub fn angle(text: &str, what: &str, range_deg: RangeInclusive<f64>) -> Result<f32, Failure> {
-    let angle = text.parse::<f64>().ok().filter(|angle| range_deg.contains(angle));
-    let angle = angle.ok_or_else(|| {
+    let angle = read(text, &range_deg).map_err(|_| {
         let (low, high) = (range_deg.start(), range_deg.end());
         wrong(what, &format!("an angle from {low} to {high} degrees"), text)
     })?;

@@ -278,7 +278,7 @@ fn number(parameter: &Parameter, text: &str) -> Result<Value, Refused> {
     if let Some(value) = read.filter(|value| parameter.kind.allows(*value)) {
         return Ok(value);
     }
-    let expected = format!("it must be {}", parameter.kind.in_words());
+    let expected = format!("expected {}", parameter.kind.in_words());
     let is_number = |text: &str| text.trim().parse::<f64>().is_ok();
     let has_form = read.is_some()
         || match parameter.kind {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use lumivox_render::Progress;
 use web_time::Instant;
 
-use crate::arguments::{on_or_off, toggled, whole};
+use crate::arguments::{number, on_or_off, toggled};
 use crate::command::Run::{Now, Waits};
 use crate::command::{Command, Group, PLAIN, Takes};
 use crate::report::Times;
@@ -31,7 +31,7 @@ pub const TABLE: &[Command] = &[
         example: "wait 4",
         run: Now(|_, arguments| {
             let text = arguments.first().copied().unwrap_or_default();
-            Ok(Reply::ask(Effect::Wait(whole(text, "frames", 0..=LONGEST_WAIT)?)))
+            Ok(Reply::ask(Effect::Wait(number(text, "frames", 0..=LONGEST_WAIT)?)))
         }),
         ..FRAMES
     },
@@ -97,7 +97,7 @@ pub const TABLE: &[Command] = &[
         vxct: Some("milliseconds"),
         run: Now(|console, arguments| {
             let text = arguments.first().copied().unwrap_or_default();
-            let count = whole(text, "frames", 1..=4096)? as usize;
+            let count = number(text, "frames", 1..=4096)? as usize;
             let times: Vec<String> = console.explorer.times().last(count).map(ms).collect();
             Ok(Reply::say(match times.as_slice() {
                 [] => "no frame has been rendered yet".to_owned(),

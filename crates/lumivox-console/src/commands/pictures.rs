@@ -8,7 +8,7 @@ use lumivox_render::reference::{
 };
 use lumivox_render::{ImageFormat, Picture, Progress, View};
 
-use crate::arguments::whole;
+use crate::arguments::number;
 use crate::command::Run::{Now, Waits};
 use crate::command::{Command, Group, PLAIN, Takes};
 use crate::report::counted;
@@ -99,7 +99,7 @@ impl Console {
 }
 
 fn samples(text: Option<&&str>) -> Result<u32, Failure> {
-    text.map_or(Ok(SAMPLES), |text| whole(text, "samples", 1..=1 << 20))
+    text.map_or(Ok(SAMPLES), |text| number(text, "samples", 1..=1 << 20))
 }
 
 /// Traces the present view.

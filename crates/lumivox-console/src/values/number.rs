@@ -1,40 +1,80 @@
 //! Numbers and lists of numbers.
 
+use std::fmt;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
 use super::Refused;
+
+/// What options and commands read as one number.
+pub trait Number: FromStr + PartialOrd + Copy + fmt::Display + fmt::LowerExp + Into<f64> {
+    /// Whether it has no fraction.
+    const IS_WHOLE: bool;
+}
+
+impl Number for f32 {
+    const IS_WHOLE: bool = false;
+}
+
+impl Number for f64 {
+    const IS_WHOLE: bool = false;
+}
+
+impl Number for u32 {
+    const IS_WHOLE: bool = true;
+}
+
+/// Reads a number within `range`.
+pub fn read<T: Number>(text: &str, range: &RangeInclusive<T>) -> Result<T, Refused> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| refusal(is_written::<T>(text), format!("expected {}", in_words(range))))
+}
+
+/// `a number from 0 to 1`.
+pub fn in_words<T: Number>(range: &RangeInclusive<T>) -> String {
+    let name = if T::IS_WHOLE { "a whole number" } else { "a number" };
+    // With an exponent where digits would have to be counted.
+    let end = |number: T| match number.into().abs() {
+        size if T::IS_WHOLE || size == 0.0 || (1e-4..1e7).contains(&size) => number.to_string(),
+        _ => format!("{number:e}"),
+    };
+    format!("{name} from {} to {}", end(*range.start()), end(*range.end()))
+}
+
+/// Whether the text is such a number, of any size.
+fn is_written<T: Number>(text: &str) -> bool {
+    if !T::IS_WHOLE {
+        return text.parse::<f64>().is_ok();
+    }
+    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
+    !unsigned.is_empty() && unsigned.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+fn refusal(has_form: bool, reason: String) -> Refused {
+    if has_form { Refused::OutOfRange(reason) } else { Refused::Malformed(reason) }
+}
 
 /// A parser of finite numbers within `range`.
 pub fn number(
     range: RangeInclusive<f32>,
 ) -> impl Fn(&str) -> Result<f32, Refused> + Clone + Send + Sync + 'static {
-    move |text| in_range(one(text)?, &range, "it")
+    move |text| read(text.trim(), &range)
 }
 
 /// A parser of whole numbers within `range`.
 pub fn whole(
     range: RangeInclusive<u32>,
 ) -> impl Fn(&str) -> Result<u32, Refused> + Clone + Send + Sync + 'static {
-    move |text| {
-        let value = digits(text)?;
-        let (low, high) = (*range.start(), *range.end());
-        u32::try_from(value)
-            .ok()
-            .filter(|value| range.contains(value))
-            .ok_or_else(|| Refused::OutOfRange(format!("it must be from {low} to {high}")))
-    }
+    move |text| read(text.trim(), &range)
 }
 
 /// The resolution of the voxel grid: a multiple of 8 within the library's range.
 pub fn resolution(text: &str) -> Result<u32, Refused> {
     let (low, high) = (lumivox::MIN_RESOLUTION, lumivox::MAX_RESOLUTION);
-    let value = digits(text)?;
-    u32::try_from(value)
-        .ok()
-        .filter(|value| (low..=high).contains(value) && value.is_multiple_of(8))
-        .ok_or_else(|| {
-            Refused::OutOfRange(format!("it must be a multiple of 8 from {low} to {high}"))
-        })
+    let text = text.trim();
+    let resolution = text.parse().ok().filter(|n: &u32| (low..=high).contains(n) && n % 8 == 0);
+    let reason = || format!("expected a multiple of 8 from {low} to {high}");
+    resolution.ok_or_else(|| refusal(is_written::<u32>(text), reason()))
 }
 
 /// Three angles in degrees, each from -360 to 360.
@@ -87,19 +127,7 @@ pub fn in_range(value: f32, range: &RangeInclusive<f32>, name: &str) -> Result<f
     if range.contains(&value) {
         return Ok(value);
     }
-    let (low, high) = (range.start(), range.end());
-    Err(Refused::OutOfRange(format!("{name} must be from {low} to {high}")))
-}
-
-/// A whole number of any size.
-fn digits(text: &str) -> Result<i128, Refused> {
-    let text = text.trim();
-    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
-    if unsigned.is_empty() || !unsigned.bytes().all(|byte| byte.is_ascii_digit()) {
-        return Err(Refused::Malformed("expected a whole number, such as 16".to_owned()));
-    }
-    // Too long even for 128 bits is out of every range.
-    Ok(text.parse().unwrap_or(i128::MAX))
+    Err(Refused::OutOfRange(format!("{name} is {}", in_words(range))))
 }
 
 #[cfg(test)]
@@ -127,7 +155,7 @@ mod tests {
         is_out_of_range(share("1.01"), "from 0.05 to 1");
         is_out_of_range(share("-1"), "from 0.05 to 1");
         for text in ["nan", "inf", "-inf", "1e400", "NaN"] {
-            is_out_of_range(share(text), "finite");
+            is_out_of_range(share(text), "from 0.05 to 1");
         }
         for text in ["", "a", "0,5", "1 2", "0x10"] {
             is_malformed(&share(text));

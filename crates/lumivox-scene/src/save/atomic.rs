@@ -1,8 +1,8 @@
 //! A file that is there as a whole or not at all.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Writes a file under a temporary name in the folder of `path`, and renames it when all of it is on the
 /// disk: whoever looks finds the old file or the whole new one.
@@ -13,39 +13,18 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
-    let (temporary, file) = create_beside(path)?;
-    let mut out = BufWriter::with_capacity(1 << 20, &file);
-    let finished = write(&mut out)
-        .and_then(|()| out.flush())
-        .and_then(|()| file.sync_all())
-        .and_then(|()| fs::rename(&temporary, path));
-    if finished.is_err() {
-        // The first error is the one to tell; a file that cannot be removed either is a detail.
-        let _ = fs::remove_file(&temporary);
-    }
-    finished
-}
-
-/// A new file in the folder of `path`, with a name that nobody uses.
-fn create_beside(path: &Path) -> std::io::Result<(PathBuf, File)> {
-    let Some(name) = path.file_name() else {
-        return Err(std::io::Error::other("the path names no file"));
-    };
-    let process = std::process::id();
-    let mut attempt = 0;
-    loop {
-        let mut hidden = std::ffi::OsString::from(".");
-        hidden.push(name);
-        hidden.push(format!(".{process}-{attempt}.part"));
-        let temporary = path.with_file_name(hidden);
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((temporary, file)),
-            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists && attempt < 1000 => {
-                attempt += 1;
-            }
-            Err(error) => return Err(error),
-        }
-    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut builder = tempfile::Builder::new();
+    // Made here, it has the permissions of every new file: the crate's own are the user's private ones.
+    let file =
+        builder.prefix(".").suffix(".part").make_in(folder, |name| File::create_new(name))?;
+    let mut out = BufWriter::with_capacity(1 << 20, file.as_file());
+    write(&mut out)?;
+    out.flush()?;
+    drop(out);
+    file.as_file().sync_all()?;
+    file.persist(path)?;
+    Ok(())
 }
 
 #[cfg(test)]
@@ -62,11 +41,23 @@ mod tests {
             Err(std::io::Error::other("the disk is full"))
         });
         assert_eq!(fault.unwrap_err().to_string(), "the disk is full");
-        assert_eq!(fs::read(&path).unwrap(), b"old");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         write_atomically(&path, |out| out.write_all(b"new")).unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
         assert!(write_atomically(&folder.path().join(".."), |_| Ok(())).is_err());
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_file_has_the_permissions_of_every_new_file() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let (written, usual) = (folder.path().join("written"), folder.path().join("usual"));
+        write_atomically(&written, |_| Ok(())).unwrap();
+        File::create(&usual).unwrap();
+        let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&written), mode(&usual));
     }
 }

@@ -165,7 +165,7 @@ impl Kind {
             Self::Number { low, high, words, off } => {
                 let off = off.map(|off| format!(", or {off}")).unwrap_or_default();
                 let words: String = words.iter().map(|word| format!(", or {word}")).collect();
-                format!("a number from {low} to {high}{off}{words}")
+                format!("a number from {} to {}{off}{words}", in_digits(low), in_digits(high))
             }
             Self::Vector { low, below } => {
                 format!("three numbers x,y,z, each from {low} to below {below}")
@@ -179,6 +179,14 @@ impl Kind {
                 }
             },
         }
+    }
+}
+
+/// A number with an exponent where digits would have to be counted.
+fn in_digits(number: f32) -> String {
+    match number.abs() {
+        size if size == 0.0 || (1e-4..1e7).contains(&size) => number.to_string(),
+        _ => format!("{number:e}"),
     }
 }
 
