@@ -91,21 +91,21 @@ fn wrapped<'a>(heading: &str, names: impl Iterator<Item = &'a str>) -> String {
     text + "\n"
 }
 
-/// The commands with a line on each, those alone that a text occurs in.
+/// The commands and settings with a line on each, those alone that a text occurs in.
 pub fn list(text: Option<&str>) -> String {
     let wanted = text.map(str::to_lowercase);
-    let fits = |command: &&Command| {
-        let all = format!("{} {} {}", command.name, command.summary, command.aliases.join(" "));
-        wanted.as_ref().is_none_or(|wanted| all.to_lowercase().contains(wanted))
-    };
-    let line = |command: &Command| {
-        let aliases = match command.aliases {
+    let line = |form: String, aliases: &[&str], summary: &str| {
+        let aliases = match aliases {
             [] => String::new(),
             aliases => format!(" ({})", in_words(aliases)),
         };
-        format!("{}{aliases}: {}", command.form(), command.summary)
+        format!("{form}{aliases}: {summary}")
     };
-    let lines: Vec<String> = COMMANDS.iter().filter(fits).map(line).collect();
+    let commands = COMMANDS.iter().map(|c| line(c.form(), c.aliases, c.summary));
+    let settings = PARAMETERS.iter().filter(|parameter| Command::find(parameter.name).is_none());
+    let settings = settings.map(|p| line(format!("{} [VALUE]", p.name), p.aliases, p.summary));
+    let fits = |line: &String| wanted.as_ref().is_none_or(|w| line.to_lowercase().contains(w));
+    let lines: Vec<String> = commands.chain(settings).filter(fits).collect();
     match lines.as_slice() {
         [] => format!("no command has \"{}\" in its name or its line", text.unwrap_or_default()),
         _ => lines.join("\n"),

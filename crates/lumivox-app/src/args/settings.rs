@@ -142,7 +142,7 @@ fn options(parameter: &'static Parameter) -> Vec<Arg> {
     option = if is_flag {
         option.num_args(0..=1).require_equals(true).default_missing_value("on")
     } else {
-        option.num_args(1).allow_hyphen_values(!matches!(parameter.kind, Kind::Choice(_)))
+        option.num_args(1).allow_hyphen_values(value_parser(parameter).possible_values().is_none())
     };
     if !parameter.help.is_empty() {
         option = option.long_help(format!("{}\n\n{}", short_help(parameter), parameter.help));
@@ -189,9 +189,9 @@ fn vxct_setting(text: &str) -> Result<Given, String> {
 }
 
 /// The summary with range, unit and the values of the presets.
-fn short_help(parameter: &Parameter) -> String {
+fn short_help(parameter: &'static Parameter) -> String {
     let mut text = parameter.summary.to_owned();
-    if !matches!(parameter.kind, Kind::Choice(_) | Kind::Switch) {
+    if value_parser(parameter).possible_values().is_none() {
         let _ = write!(text, ": {}", parameter.kind.in_words());
         if !parameter.unit.is_empty() {
             let _ = write!(text, " ({})", parameter.unit);
@@ -257,6 +257,10 @@ fn value_parser(parameter: &'static Parameter) -> ValueParser {
     match parameter.kind {
         Kind::Switch => {
             named(vec![PossibleValue::new("on").help("yes"), PossibleValue::new("off").help("no")])
+        }
+        // Numbers among a few may be out of range, too.
+        Kind::Choice(choices) if choices.iter().all(|c| c.name.parse::<u32>().is_ok()) => {
+            ValueParser::new(move |text: &str| number(parameter, text))
         }
         Kind::Choice(choices) => {
             let value = |name: &'static str, help: &'static str| {

@@ -241,7 +241,7 @@ fn a_picture_is_rendered_and_reported() {
     assert_eq!(report["scene"]["name"], "cornell");
     assert_eq!(report["settings"]["frames"], 2);
     assert_eq!(report["settings"]["resolution"], 32);
-    assert!(report["settings"]["occlusion_distance"].is_null());
+    assert_eq!(report["settings"]["occlusion_distance"], "unlimited");
     assert!(report["voxels"].as_u64().unwrap() > 0, "{report}");
     assert!(report["faces"].as_u64().unwrap() > 0, "{report}");
     assert!(report["memory_bytes"].as_u64().unwrap() > 0, "{report}");
@@ -301,7 +301,7 @@ fn the_voxels_can_be_seen() {
                 --view voxels --level 1 --camera framing --isotropic --portable --json";
     let report = lumivox(folder.path(), line).expect_ok().json();
     assert_eq!(report["settings"]["view"], "voxels");
-    assert_eq!(report["settings"]["isotropic"], true);
+    assert_eq!(report["settings"]["directionality"], "isotropic");
     assert_eq!(report["camera"]["name"], "framing");
 }
 

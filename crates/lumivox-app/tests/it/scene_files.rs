@@ -112,7 +112,7 @@ fn options_of_files_are_checked() {
     fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
     for (line, code, needles) in [
         ("info corner.glb --unit inch", USAGE, ["--unit", "mm, cm, m"]),
-        ("info corner.glb --unit 0", INPUT, ["--unit", "0.000000001"]),
+        ("info corner.glb --unit 0", INPUT, ["--unit", "1e-9"]),
         ("info corner.glb --up x", USAGE, ["--up", "possible values"]),
         ("info corner.glb --crease 181", INPUT, ["--crease", "from 0 to 180"]),
         ("info corner.glb --texture-memory much", USAGE, ["--texture-memory", "2GiB"]),

@@ -36,7 +36,7 @@ const WRONG: &[(&str, &[&str])] = &[
     ("resolution 100", &["multiple of 8", "\"100\""]),
     ("volume octre", &["dense or octree", "did you mean \"octree\"?"]),
     ("lod 9", &["level is a whole number from 0 to", "got 9"]),
-    ("exposure bright", &["auto (stops)"]),
+    ("exposure bright", &["auto-each (stops)"]),
     ("preset fine", &["fast, balanced, high, report or vxct"]),
     ("reset bouncs", &["\"bounces\"?"]),
     ("da 0.5", &["belongs to the look vxct", "`preset vxct`"]),

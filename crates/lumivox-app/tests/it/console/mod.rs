@@ -60,6 +60,10 @@ fn every_command_has_a_test() {
     let mut count = 0;
     for line in list.lines() {
         let (form, _) = line.split_once(": ").unwrap();
+        // Settings are all given by the tests of their table.
+        if form.contains("[VALUE]") {
+            continue;
+        }
         let name = form.split_whitespace().next().unwrap();
         // `NAME USAGE (ALIAS or ALIAS)`
         let aliases = form.rsplit_once(" (").and_then(|(_, aliases)| aliases.strip_suffix(')'));
