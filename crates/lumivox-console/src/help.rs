@@ -1,4 +1,4 @@
-//! What the help says.
+//! The texts of the help.
 
 use lumivox_render::parameters::{Group as Of, PARAMETERS, Parameter};
 
@@ -84,7 +84,7 @@ fn wrapped<'a>(heading: &str, names: impl Iterator<Item = &'a str>) -> String {
     text + "\n"
 }
 
-/// The commands with a line on each, those alone that a text occurs in.
+/// The commands with a line on each, or only those that a text occurs in.
 pub fn list(text: Option<&str>) -> String {
     let wanted = text.map(str::to_lowercase);
     let fits = |command: &&Command| {

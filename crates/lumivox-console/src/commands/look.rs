@@ -1,6 +1,7 @@
 //! Light, cones, the look: VXCT's switches and numbers.
 //!
-//! Its numbers belong to the look `vxct` alone. Switches that mean something in the physical look, too, do that there.
+//! Its numbers belong only to the look `vxct`. Switches that mean something in the physical look,
+//! too, do that there.
 
 use lumivox_render::parameters::Parameter;
 use lumivox_render::{Look, RenderSettings, ShadowMethod, View, VxctSettings};
@@ -252,7 +253,7 @@ pub const TABLE: &[Command] = &[
     ),
 ];
 
-/// Refuses what the physical look does not have.
+/// Refuses commands that the physical look does not have.
 ///
 /// # Errors
 /// When the look is not VXCT's.
@@ -342,7 +343,8 @@ pub fn shininess_falloff(console: &mut Console, arguments: &[&str]) -> anyhow::R
     super::parameters::run(console, "shininess_falloff", arguments)
 }
 
-/// Shows a part of light. `on` is what VXCT's switches become: phong, diffuse, specular, shadows.
+/// Shows a part of light. `on` is the new state of VXCT's switches: phong, diffuse, specular,
+/// shadows.
 fn only(console: &mut Console, view: View, on: [bool; 4]) -> anyhow::Result<Reply> {
     if !is_vxct(console) {
         super::view::show(console, view)?;
@@ -357,7 +359,7 @@ fn only(console: &mut Console, view: View, on: [bool; 4]) -> anyhow::Result<Repl
     Ok(Reply::default())
 }
 
-/// Whether a setting belongs to VXCT's look alone.
+/// Whether a setting belongs only to VXCT's look.
 pub fn is_of_vxct(parameter: &Parameter) -> bool {
     parameter.group == lumivox_render::parameters::Group::Vxct && parameter.name != "look"
 }

@@ -63,9 +63,10 @@ pub fn angles(text: &str) -> Result<glam::Vec3, Refused> {
 pub enum ExposureChoice {
     /// By this many stops.
     Stops(f32),
-    /// By what the picture asks for; in a sequence, all by the median of what some ask for.
+    /// By the exposure that the picture asks for; in a sequence, all by the median of some of its
+    /// pictures.
     Auto,
-    /// Each picture by what it asks for itself.
+    /// Each picture by the exposure that it asks for itself.
     AutoEach,
 }
 
@@ -126,7 +127,7 @@ pub fn one(text: &str) -> Result<f32, Refused> {
     Err(Refused::OutOfRange("it must be a finite number".to_owned()))
 }
 
-/// Exactly `N` finite numbers between commas; `form` says what they are, with an example.
+/// Exactly `N` finite numbers between commas; `form` describes them, with an example.
 pub fn list<const N: usize>(text: &str, form: &str) -> Result<[f32; N], Refused> {
     let values = some(text, form)?;
     values.try_into().map_err(|values: Vec<f32>| {
