@@ -1,4 +1,4 @@
-//! What stands behind a command's name, read by kind. Each error names what was expected.
+//! The words after a command's name, read by kind. Each error names what was expected.
 
 use std::ops::RangeInclusive;
 
@@ -9,7 +9,7 @@ use crate::Failure;
 use crate::values::Refused;
 use crate::values::number::{Number, in_words as range_in_words, read};
 
-/// The largest coordinate, m: differences of two still tell a kilometre.
+/// The largest coordinate, m: differences of two still resolve a kilometre.
 pub const FARTHEST_M: f32 = 1e9;
 
 /// A place in the world, m, or something as large.
@@ -20,7 +20,7 @@ pub fn wrong(what: &str, expected: &str, got: &str) -> Failure {
     Failure::input(format!("{what} is {expected}; got \"{got}\""))
 }
 
-/// What a parser of the command line refuses.
+/// The error of a parser of the command line.
 pub fn refused(what: &str, got: &str) -> impl Fn(Refused) -> Failure {
     move |refused| Failure::input(format!("{what}: {refused}; got \"{got}\""))
 }
@@ -60,7 +60,8 @@ pub fn vector(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<
     Ok(Vec3::new(part(x)?, part(y)?, part(z)?))
 }
 
-/// A direction, as long as 1: what is that but for rounding stays as it is, for scripts keep every bit.
+/// A direction of unit length. One that is of unit length except for rounding stays as it is,
+/// because scripts keep every bit.
 pub fn direction(words: &[&str], what: &str) -> Result<Vec3, Failure> {
     let along = vector(words, what, -1e6..=1e6)?;
     let is_unit = (along.as_dvec3().length() - 1.0).abs() <= 1e-5;
@@ -91,7 +92,7 @@ pub fn switch(text: &str, what: &str) -> Result<bool, Failure> {
     }
 }
 
-/// What a switch becomes: what is asked for, or else the other.
+/// The new state of a switch: the one that is asked for, or else the opposite of the present one.
 pub fn toggled(arguments: &[&str], what: &str, is_on: bool) -> Result<bool, Failure> {
     arguments.first().map_or(Ok(!is_on), |text| switch(text, what))
 }
@@ -137,7 +138,7 @@ pub fn rounded(v: Vec3) -> String {
 
 /// Three numbers for people, to a thousandth.
 pub fn short(v: Vec3) -> String {
-    // Rounded first: what is next to zero has no sign.
+    // Rounded first, so that a number next to zero has no sign.
     v.to_array().map(|x| format!("{:.3}", (x * 1e3).round() / 1e3 + 0.0)).join(" ")
 }
 

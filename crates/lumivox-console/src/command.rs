@@ -1,4 +1,4 @@
-//! The table of commands: what the commands are, apart from what they do.
+//! The table of commands: their names, arguments and help, apart from their code.
 
 use std::ops::RangeInclusive;
 use std::pin::Pin;
@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use super::{Console, Reply, commands};
 
-/// What a command belongs to, for the help and the docs.
+/// The group of a command, for the help and the docs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Group {
     /// The program itself.
@@ -19,7 +19,7 @@ pub enum Group {
     Camera,
     /// Voxels.
     Voxels,
-    /// What is shown.
+    /// Surfaces, voxels, wires.
     View,
     /// Lamps and surroundings.
     Light,
@@ -43,7 +43,7 @@ impl Group {
         Self::Frames,
     ];
 
-    /// What it holds, as a heading.
+    /// The heading of the group.
     pub fn title(self) -> &'static str {
         match self {
             Self::Program => "The program",
@@ -59,7 +59,7 @@ impl Group {
     }
 }
 
-/// What an argument names, for the completion.
+/// The kind of thing that an argument names, for the completion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Takes {
     /// Something that cannot be completed, such as a number.
@@ -97,21 +97,22 @@ pub struct Command {
     pub name: &'static str,
     /// Other names.
     pub aliases: &'static [&'static str],
-    /// What it belongs to.
+    /// The group that it belongs to.
     pub group: Group,
     /// Its arguments, as in `NAME X Y Z` or `[FILE]`.
     pub usage: &'static str,
     /// How many there may be, the least and the most.
     pub count: (usize, usize),
-    /// What they name, in order; the last stands for those beyond.
+    /// The kinds of its arguments, in order; the last also applies to further ones.
     pub takes: &'static [Takes],
-    /// What it does, in one sentence without a full stop.
+    /// A sentence on its effect, without a full stop.
     pub summary: &'static str,
-    /// More about it: units, ranges, defaults, what it prints. May be empty.
+    /// Details: units, ranges, defaults, output. May be empty.
     pub details: &'static str,
     /// A line that uses it.
     pub example: &'static str,
-    /// Of a command that VXCT has: what differs here; empty where nothing does. `None`: VXCT has none like it.
+    /// For a command that VXCT has: the difference here; empty where there is none. `None`: VXCT
+    /// has no such command.
     pub vxct: Option<&'static str>,
     /// Does it.
     pub run: Run,
@@ -132,7 +133,7 @@ pub type Waiting<'a> = Pin<Box<dyn Future<Output = anyhow::Result<Reply>> + 'a>>
 /// As many arguments as one likes.
 pub const MANY: usize = usize::MAX;
 
-/// What commands are made from.
+/// The defaults of commands.
 pub const PLAIN: Command = Command {
     name: "",
     aliases: &[],

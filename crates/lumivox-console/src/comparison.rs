@@ -1,4 +1,4 @@
-//! What is said about pictures and their references.
+//! Reports on pictures and their references.
 
 use lumivox_render::compare::ErrorFigures;
 use serde::Serialize;
@@ -28,8 +28,8 @@ pub struct Comparison {
     /// The finished picture.
     #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
     pub final_picture: Option<ErrorFigures>,
-    /// Light in a dark room that came through its walls, in percent of the light next door: after one
-    /// gather.
+    /// Light in a dark room that came through its walls, in percent of the light next door: after
+    /// one gather.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub leak_percent: Option<f64>,
     /// The same after all bounces.
@@ -38,7 +38,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The report for people: a row for each picture, and what the columns are.
+    /// The report for people: a row for each picture, and the meaning of the columns.
     pub fn table(&self) -> String {
         let names = named_figures(&ErrorFigures::default()).map(|(name, _)| name);
         let mut table = Table::new(&[&[""], &names[..]].concat());

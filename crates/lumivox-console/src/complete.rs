@@ -1,7 +1,7 @@
-//! Completion: what the word at the cursor may become.
+//! Completion of the word at the cursor.
 //!
-//! It works from [`Names`] alone, so that a window can complete while its console is busy in another thread; files come
-//! from the caller.
+//! It works only from [`Names`], so that a window can complete while its console is busy in another
+//! thread; files come from the caller.
 
 use std::path::Path;
 
@@ -11,16 +11,17 @@ use super::line::{self, Word};
 use super::names::is_scene;
 use super::{COMMANDS, Command, Names, Takes};
 
-/// What a word may become.
+/// The possible completions of a word.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Completion {
     /// Where the word begins that is replaced, up to the cursor: a byte of the line.
     pub start: usize,
-    /// What may stand there, quoted where that is necessary.
+    /// The words that are possible there, quoted where that is necessary.
     pub candidates: Vec<String>,
 }
 
-/// Completes the word that ends at the cursor, a byte of the line. `files` lists those whose paths begin as it is told.
+/// Completes the word that ends at the cursor, a byte of the line. `files` lists those whose paths
+/// begin with its argument.
 pub fn complete(
     names: &Names,
     files: &dyn Fn(&str) -> Vec<String>,
@@ -51,7 +52,7 @@ pub fn complete(
     Completion { start, candidates }
 }
 
-/// What may stand after some words.
+/// The words that are possible after some words.
 fn possible(
     names: &Names,
     files: &dyn Fn(&str) -> Vec<String>,

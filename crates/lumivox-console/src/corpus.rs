@@ -1,6 +1,6 @@
-//! What was kept for the fuzz target of lines and values runs with the tests.
+//! Runs the corpus of the fuzz target of lines and values with the tests.
 
-// The target stands by itself, and so do the files that it takes in.
+// The target does not depend on this crate, and so do the files that it includes.
 #[allow(clippy::duplicate_mod)]
 #[path = "../../../fuzz/command.rs"]
 mod command;

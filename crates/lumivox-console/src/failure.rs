@@ -1,4 +1,4 @@
-//! Errors that are told to people, by what is to blame.
+//! Errors for people, by the thing at fault.
 
 use std::fmt;
 
@@ -15,8 +15,8 @@ pub enum Blame {
     Output,
 }
 
-/// An error that is found before anything fails by itself. Its message says what stands in the way, and what would be
-/// right.
+/// An error that is found before anything fails by itself. Its message names the obstacle, and what
+/// would be right.
 #[derive(Debug)]
 pub struct Failure {
     /// The kind of error.
@@ -39,7 +39,7 @@ impl Failure {
         Self::new(Blame::Display, message)
     }
 
-    /// The user's wish to stop; the message says what is there.
+    /// The user's wish to stop; the message says how much is done.
     pub fn stopped(message: impl Into<String>) -> Self {
         Self::new(Blame::Stopped, message)
     }

@@ -1,4 +1,4 @@
-//! What the help says.
+//! The texts of the help.
 
 use lumivox_render::parameters::{Group as Of, Kind, PARAMETERS, Parameter};
 

@@ -1,13 +1,15 @@
 //! The console: commands in words that look at and change everything at run time.
 //!
-//! A line is a command's name and its arguments, separated by white space; [`line`](self) tells of quotation marks,
-//! comments and several commands in a line. All commands are in one table ([`COMMANDS`]), put together from a file for
-//! each group, from which the help, the completion and the page in the docs are made as well. Each setting of
-//! [`lumivox_render::parameters`] is a command besides: alone it prints its value, with a value it sets it.
+//! A line is a command's name and its arguments, separated by white space; [`line`](self) describes
+//! quotation marks, comments and several commands in a line. All commands are in one table
+//! ([`COMMANDS`]), put together from a file for each group, from which the help, the completion and
+//! the page in the docs are made as well. Each setting of [`lumivox_render::parameters`] is a
+//! command as well: without a value it prints the setting, with a value it sets it.
 //!
-//! The window, the terminal, scripts and pages all give lines to a [`Console`]; what takes long, or is not the console's
-//! to do, it asks of them by an [`Effect`]. Lines that wait for such effects stand in a [`Queue`]. Files are reached by
-//! an [`Outside`], for a browser has no disk; and whatever waits is `async`, for a browser must not block.
+//! The window, the terminal, scripts and pages all give lines to a [`Console`]; it requests work
+//! that takes long, or that is not its own, from them by an [`Effect`]. Lines that wait for such
+//! effects are in a [`Queue`]. Files are reached by an [`Outside`], because a browser has no disk;
+//! and code that waits is `async`, because a browser must not block.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -70,7 +72,7 @@ pub use outside::{Outside, Reading};
 pub use queue::{Line, Queue, script};
 pub use window_only::{own_command, words};
 
-/// What is left to do after a command, by whoever gave the line.
+/// The work that a command leaves to the front end that gave the line.
 #[derive(Debug, Default)]
 pub enum Effect {
     /// Nothing.
@@ -86,12 +88,12 @@ pub enum Effect {
     Quit,
 }
 
-/// What came of a command.
+/// The result of a command.
 #[derive(Debug, Default)]
 pub struct Reply {
     /// For the user, without a line feed at its end; may be empty.
     pub text: String,
-    /// What is left to do.
+    /// The work that is left to do.
     pub effect: Effect,
 }
 
@@ -121,7 +123,7 @@ impl<F: FnMut(Progress) -> ControlFlow<()> + WasmNotSend> Hear for F {
 
 /// The console of an explorer.
 pub struct Console {
-    /// What the commands work on.
+    /// The state that the commands work on.
     pub explorer: Explorer,
     /// How its scene was opened.
     opening: Option<Opening>,
@@ -140,7 +142,7 @@ pub struct Console {
     maps: Vec<(Weak<EnvironmentMap>, String)>,
     /// The ray that is marked.
     ray: Option<commands::ray::Mark>,
-    /// When voxels are made anew once `dynamic` is on again.
+    /// The interval of voxelizations when `dynamic` is on again.
     dynamic: Option<Revoxelize>,
 }
 
@@ -151,7 +153,7 @@ impl fmt::Debug for Console {
 }
 
 impl Console {
-    /// The console of an explorer, and what it reaches outside of it.
+    /// The console of an explorer, and its access to things outside of it.
     pub fn new(explorer: Explorer, outside: Box<dyn Outside>) -> Self {
         Self {
             explorer,
@@ -176,8 +178,8 @@ impl Console {
         self
     }
 
-    /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the camera stays, unless
-    /// one was asked for: they fill the same cube.
+    /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the
+    /// camera stays, unless one was asked for: they fill the same cube.
     pub fn open(&mut self, ready: Ready) {
         let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && has_display_values(scene);
         let stays = ready.opening.camera.is_none()
@@ -202,24 +204,25 @@ impl Console {
         self.opening.as_ref().filter(|_| self.explorer.scene().is_some())
     }
 
-    /// From now on, this hears how far long commands are, such as `screenshot` and `compare`.
+    /// Sets the listener for the progress of long commands, such as `screenshot` and `compare`.
     pub fn on_progress(&mut self, hear: Box<dyn Hear>) {
         self.hear = hear;
     }
 
-    /// Does what a line says; an empty one, or a comment, does nothing. Several commands in a line come back as
-    /// [`Effect::Run`].
+    /// Executes a line; an empty one, or a comment, does nothing. Several commands in a line come
+    /// back as [`Effect::Run`].
     ///
     /// # Errors
-    /// When there is no such command, an argument is wrong, or it cannot be done. The message says what would have been
-    /// right. Nothing has changed then.
+    /// When there is no such command, an argument is wrong, or it cannot be done. The message says
+    /// what would have been right. Nothing has changed then.
     pub async fn run(&mut self, line: &str) -> anyhow::Result<Reply> {
         let reply = self.run_on(line).await;
         self.explorer.end_gesture();
         reply
     }
 
-    /// The same as a part of what the last line did, such as a drag: what changes the same things is one step for `undo`.
+    /// The same as a part of the last line's work, such as a drag: changes of the same things are
+    /// one step for `undo`.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -245,7 +248,8 @@ impl Console {
         let before = self.explorer.asked();
         let reply = match Command::find(name) {
             None => commands::parameters::run(self, name, arguments)?,
-            // `sf` with a value is another command than alone, as in VXCT, and so is what is also a setting.
+            // `sf` with a value is another command than `sf` without, as in VXCT, and so are
+            // commands that are also settings.
             Some(command) if !command.counts().contains(&arguments.len()) => {
                 return Err(wrong_count(command, arguments.len()).into());
             }
@@ -258,8 +262,8 @@ impl Console {
         Ok(reply)
     }
 
-    /// Settings that take memory for voxels are made so at once, where there is a picture: what the renderer refuses is
-    /// told at its own line, and takes nothing else along.
+    /// Settings that take memory for voxels are applied at once, where there is a picture: a
+    /// refusal of the renderer is then reported at its own line, and affects nothing else.
     async fn confirm(&mut self, before: Asked) -> anyhow::Result<()> {
         let of_voxels = |s: &RenderSettings| {
             let grid = (s.resolution, s.grid_offset, s.grid_bounds);
@@ -275,7 +279,7 @@ impl Console {
         Ok(())
     }
 
-    /// Forgets what belongs to a scene that is no longer there.
+    /// Forgets data of a scene that is no longer there.
     fn notice_scene(&mut self) {
         if self.generation != self.explorer.generation() {
             self.generation = self.explorer.generation();

@@ -1,10 +1,11 @@
 //! Lines of the console's language, split into commands and words.
 //!
-//! Words are separated by white space. Single quotes keep everything between them as it is; within double quotes `\"`
-//! and `\\` stand for the mark and the backslash, and `\u{1b}` for the character of that number, so that names that
-//! terminals would obey, or that have several lines, can be written down. Elsewhere a backslash is itself, so that paths of Windows need no
-//! quotes. A semicolon or a line feed ends a command; a `#` at the start of a word begins a comment, which goes to the
-//! end of the line.
+//! Words are separated by white space. Single quotes keep everything between them as it is; within
+//! double quotes `\"` and `\\` mean the mark and the backslash, and `\u{1b}` for the character of
+//! that number, so that names that terminals would obey, or that have several lines, can be written
+//! down. Elsewhere a backslash is itself, so that paths of Windows need no quotes. A semicolon or a
+//! line feed ends a command; a `#` at the start of a word begins a comment, which goes to the end
+//! of the line.
 //!
 //! This file needs nothing but the standard library, so that `fuzz/` takes it in as it is.
 
@@ -16,7 +17,7 @@ use std::ops::Range;
 pub struct LineError {
     /// The mark that has no second one.
     pub mark: char,
-    /// Where it stands: a character of the line, from 1.
+    /// Its place: a character of the line, from 1.
     pub column: usize,
 }
 
@@ -32,20 +33,20 @@ impl fmt::Display for LineError {
 
 impl std::error::Error for LineError {}
 
-/// What a terminal obeys instead of showing it: control characters, separators of lines and paragraphs, and the marks
-/// that turn the direction of writing.
+/// Whether a terminal obeys the character instead of showing it: control characters, separators of
+/// lines and paragraphs, and the marks that turn the direction of writing.
 pub fn is_obeyed(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A word as it stands in a line.
+/// A word of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Word {
     /// Without its quotation marks.
     pub text: String,
-    /// Where it stands, with its marks, in bytes.
+    /// Its place, with its marks, in bytes.
     pub range: Range<usize>,
-    /// The mark that is open at its end, and where it stands in the line, in bytes.
+    /// The mark that is open at its end, and the mark's place in the line, in bytes.
     pub open: Option<(char, usize)>,
 }
 
@@ -99,7 +100,7 @@ pub fn text<'a>(line: &'a str, words: &[Word]) -> &'a str {
     line.get(first.range.start..last.range.end).unwrap_or_default()
 }
 
-/// A word as it must stand in a line to be read as it is. All of it can be shown.
+/// A word, quoted so that a line reads it as it is. All of it can be shown.
 pub fn quote(word: &str) -> String {
     if word.contains(is_obeyed) {
         let mut quoted = String::from("\"");
@@ -123,7 +124,7 @@ pub fn quote(word: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// The character that `u{1b}` at the start of a text stands for, and how many characters say so.
+/// The character for `u{1b}` at the start of a text, and the length of that in characters.
 fn numbered(text: &str) -> Option<(char, usize)> {
     let (digits, _) = text.strip_prefix("u{")?.split_once('}')?;
     let is_number =

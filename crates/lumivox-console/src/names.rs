@@ -1,4 +1,4 @@
-//! What arguments can name, apart from the console: cheap to copy to other threads.
+//! The names that arguments can use, apart from the console: cheap to copy to other threads.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use lumivox_scene::EXTENSIONS;
 use super::Console;
 use crate::values::camera::{FRAMING, INSIDE, OUTSIDE};
 
-/// Names of what there is now.
+/// Names of the present things.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names {
     /// Objects.
@@ -27,7 +27,7 @@ pub struct Names {
 }
 
 impl Console {
-    /// What arguments can name now.
+    /// The names that arguments can use now.
     pub fn names(&self) -> Names {
         let explorer = &self.explorer;
         let scene = explorer.scene();

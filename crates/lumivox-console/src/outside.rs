@@ -1,4 +1,4 @@
-//! What lies outside of a console: files, and scenes by name.
+//! Things outside of a console: files, and scenes by name.
 
 use std::fmt::Debug;
 use std::pin::Pin;
@@ -10,8 +10,8 @@ use crate::{Opening, SceneSource};
 /// A file that is being read.
 pub type Reading<'a> = Pin<Box<dyn Future<Output = anyhow::Result<Vec<u8>>> + 'a>>;
 
-/// What a console reaches outside of its explorer: a disk, or what a browser has. Errors name the file and say what would
-/// help.
+/// The access of a console to things outside of its explorer: to a disk, or to those of a browser.
+/// Errors name the file and the remedy.
 pub trait Outside: Debug + WasmNotSend {
     /// The scenes that are found by name, where one is open or none.
     fn scenes(&self, open: Option<&Opening>) -> Vec<String>;
@@ -22,7 +22,7 @@ pub trait Outside: Debug + WasmNotSend {
     /// When it is known that there is none.
     fn find(&self, name: &str, open: Option<&Opening>) -> anyhow::Result<SceneSource>;
 
-    /// Checks what is cheap to check before a scene is opened.
+    /// Checks everything that is cheap to check before a scene is opened.
     ///
     /// # Errors
     /// When it is known that it cannot be.

@@ -1,4 +1,4 @@
-//! Properties of lights and materials by name: one table each, to read, to write, and to tell what differs.
+//! Properties of lights and materials by name: one table each, to read, to write, and to compare.
 
 use super::arguments::in_words;
 use super::suggest;
@@ -12,9 +12,10 @@ pub struct Property<T: 'static> {
     pub aliases: &'static [&'static str],
     /// Numbers that its value has, at most.
     pub count: usize,
-    /// What they are, with unit and range.
+    /// The meaning of the numbers, with unit and range.
     pub is: &'static str,
-    /// Its value in words that are read to the same bits; `None` where the thing has no such property.
+    /// Its value in words that are read to the same bits; `None` where the thing has no such
+    /// property.
     pub get: fn(&T) -> Option<String>,
     /// Takes a value.
     pub set: fn(&mut T, &[&str]) -> Result<(), Failure>,
@@ -72,7 +73,8 @@ pub fn set<T: Clone>(
             let known = in_words(&known().collect::<Vec<_>>());
             return Err(Failure::input(format!("{what} has no {name} as it is; it has {known}")));
         }
-        // As many numbers as there are and it takes; what is no number is one word, such as `none`.
+        // Up to as many numbers as the property takes; a value that is not a number is one word,
+        // such as `none`.
         let is_number =
             |word: &&&str| word.split(',').all(|part| part.trim().parse::<f64>().is_ok());
         let numbers = rest.iter().take(property.count).take_while(is_number).count();

@@ -13,13 +13,13 @@ const DEEPEST: u32 = 16;
 pub struct Line {
     /// The command, or several with semicolons.
     pub text: String,
-    /// Where it comes from, as in `file:12`; empty where that is no use.
+    /// Its source, as in `file:12`; empty where that has no use.
     pub place: String,
     depth: u32,
 }
 
 impl Line {
-    /// Without a place, as of what is typed.
+    /// The line without a place, as for typed lines.
     pub(super) fn nowhere(self) -> Self {
         Self { place: String::new(), ..self }
     }
@@ -29,7 +29,7 @@ impl Line {
 #[derive(Clone, Debug, Default)]
 pub struct Queue {
     lines: VecDeque<Line>,
-    /// How deep in scripts the last line that was taken stood.
+    /// The depth in scripts of the last line that was taken.
     depth: u32,
 }
 
@@ -68,8 +68,8 @@ impl Queue {
         Ok(())
     }
 
-    /// Forgets the rest of the script that the last line was in, and of those that it runs: after an error, what a user
-    /// does not expect any more.
+    /// Drops the rest of the script that the last line was in, and of those that it runs: after an
+    /// error, a user does not expect them to go on.
     pub fn abandon(&mut self) {
         if self.depth > 0 {
             while self.lines.front().is_some_and(|line| line.depth > 0) {

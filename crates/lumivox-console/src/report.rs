@@ -1,4 +1,4 @@
-//! What commands say: tables for people, structures for JSON.
+//! The output of commands: tables for people, structures for JSON.
 
 use lumivox::gpu::StageTime;
 use lumivox::{Grid, OctreeStats};
@@ -8,8 +8,7 @@ use serde::Serialize;
 
 use crate::shown;
 
-/// Rows of cells that stand below each other. The first column is left-aligned, the others right or
-/// left.
+/// Rows of aligned cells. The first column is left-aligned, the others right or left.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     rows: Vec<Vec<String>>,
@@ -131,7 +130,7 @@ impl AdapterReport {
     }
 }
 
-/// What a scene has.
+/// The number of things in a scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneCounts {
     /// Its name.
@@ -239,7 +238,7 @@ impl GridReport {
 /// GPU memory of one thing.
 #[derive(Clone, Debug, Serialize)]
 pub struct MemoryReport {
-    /// What it is.
+    /// Its name.
     pub name: String,
     /// Bytes.
     pub bytes: u64,
@@ -256,7 +255,7 @@ pub fn total_bytes(memory: &[MemoryReport]) -> u64 {
     memory.iter().map(|part| part.bytes).sum()
 }
 
-/// A table of GPU memory with its total; what takes none is left out.
+/// A table of GPU memory with its total; rows of zero bytes are left out.
 pub fn memory_table(memory: &[MemoryReport]) -> String {
     let mut table = Table::new(&["GPU memory", "bytes", ""]);
     for part in memory.iter().filter(|part| part.bytes > 0) {

@@ -1,9 +1,10 @@
 //! Text on its way to a terminal.
 //!
-//! Names of files and of what is in them come from strangers, and terminals obey control characters: an escape sequence
-//! in the name of a material could recolour, overwrite or retitle what a user reads. So whatever is printed for people
-//! goes through [`text`], and what must stay on one line through [`line()`]. Both replace control characters, and the marks
-//! that turn the direction of writing, by escapes in ASCII.
+//! Names of files and of what is in them come from strangers, and terminals obey control
+//! characters: an escape sequence in the name of a material could recolour, overwrite or retitle
+//! what a user reads. So everything that is printed for people goes through [`text`], and text that
+//! must stay on one line through [`line()`]. Both replace control characters, and the marks that
+//! turn the direction of writing, by escapes in ASCII.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -22,7 +23,8 @@ pub fn line(text: &str) -> Cow<'_, str> {
 
 /// JSON whose strings mean the same and hold nothing that a terminal would obey.
 pub fn json(text: &str) -> Cow<'_, str> {
-    // Control characters of ASCII are escaped already, and the line feeds between values are not in strings.
+    // Control characters of ASCII are escaped already, and the line feeds between values are not in
+    // strings.
     escaped(
         text,
         |c| is_obeyed(c) && !c.is_ascii_control() || c == '\x7f',

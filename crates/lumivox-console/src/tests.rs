@@ -171,7 +171,7 @@ fn words_are_completed_by_what_stands_there() {
     assert_eq!(completed("echo # tr").1, Vec::<String>::new());
     let all = completed("").1;
     assert!(all.contains(&"bounces".to_owned()) && all.contains(&"translate".to_owned()));
-    // What stands behind the cursor stays out of it.
+    // The text after the cursor is not part of it.
     let completion = complete(&names(), &|_| vec![], "transl and more", 6);
     assert_eq!((completion.start, completion.candidates), (0, strings(&["translate"])));
 }

@@ -1,4 +1,5 @@
-//! What a console reaches in a browser: addresses to read from, and files that a page hands to its user.
+//! The console's access to files in a browser: addresses to read from, and files that a page hands
+//! to its user.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -10,10 +11,10 @@ use lumivox_scene::{SceneError, builtin, extensions_in_words};
 use crate::listener::Listener;
 use crate::load::bytes_at;
 
-/// Files that were written, with their names, until somebody takes them.
+/// The files that were written, with their names, until they are taken.
 pub type Written = Rc<RefCell<Vec<(String, Vec<u8>)>>>;
 
-/// What a browser has instead of a disk.
+/// A browser's substitute for a disk.
 #[derive(Debug)]
 pub struct Browser {
     written: Written,

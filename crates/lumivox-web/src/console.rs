@@ -23,7 +23,7 @@ fn hearer(listener: &Listener) -> Box<dyn Hear> {
 }
 
 impl Session {
-    /// Does what a line says, and waits for its frames.
+    /// Executes a line, and waits for its frames.
     ///
     /// # Errors
     /// As the command has it.
@@ -51,7 +51,8 @@ impl Session {
         Ok(reply)
     }
 
-    /// What the last word of a line may become: where it begins, in UTF-16 as JavaScript counts, and the words.
+    /// The possible completions of the last word of a line: where it begins, in UTF-16 as
+    /// JavaScript counts, and the words.
     pub fn complete(&self, line: &str) -> (usize, Vec<String>) {
         let found = complete(&self.console.names(), &|_| Vec::new(), line, line.len());
         let before = line.get(..found.start).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What a page changes of a scene, and takes back.
+//! The changes of a scene that a page makes, and undoes.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ impl Session {
     /// Changes the lights by their list.
     ///
     /// # Errors
-    /// What `edit` has to say; then nothing has changed.
+    /// The error of `edit`; then nothing has changed.
     pub fn edit_lights<T>(
         &mut self,
         edit: impl FnOnce(&mut Vec<lumivox_scene::Light>) -> Result<T, WebError>,
@@ -93,7 +93,7 @@ impl Session {
         Ok(())
     }
 
-    /// What is around the scene.
+    /// The surroundings of the scene.
     ///
     /// # Errors
     /// Without a scene.
@@ -113,7 +113,7 @@ impl Session {
         Ok(())
     }
 
-    /// Puts a panorama around the scene, in the place of what was put around it before.
+    /// Puts a panorama around the scene, in place of the earlier surroundings.
     ///
     /// # Errors
     /// Without a scene.
@@ -131,7 +131,7 @@ impl Session {
         self.environment()
     }
 
-    /// Takes the last step back, or does it again; what it was, in words.
+    /// Undoes the last step, or redoes it; returns the step in words.
     ///
     /// # Errors
     /// When there is none, or the device refuses.
@@ -147,12 +147,12 @@ impl Session {
         Ok(words)
     }
 
-    /// What is changed from now on is a step of its own.
+    /// Starts a new step for the following changes.
     pub fn end_gesture(&mut self) {
         self.console.explorer.end_gesture();
     }
 
-    /// Makes a step of what was changed.
+    /// Ends the step of the changes so far.
     fn note(&mut self) {
         self.console.explorer.note_change();
         self.picker = None;

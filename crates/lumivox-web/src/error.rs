@@ -1,4 +1,5 @@
-//! Errors as a page gets them: exceptions with the renderer's own messages, and a code to tell them by.
+//! Errors as a page gets them: exceptions with the renderer's own messages, and a code for each
+//! kind.
 
 use lumivox::GiError;
 use lumivox_console::Failure;
@@ -7,7 +8,7 @@ use lumivox_render::RenderError;
 use lumivox_render::parameters::SettingError;
 use lumivox_scene::SceneError;
 
-/// What a page can tell errors by: the property `code` of the exception.
+/// The kind of an error: the property `code` of the exception.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Code {
     /// The browser has no WebGPU at all.
@@ -22,7 +23,7 @@ pub enum Code {
     Scene,
     /// A file or an address cannot be fetched.
     Fetch,
-    /// The page has cancelled it: it is told by the reason of the page's own signal.
+    /// The page has cancelled it: it gets the reason of its own signal.
     Aborted,
     /// A value, a name or a number is not allowed.
     Value,
@@ -48,9 +49,9 @@ impl Code {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct WebError {
-    /// What it is told by.
+    /// The kind.
     pub code: Code,
-    /// What stands in the way, and what would help.
+    /// The obstacle and the remedy.
     pub message: String,
 }
 
@@ -60,7 +61,7 @@ impl WebError {
         Self { code, message: in_words_of_a_page(&message.into()) }
     }
 
-    /// The same in a line of a script; of what is typed the place is empty.
+    /// The same error in a line of a script; for typed lines the place is empty.
     #[must_use]
     pub fn at(self, place: &str) -> Self {
         if place.is_empty() {
@@ -69,7 +70,7 @@ impl WebError {
         Self { message: format!("{place}: {}", self.message), ..self }
     }
 
-    /// For what is not allowed.
+    /// The error of a value that is not allowed.
     pub fn value(message: impl Into<String>) -> Self {
         Self::new(Code::Value, message)
     }
@@ -107,7 +108,7 @@ impl From<Failure> for WebError {
     }
 }
 
-/// Of a line of the console.
+/// The error of a line of the console.
 impl From<anyhow::Error> for WebError {
     fn from(error: anyhow::Error) -> Self {
         let error = match error.downcast::<ExplorerError>() {
@@ -141,10 +142,11 @@ impl From<SettingError> for WebError {
     }
 }
 
-/// Where a message tells an option of the command line, a page is told the setting: they have the same names, with `_`
-/// for `-`.
+/// Where a message names an option of the command line, a page gets the setting: they have the same
+/// names, with `_` for `-`.
 fn in_words_of_a_page(message: &str) -> String {
-    // A page has no such options: it reads no disk, and shows what is left without them.
+    // A page has no such options: it does not read the disk, and shows files without unsupported
+    // extensions.
     let message = [" (--allow-outside)", " (--ignore-required)"]
         .iter()
         .fold(message.to_owned(), |message, option| message.replace(option, ""));

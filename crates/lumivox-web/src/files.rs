@@ -9,10 +9,10 @@ use lumivox_scene::{EXTENSIONS, FileSource, extensions_in_words};
 
 use crate::error::WebError;
 
-/// What panoramas are called that no scene names as a texture.
+/// The extensions of panoramas that no scene uses for textures.
 const PANORAMAS: [&str; 3] = ["hdr", "exr", "pic"];
 
-/// Files by their paths, separated by `/`. Remembers what was asked for in vain.
+/// Files by their paths, separated by `/`. It remembers the requests that failed.
 #[derive(Debug, Default)]
 pub struct Files {
     files: BTreeMap<String, Vec<u8>>,
@@ -25,7 +25,7 @@ impl Files {
         self.files.insert(path.trim_start_matches('/').to_owned(), bytes);
     }
 
-    /// What a loader asked for since the last call and did not get, in order.
+    /// The files that a loader requested since the last call and did not get, in order.
     pub fn take_missing(&self) -> Vec<String> {
         std::mem::take(&mut *self.missing.borrow_mut()).into_iter().collect()
     }
@@ -35,8 +35,8 @@ impl Files {
         self.files.get(path).map(Vec::as_slice)
     }
 
-    /// The one that is a scene: of several formats the first of [`EXTENSIONS`], since geometry may belong to another; and
-    /// VXCT's, which names geometry, before that.
+    /// The one that is a scene: of several formats the first of [`EXTENSIONS`], since geometry may
+    /// belong to another; and VXCT's, which names geometry, before that.
     ///
     /// # Errors
     /// When there is none, or there are several.
@@ -47,7 +47,7 @@ impl Files {
                 found.as_deref() == Some(extension)
             };
             let all: Vec<&str> = self.files.keys().filter(has_it).map(String::as_str).collect();
-            // Words about a model are no scene.
+            // Text about a model is not a scene.
             let is_one = |path: &&str| extension != "txt" || self.is_text_of_scene(path);
             if self.files.len() == 1 { all } else { all.into_iter().filter(is_one).collect() }
         };
@@ -71,15 +71,15 @@ impl Files {
         }
     }
 
-    /// Whether a text has what VXCT's scenes begin with.
+    /// Whether a text begins as VXCT's scenes do.
     fn is_text_of_scene(&self, path: &str) -> bool {
         let text = String::from_utf8_lossy(self.get(path).unwrap_or_default());
         let mut words = text.split_ascii_whitespace();
         words.any(|word| word == "scene") && matches!(words.next(), Some("{" | "="))
     }
 
-    /// The one that is a panorama, if there is one: a file that is there alone, or else one of a format that is no
-    /// texture's.
+    /// The panorama, if there is one: a file without others, or else one of a format that textures
+    /// do not use.
     ///
     /// # Errors
     /// When there are several.
@@ -102,7 +102,7 @@ impl Files {
         }
     }
 
-    /// What to say where there is none.
+    /// The message where there is none.
     pub fn no_panorama(&self) -> WebError {
         let names: Vec<&str> = self.files.keys().take(8).map(String::as_str).collect();
         WebError::value(format!(
@@ -111,8 +111,8 @@ impl Files {
         ))
     }
 
-    /// A file of that path, or else the only one that bears its name: files chosen in a dialog come without their
-    /// folders.
+    /// A file of that path, or else the only one that bears its name: files chosen in a dialog come
+    /// without their folders.
     fn find(&self, path: &str) -> Option<&Vec<u8>> {
         if let Some(bytes) = self.files.get(path) {
             return Some(bytes);
@@ -175,7 +175,7 @@ mod tests {
         let mut files = of(&["box.obj"]);
         files.add("readme.txt", b"A box for every scene.".to_vec());
         assert_eq!(files.scene(), Ok("box.obj"));
-        // Alone it is what was meant, and its loader tells what is wrong with it.
+        // A single file is the one that was meant, and its loader reports its faults.
         let mut files = Files::default();
         files.add("readme.txt", b"A box.".to_vec());
         assert_eq!(files.scene(), Ok("readme.txt"));

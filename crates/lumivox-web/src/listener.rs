@@ -1,4 +1,4 @@
-//! Who hears how far something is, and may cancel it.
+//! Listeners for progress, which may cancel the work.
 
 use wasm_bindgen::prelude::*;
 
@@ -17,7 +17,7 @@ extern "C" {
     async fn breathe() -> Result<JsValue, JsValue>;
 }
 
-/// What hears how far something is, and the signal that cancels it.
+/// The listener for progress, and the signal that cancels the work.
 #[derive(Clone, Debug)]
 pub struct Listener {
     function: Option<js_sys::Function>,
@@ -25,7 +25,7 @@ pub struct Listener {
 }
 
 impl Listener {
-    /// A page's function, or nobody.
+    /// A page's function, or none.
     pub fn new(function: Option<js_sys::Function>) -> Self {
         Self { function, signal: JsValue::UNDEFINED }
     }
@@ -33,7 +33,7 @@ impl Listener {
     /// The same with the signal among some options.
     ///
     /// # Errors
-    /// When what stands there is none.
+    /// When the value is neither.
     pub fn with_signal(mut self, options: &JsValue) -> Result<Self, WebError> {
         let signal = js_sys::Reflect::get(options, &"signal".into()).unwrap_or_default();
         if !signal.is_undefined() && !signal.is_null() {
@@ -45,7 +45,7 @@ impl Listener {
         Ok(self)
     }
 
-    /// Tells how far something is. What the page's function throws is its own affair.
+    /// Reports progress. Exceptions of the page's function are ignored.
     pub fn tell(&self, stage: &str, done: f64, total: f64) {
         if let Some(function) = &self.function {
             let progress = Progress { stage: stage.to_owned(), done, total };
@@ -56,7 +56,7 @@ impl Listener {
         }
     }
 
-    /// The signal, for what heeds it itself.
+    /// The signal, for code that checks it itself.
     pub fn signal(&self) -> &JsValue {
         &self.signal
     }
@@ -82,7 +82,8 @@ impl Listener {
         Ok(())
     }
 
-    /// An error as the page gets it: what was cancelled tells the signal's own reason, as `fetch` does.
+    /// An error as the page gets it: cancelled work fails with the signal's own reason, as `fetch`
+    /// does.
     pub fn exception(&self, error: WebError) -> JsValue {
         if error.code == Code::Aborted {
             return js_sys::Reflect::get(&self.signal, &"reason".into())

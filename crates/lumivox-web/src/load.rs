@@ -29,16 +29,16 @@ extern "C" {
     async fn read_bytes(file: &web_sys::Blob) -> Result<JsValue, JsValue>;
 }
 
-/// A scene, and what came with it.
+/// A scene, and the things that came with it.
 #[derive(Debug)]
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
     /// Its address, or the name of its file.
     pub name: String,
-    /// What is to be around it.
+    /// Its new surroundings.
     pub panorama: Option<Arc<EnvironmentMap>>,
-    /// Sentences on what was passed over.
+    /// Sentences on things that were ignored.
     pub notes: Vec<String>,
 }
 
@@ -65,10 +65,11 @@ impl Source {
     }
 }
 
-/// Loads the scene that `source` says: text, a `URL`, a `File` or several; with a panorama from elsewhere, if there is one.
+/// Loads the scene that `source` says: text, a `URL`, a `File` or several; with a panorama from
+/// elsewhere, if there is one.
 ///
 /// # Errors
-/// When it is none of these, cannot be fetched, is no scene, or was cancelled.
+/// When it is none of these, cannot be fetched, is not a scene, or was cancelled.
 pub async fn load(
     source: &JsValue,
     panorama: &JsValue,
@@ -117,7 +118,7 @@ pub async fn load_as(opening: &Opening, listener: &Listener) -> Result<Scene, We
     Ok(scene)
 }
 
-/// What is at an address.
+/// Fetches the file at an address.
 ///
 /// # Errors
 /// When it is none, or nothing is there.
@@ -155,7 +156,7 @@ async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebErro
     let files = read_files(list, listener).await?;
     let file = files.scene()?.to_owned();
     let scene = parse(&files, &file, None, listener)?;
-    // Of several none is chosen: which one is meant nobody knows, and the scene needs none.
+    // Of several files none is chosen: the right one is unknown, and the scene does not need one.
     let (name, notes) = match files.panorama() {
         Ok(name) => (name, Vec::new()),
         Err(error) => (None, vec![error.message]),
@@ -176,7 +177,7 @@ async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError
         };
         listener.check().await?;
         listener.tell("fetching", number as f64, total);
-        // Of a whole folder that was chosen; else empty.
+        // The path within a folder that was chosen as a whole; else empty.
         let path = js_sys::Reflect::get(&file, &"webkitRelativePath".into()).ok();
         let path = path.and_then(|path| path.as_string()).filter(|path| !path.is_empty());
         let path = path.unwrap_or_else(|| file.name());
@@ -188,7 +189,8 @@ async fn read_files(list: &Array, listener: &Listener) -> Result<Files, WebError
     Ok(files)
 }
 
-/// Fetches a scene, and what it names: loaders ask for files, and are asked again when these are there.
+/// Fetches a scene, and the files that it names: loaders ask for files, and run again when these
+/// are there.
 async fn fetch(
     address: &str,
     asked: Option<&LoadArgs>,
@@ -201,7 +203,8 @@ async fn fetch(
     let mut tried = std::collections::BTreeSet::new();
     loop {
         listener.check().await?;
-        // What is missing in this round may be there in the next: only the last one's warnings are true.
+        // A file that is missing in this round may be there in the next: only the last round's
+        // warnings are right.
         let nobody = tracing::subscriber::NoSubscriber::default();
         let loaded =
             tracing::subscriber::with_default(nobody, || parse(&files, &name, asked, listener));
@@ -237,8 +240,8 @@ fn name_in(url: &web_sys::Url) -> String {
     js_sys::decode_uri_component(name).map_or_else(|_| name.to_owned(), String::from)
 }
 
-/// The path of the file at an address, and the address that paths are relative to: a folder `scenes` belongs to the path,
-/// since VXCT's models lie in the folder above it.
+/// The path of the file at an address, and the address that paths are relative to: a folder
+/// `scenes` belongs to the path, since VXCT's models lie in the folder above it.
 fn place_of(address: &web_sys::Url) -> (String, web_sys::Url) {
     let name = name_in(address);
     let folder = address.pathname().rsplit('/').nth(1).unwrap_or_default().to_owned();
@@ -249,7 +252,7 @@ fn place_of(address: &web_sys::Url) -> (String, web_sys::Url) {
     }
 }
 
-/// What is at an address where something must be.
+/// Fetches the file at an address, where there must be one.
 async fn fetch_there(url: &web_sys::Url, listener: &Listener) -> Result<Vec<u8>, WebError> {
     get(&url.href(), listener).await?.ok_or_else(|| {
         let reason =
@@ -296,7 +299,7 @@ fn unreadable(what: &str, error: &JsValue, listener: &Listener) -> WebError {
     )
 }
 
-/// Makes the scene of files that are all there, or tells which is missing.
+/// Makes the scene from files that are all there, or returns the missing one.
 fn parse(
     files: &Files,
     name: &str,
@@ -306,7 +309,7 @@ fn parse(
     let mut tell = |step: lumivox_scene::LoadProgress| {
         listener.tell(step.stage, step.done as f64, step.total as f64);
     };
-    // Nobody who drops a file on a page can set options; its notes say what may be wrong.
+    // A page has no options for dropped files; the scene's notes say what may be wrong.
     let of_page =
         || LoadOptions { ignore_required: true, budget: BUDGET, ..LoadOptions::default() };
     let mut options = LoadOptions {

@@ -1,4 +1,4 @@
-//! What a page asks of the picture: what is there, and how bright it is.
+//! The questions of a page about the picture: what is there, and how bright it is.
 
 use glam::{UVec2, Vec2};
 use lumivox_scene::{Bounds, Picker};
@@ -8,7 +8,8 @@ use crate::session::{Session, no_scene};
 use crate::types::{HistogramInfo, LightHere, Picked};
 
 impl Session {
-    /// What is at a place of the picture, from 0 to 1 from its upper left corner to its lower right one.
+    /// The surface at a place of the picture, from 0 to 1 from its upper left corner to its lower
+    /// right one.
     ///
     /// # Errors
     /// When the place is outside, or there is no scene.
@@ -34,7 +35,8 @@ impl Session {
         }))
     }
 
-    /// The light at such a place; nothing beside another picture, over views without light, or before the first frame.
+    /// The light at such a place; nothing beside another picture, over views without light, or
+    /// before the first frame.
     ///
     /// # Errors
     /// When the place is outside, or the device fails.

@@ -1,4 +1,5 @@
-//! Another scene in the place of the last: decided how it is seen, shown coarsely at once, then as it was asked for.
+//! Another scene in the place of the last: decided how it is seen, shown coarsely at once, then as
+//! it was asked for.
 
 use std::cell::OnceCell;
 
@@ -24,7 +25,8 @@ impl Session {
     /// Shows another scene, unless it is cancelled before the last one has to go.
     ///
     /// # Errors
-    /// When it does not fit, or the device fails. The last one is gone then: both at once need not fit.
+    /// When it does not fit, or the device fails. The last one is gone then: both at once need not
+    /// fit.
     pub async fn open(
         &mut self,
         loaded: Loaded,
@@ -48,8 +50,8 @@ impl Session {
         size.x as f32 / size.y as f32
     }
 
-    /// Shows a scene as it was asked for. With `place` the camera goes there, or to the scene's own; without, the console
-    /// decides.
+    /// Shows a scene as it was asked for. With `place` the camera goes there, or to the scene's
+    /// own; without, the console decides.
     ///
     /// # Errors
     /// As [`Self::open`].
@@ -94,7 +96,7 @@ impl Session {
         self.update(listener).await
     }
 
-    /// A first picture of few pixels and voxels, while what is asked for takes its time.
+    /// A first picture of few pixels and voxels, while the full one takes its time.
     async fn preview(&mut self, listener: &Listener) -> Result<(), WebError> {
         let asked = RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         let coarse = RenderSettings {

@@ -64,7 +64,7 @@ pub struct Presenter {
 }
 
 impl Presenter {
-    /// Of a canvas in its present size.
+    /// A presenter for a canvas in its present size.
     ///
     /// # Errors
     /// When something else draws on the canvas already.
@@ -166,7 +166,8 @@ impl Presenter {
         self.surface.configure(&gpu.device, &configuration);
     }
 
-    /// Shows a picture, as large as the canvas, and on its right another one from a share of the width on.
+    /// Shows a picture, as large as the canvas, and on its right another one from a share of the
+    /// width on.
     ///
     /// # Errors
     /// When the canvas is gone.

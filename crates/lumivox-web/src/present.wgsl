@@ -1,4 +1,4 @@
-// What the canvas shows: one picture, or two beside each other.
+// Draws the canvas: one picture, or two beside each other.
 
 struct Split {
     // Where the right picture begins, px from the left edge.

@@ -50,7 +50,7 @@ extern "C" {
     fn file_of(name: &str, bytes: &[u8]) -> JsValue;
 }
 
-/// What happens once, when the module is loaded.
+/// Runs once, when the module is loaded.
 #[wasm_bindgen(start)]
 fn start() {
     use tracing_subscriber::prelude::*;
@@ -60,7 +60,7 @@ fn start() {
         .without_time()
         .with_writer(tracing_web::MakeWebConsoleWriter::new().with_pretty_level());
     let filter = tracing_subscriber::filter::LevelFilter::WARN;
-    // Somebody else's subscriber may be there already.
+    // Another subscriber may be there already.
     let _ = tracing_subscriber::registry().with(console.with_filter(filter)).try_init();
 }
 
@@ -94,7 +94,8 @@ pub fn presets() -> Result<Vec<Ts<Named>>, JsValue> {
 
 /// Makes a renderer that draws on a canvas: an element, or one without for workers.
 ///
-/// Throws with the code `no-webgpu` where the browser has no WebGPU, `no-adapter` where it has no GPU for it.
+/// Throws with the code `no-webgpu` where the browser has no WebGPU, `no-adapter` where it has no
+/// GPU for it.
 #[wasm_bindgen(js_name = createRenderer)]
 pub async fn create_renderer(
     #[wasm_bindgen(unchecked_param_type = "HTMLCanvasElement | OffscreenCanvas")] canvas: JsValue,
@@ -126,10 +127,11 @@ pub struct Renderer {
 
 #[wasm_bindgen]
 impl Renderer {
-    /// Loads a scene and shows it instead of the last one: `"builtin:NAME"`, an address, a `File`, or several files that
-    /// belong together (a .gltf or .obj with what it names, and a .hdr or .exr panorama to put around it). What fails or
-    /// is cancelled leaves the last scene in place, but for errors of the device. Where the file does not see to it, a
-    /// view and light are chosen; `scene().notes` tells which, and `options` overrule it.
+    /// Loads a scene and shows it instead of the last one: `"builtin:NAME"`, an address, a `File`,
+    /// or several files that belong together (a .gltf or .obj with the files that it names, and a
+    /// .hdr or .exr panorama to put around it). A load that fails or is cancelled leaves the last
+    /// scene in place, except for errors of the device. Where the file has no view or too little
+    /// light, these are chosen; `scene().notes` says which, and `options` overrule it.
     #[wasm_bindgen(js_name = loadScene)]
     pub async fn load_scene(
         &self,
@@ -150,8 +152,8 @@ impl Renderer {
         to_js(&open.await.map_err(|error| listener.exception(error))?)
     }
 
-    /// Puts a panorama of 360 by 180 degrees around the scene, in the place of its surroundings: an address or a `File`
-    /// (.hdr, .exr; .png and .jpg are read, too).
+    /// Puts a panorama of 360 by 180 degrees around the scene, in the place of its surroundings: an
+    /// address or a `File` (.hdr, .exr; .png and .jpg are read, too).
     #[wasm_bindgen(js_name = loadPanorama)]
     pub async fn load_panorama(
         &self,
@@ -171,21 +173,22 @@ impl Renderer {
         to_js(&surround.await.map_err(|error| listener.exception(error))?)
     }
 
-    /// What is around the scene.
+    /// The surroundings of the scene.
     pub async fn environment(&self) -> Result<Ts<EnvironmentInfo>, JsValue> {
         to_js(&self.session().await.environment()?)
     }
 
-    /// Changes what is around the scene: strength and turn of a panorama, or plain light.
+    /// Changes the surroundings: strength and turn of a panorama, or plain light.
     #[wasm_bindgen(js_name = setEnvironment)]
     pub async fn set_environment(&self, change: Ts<EnvironmentChange>) -> Result<(), JsValue> {
         let change = from_js(&change, "a change of surroundings")?;
         Ok(self.session().await.set_environment(&change)?)
     }
 
-    /// Does what a line of the console says, or a script of several: see the list of commands. Scenes that it loads are
-    /// there when it ends; what it prints comes back, and the files that it writes, such as pictures. An error ends it, and
-    /// tells what the lines before have printed by its property `printed`.
+    /// Runs a line of the console, or a script of several: see the list of commands. Scenes that it
+    /// loads are there when it ends; the result is its output and the files that it writes, such as
+    /// pictures. An error ends it, and has the output of the lines before in its property
+    /// `printed`.
     #[wasm_bindgen(unchecked_return_type = "Ran")]
     pub async fn run(
         &self,
@@ -205,14 +208,14 @@ impl Renderer {
             Ok(opened) => Ok(ran(&printed, &files, opened)),
             Err(error) => {
                 let error = listener.exception(error);
-                // What is no object cannot have it.
+                // A value that is not an object has no properties.
                 let _ = js_sys::Reflect::set(&error, &"printed".into(), &printed.into());
                 Err(error)
             }
         }
     }
 
-    /// What the last word of a line of the console may become.
+    /// The possible completions of the last word of a line of the console.
     #[wasm_bindgen(unchecked_return_type = "Completion")]
     pub async fn complete(&self, line: String) -> Result<JsValue, JsValue> {
         let (start, candidates) = self.session().await.complete(&line);
@@ -223,7 +226,7 @@ impl Renderer {
         Ok(completion.into())
     }
 
-    /// What is known of the scene; undefined before one was loaded.
+    /// The properties of the scene; undefined before one was loaded.
     pub async fn scene(&self) -> Result<Option<Ts<SceneInfo>>, JsValue> {
         self.session().await.info().as_ref().map(to_js).transpose()
     }
@@ -236,7 +239,8 @@ impl Renderer {
         Ok(serde::Serialize::serialize(&settings, &serializer)?)
     }
 
-    /// Changes settings; those that are not named stay. Where one is wrong or the device refuses, nothing has changed.
+    /// Changes settings; those that are not named stay. Where one is wrong or the device refuses,
+    /// nothing has changed.
     pub async fn set(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Settings")] changes: JsValue,
@@ -305,7 +309,7 @@ impl Renderer {
         self.session().await.materials()?.iter().map(to_js).collect()
     }
 
-    /// Changes the material of a number in `materials()`; what is not named stays.
+    /// Changes the material of a number in `materials()`; properties that are not named stay.
     #[wasm_bindgen(js_name = setMaterial)]
     pub async fn set_material(
         &self,
@@ -316,14 +320,14 @@ impl Renderer {
         Ok(self.session().await.set_material(number, &change)?)
     }
 
-    /// What the picture shows at a place, from 0 to 1 from its left edge to its right one and from its top to its
-    /// bottom; undefined where there is nothing.
+    /// The surface at a place of the picture, from 0 to 1 from its left edge to its right one and
+    /// from its top to its bottom; undefined where there is nothing.
     pub async fn pick(&self, x: f32, y: f32) -> Result<Option<Ts<Picked>>, JsValue> {
         self.session().await.pick(Vec2::new(x, y))?.as_ref().map(to_js).transpose()
     }
 
-    /// The light at a place of the picture, as `pick` counts it, in its frames so far; undefined before the first one, beside
-    /// another picture, and in views without light.
+    /// The light at a place of the picture, as `pick` counts it, in its frames so far; undefined
+    /// before the first one, beside another picture, and in views without light.
     pub async fn probe(&self, x: f32, y: f32) -> Result<Option<Ts<LightHere>>, JsValue> {
         self.session().await.probe(Vec2::new(x, y)).await?.as_ref().map(to_js).transpose()
     }
@@ -333,13 +337,13 @@ impl Renderer {
         self.session().await.histogram().as_ref().map(to_js).transpose()
     }
 
-    /// Takes back the last change of settings, lights, materials, surroundings or objects; what it was, in words. The
-    /// reports of frames tell whether there is one.
+    /// Undoes the last change of settings, lights, materials, surroundings or objects, and returns
+    /// it in words. The reports of frames say whether there is one.
     pub async fn undo(&self) -> Result<String, JsValue> {
         Ok(self.session().await.step(true).await?)
     }
 
-    /// Does again what was taken back last.
+    /// Redoes the change that was undone last.
     pub async fn redo(&self) -> Result<String, JsValue> {
         Ok(self.session().await.step(false).await?)
     }
@@ -374,7 +378,8 @@ impl Renderer {
         Ok(self.session().await.set_split(split.as_ref())?)
     }
 
-    /// Whether reports of frames tell the times of stages; that takes some time itself. Default: no.
+    /// Whether reports of frames contain the times of stages, which takes some time itself.
+    /// Default: no.
     #[wasm_bindgen(js_name = setTimed)]
     pub async fn set_timed(&self, timed: bool) {
         self.session().await.set_timed(timed);
@@ -386,23 +391,24 @@ impl Renderer {
         Ok(self.session().await.resize(size, &Listener::new(None)).await?)
     }
 
-    /// Renders one frame more and shows it. Once the report says `complete`, nothing is left to do until something changes.
+    /// Renders one frame more and shows it. Once the report says `complete`, nothing is left to do
+    /// until something changes.
     pub async fn render(&self) -> Result<Ts<FrameReport>, JsValue> {
         to_js(&self.session().await.render().await?)
     }
 
-    /// What the canvas shows, four bytes a pixel: red, green, blue, 255; row by row from the top.
+    /// The pixels of the canvas, four bytes each: red, green, blue, 255; row by row from the top.
     #[wasm_bindgen(js_name = readPixels, unchecked_return_type = "ImageData")]
     pub async fn read_pixels(&self) -> Result<JsValue, JsValue> {
         let (size, pixels) = self.session().await.pixels().await?;
         let opaque: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
-        // A copy: what `ImageData` is made of stays its own, and this vector goes.
+        // A copy: `ImageData` keeps its buffer, and this vector is dropped.
         let own = js_sys::Uint8ClampedArray::from(opaque.as_slice());
         let image = web_sys::ImageData::new_with_js_u8_clamped_array_and_sh(&own, size.x, size.y)?;
         Ok(image.into())
     }
 
-    /// GPU memory by what it holds.
+    /// GPU memory by use.
     pub async fn memory(&self) -> Result<Vec<Ts<MemoryInfo>>, JsValue> {
         self.session().await.memory().iter().map(to_js).collect()
     }
@@ -420,7 +426,8 @@ impl Renderer {
         self.session().await.gpu().is_lost()
     }
 
-    /// Resolves once the present device is lost, with the reason; never before. After `restore`, ask again.
+    /// Resolves once the present device is lost, with the reason; never before. After `restore`,
+    /// ask again.
     pub async fn lost(&self) -> Result<String, JsValue> {
         let device = self.device().await;
         let lost: js_sys::Promise = js_sys::Reflect::get(&device, &"lost".into())?.unchecked_into();
@@ -459,7 +466,8 @@ fn from_js<T: Tsify + serde::de::DeserializeOwned>(
     of_text_of(&value.js_value(), what)
 }
 
-/// By way of its text, since that way properties that nobody knows are refused; what is left out is null.
+/// By way of its text, since that refuses unknown properties; properties that are left out are
+/// null.
 fn of_text_of<T: serde::de::DeserializeOwned>(value: &JsValue, what: &str) -> Result<T, WebError> {
     let text = js_sys::JSON::stringify(value).ok().and_then(|text| text.as_string());
     serde_json::from_str(text.as_deref().unwrap_or("null"))

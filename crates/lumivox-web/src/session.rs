@@ -1,4 +1,4 @@
-//! What a page works on: a scene at work, the canvas that shows it, and what is shown beside it.
+//! The state of a page: a live scene, the canvas that shows it, and the other side of a split.
 
 use glam::UVec2;
 use lumivox_console::Console;
@@ -22,7 +22,7 @@ use crate::types::{Camera, FrameReport, MemoryInfo, SceneInfo, Split, StageMs};
 /// Everything behind one canvas.
 #[derive(Debug)]
 pub struct Session {
-    /// What a page's lines are done by, and in it the explorer.
+    /// The console that executes a page's lines, and in it the explorer.
     pub(crate) console: Console,
     /// Files that it has written.
     pub(crate) written: Written,
@@ -32,9 +32,9 @@ pub struct Session {
     pub(crate) view: View,
     pub(crate) beside: Option<Beside>,
     pub(crate) notes: Vec<String>,
-    /// What was put around the scene that its file does not have.
+    /// The surroundings that were added, because the scene's file has none.
     pub(crate) staged: Staged,
-    /// The triangles as they stand, once something was picked.
+    /// The triangles of the present scene, once something was picked.
     pub(crate) picker: Option<Picker>,
     /// How bright the picture was when it was measured last.
     pub(crate) histogram: Option<Histogram>,
@@ -98,12 +98,12 @@ impl Session {
         self.presenter = Presenter::new(&gpu, self.presenter.canvas().clone())?;
         self.console.explorer.set_gpu(gpu);
         self.start_again();
-        // What is beside stands on the device that is gone.
+        // The other side has resources on the lost device.
         self.beside = self.beside.take().map(|beside| Beside::new(beside.right, beside.at));
         self.update(listener).await
     }
 
-    /// What is known of the scene; none before one was opened.
+    /// The properties of the scene; none before one was opened.
     pub fn info(&self) -> Option<SceneInfo> {
         let scene = self.console.explorer.scene()?;
         let objects = self.console.explorer.object_names();
@@ -160,7 +160,7 @@ impl Session {
     ) -> Result<(), WebError> {
         let view = asked.view;
         let mut tell = tell_of(listener);
-        // Where it is refused the view may be that of the right; its turn begins anew.
+        // Where it is refused, the view may be that of the right; its turn begins again.
         self.start_again();
         self.show_view_of_left()?;
         self.console.explorer.try_settings(asked, preset, &mut tell).await?;
@@ -176,7 +176,7 @@ impl Session {
         Ok(self.console.explorer.set_settings(settings)?)
     }
 
-    /// Looks anew at what lights the scene.
+    /// Looks again at the lights of the scene.
     pub(crate) fn follow_light(&mut self) {
         self.is_emission_alone = self
             .console
@@ -240,7 +240,7 @@ impl Session {
         Ok(())
     }
 
-    /// Shows a moment of what plays, s.
+    /// Shows a moment of the animation, s.
     ///
     /// # Errors
     /// When it is before the start.
@@ -290,7 +290,7 @@ impl Session {
         self.forget_truth();
     }
 
-    /// The picture starts anew.
+    /// The picture starts again.
     fn start_again(&mut self) {
         self.exposing.start_again();
         if let Some(beside) = &mut self.beside {
@@ -313,7 +313,7 @@ impl Session {
     /// Renders one frame more and shows it.
     ///
     /// # Errors
-    /// When something refuses what was asked for, or the device fails.
+    /// When a change is refused, or the device fails.
     pub async fn render(&mut self) -> Result<FrameReport, WebError> {
         let start = Instant::now();
         if self.console.explorer.playback().is_playing {
@@ -392,7 +392,7 @@ impl Session {
         stages
     }
 
-    /// Puts what there is on the canvas.
+    /// Draws the pictures on the canvas.
     fn show(&self) -> Result<(), WebError> {
         let Some(left) = self.console.explorer.screen_texture() else { return Ok(()) };
         let beside = self.beside.as_ref();
@@ -401,13 +401,13 @@ impl Session {
         self.presenter.show(self.console.explorer.gpu(), left, right)
     }
 
-    /// GPU memory by what it holds.
+    /// GPU memory by use.
     pub fn memory(&self) -> Vec<MemoryInfo> {
         let memory = self.console.explorer.renderer().map(lumivox_render::Renderer::memory);
         memory.iter().flatten().map(MemoryInfo::from).collect()
     }
 
-    /// What the canvas shows: width, height and four bytes a pixel, row by row from the top.
+    /// The pixels of the canvas: width, height and four bytes a pixel, row by row from the top.
     ///
     /// # Errors
     /// When there is nothing yet, or the device fails.
@@ -433,7 +433,7 @@ impl Session {
         self.console.explorer.screen(stops).await?.ok_or_else(no_scene)
     }
 
-    /// The explorer, for what is beside.
+    /// The explorer, for the other side of a split.
     pub(crate) fn explorer(&self) -> &Explorer {
         &self.console.explorer
     }
@@ -467,7 +467,7 @@ pub(crate) fn no_scene() -> WebError {
     WebError::value("no scene is open; call loadScene first")
 }
 
-/// There is no thing of that number.
+/// The error for a number without a thing.
 pub(crate) fn out_of_range(what: &str, number: usize, count: usize) -> WebError {
     let there_are = match count {
         0 => "there are none".to_owned(),

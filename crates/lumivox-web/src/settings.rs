@@ -19,7 +19,7 @@ pub enum SettingValue {
     Switch(bool),
     /// A number, whole or not.
     Number(f64),
-    /// A choice, or a word for what has no number.
+    /// A choice, or a word in place of a number.
     Text(String),
     /// Three numbers.
     Vector([f64; 3]),
@@ -83,11 +83,12 @@ pub fn all(settings: &RenderSettings) -> Settings {
     PARAMETERS.iter().map(of).collect()
 }
 
-/// Changes settings, in the order of the table, so that what asks for an octree comes before its options whatever the
-/// order in an object.
+/// Changes settings, in the order of the table, so that a setting that asks for an octree comes
+/// before the octree's options, whatever the order in an object.
 ///
 /// # Errors
-/// When there is no such setting, or it has no such value; what was changed until then is the caller's to forget.
+/// When there is no such setting, or it has no such value; the caller must then drop the changes so
+/// far.
 pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), WebError> {
     for name in changes.keys() {
         find(name)?;
@@ -99,7 +100,7 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
             // Texts are read as on a command line, so that fields and addresses need no types.
             None => parameter.parse(&value.in_words())?,
         };
-        // What is so already asks for nothing: an option of an octree would ask for one.
+        // A value that is already set is skipped: an option of an octree would ask for an octree.
         if parameter.get(settings) != value {
             parameter.set(settings, value)?;
         }
@@ -208,7 +209,7 @@ mod tests {
         assert!(message("specular", SettingValue::Number(3.0)).contains("on or off"));
     }
 
-    /// `LUMIVOX_BLESS=1` writes them anew.
+    /// `LUMIVOX_BLESS=1` writes the file.
     #[test]
     fn the_declarations_are_those_of_the_table() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/src/settings.d.ts");

@@ -1,4 +1,4 @@
-//! What was put around a scene that its file does not have, so that a panorama can take its place.
+//! The light and things that were added to a scene, so that a panorama can replace them.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub struct Staged {
 }
 
 impl Staged {
-    /// What a scene has more than its file, of which `objects` and `lights` are the numbers.
+    /// The additions to a file's scene that has this many `objects` and `lights`.
     pub fn of(scene: &Scene, (objects, lights): (usize, usize)) -> Self {
         let added = scene.lights.iter().skip(lights);
         Self {

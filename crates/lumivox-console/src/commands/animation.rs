@@ -1,4 +1,4 @@
-//! What plays.
+//! The animation that plays.
 
 use lumivox_scene::AnimationChoice;
 

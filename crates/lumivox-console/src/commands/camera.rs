@@ -13,7 +13,7 @@ const CAMERA: Command = Command { group: Group::Camera, takes: &[Takes::Anything
 
 /// Turns, degrees.
 const TURN: std::ops::RangeInclusive<f64> = -36_000.0..=36_000.0;
-/// As near to the vertical as a camera tilts: nearer, its top is no longer told.
+/// As near to the vertical as a camera tilts: nearer, its top is no longer determined.
 const MOST_TILT_RAD: f32 = 1.569;
 
 pub const TABLE: &[Command] = &[
@@ -200,7 +200,7 @@ fn store(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         return Ok(Reply::default());
     }
     console.explorer.scene().ok_or_else(nothing_to_show)?;
-    // What `camera` would read as something else could not be come back to.
+    // A name that `camera` would read as something else could not be used.
     let is_name = matches!(camera::camera(text), Ok(CameraChoice::Name(name)) if name == text);
     if !text.trim().is_empty() && (!is_name || [FRAMING, OUTSIDE, INSIDE].contains(&text)) {
         return Err(Failure::input(format!(
@@ -226,7 +226,7 @@ fn told(camera: &Camera) -> String {
     )
 }
 
-/// What stands behind `camera_axes` for a camera.
+/// The arguments of `camera_axes` for a camera.
 pub fn axes_words(camera: &Camera) -> String {
     let (p, f, u) = (spaces(camera.position), spaces(camera.forward), spaces(camera.up));
     format!("{p} {f} {u} {} {}", degrees(camera.vertical_fov_rad), camera.near_m)
@@ -267,7 +267,8 @@ fn turns(arguments: &[&str]) -> Result<(f32, f32), Failure> {
     Ok((turn(0, "the turn to the right")?, turn(1, "the turn upwards")?))
 }
 
-/// A turn about the vertical and then about the camera's right, and where it stops short of the vertical.
+/// A turn about the vertical and then about the camera's right, and where it stops short of the
+/// vertical.
 fn turn(camera: &Camera, right_rad: f32, up_rad: f32) -> (Quat, f32) {
     let forward = camera.forward.normalize_or(Vec3::NEG_Z);
     let tilt = forward.y.clamp(-1.0, 1.0).asin();

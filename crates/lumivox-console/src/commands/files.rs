@@ -82,7 +82,7 @@ const OPTIONS: [&str; 18] = [
     "--camera",
 ];
 
-/// What stands behind `load`.
+/// The arguments of `load`.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]
 struct LoadLine {
@@ -93,7 +93,8 @@ struct LoadLine {
     light: SourceArgs,
     #[arg(long, value_parser = camera::camera, allow_hyphen_values = true)]
     camera: Option<CameraChoice>,
-    /// Width by height of the picture that a camera and lamps are found for; the present one's by default.
+    /// Width by height of the picture that a camera and lamps are found for; the present one's by
+    /// default.
     #[arg(long, value_parser = crate::values::number::number(1e-3..=1e3), allow_negative_numbers = true)]
     aspect: Option<f32>,
 }
@@ -135,7 +136,7 @@ fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::ask(Effect::Open(Box::new(opening))))
 }
 
-/// What is wrong with options, in a line.
+/// The fault of options, in a line.
 fn told(error: &clap::Error) -> Failure {
     let text = error.render().to_string();
     let said: Vec<&str> = text
@@ -148,7 +149,8 @@ fn told(error: &clap::Error) -> Failure {
     Failure::input(format!("load: {}", said.trim_start_matches("error: ")))
 }
 
-/// What stands behind `load` to open a scene like this. `aspect` is that of the picture, if it is known.
+/// The arguments of `load` to open a scene like this. `aspect` is that of the picture, if it is
+/// known.
 pub fn line(opening: &Opening, aspect: Option<f32>) -> String {
     use crate::line::quote;
     let mut words = vec![quote(&opening.source.to_string())];
@@ -253,7 +255,8 @@ fn camera_words(camera: &CameraChoice) -> String {
     let CameraChoice::LookAt { position, target, vertical_fov_rad } = camera else {
         return camera.to_string();
     };
-    // The command line reads degrees in f32: one of the numbers about this one gives the same radians.
+    // The command line reads degrees in f32: one of the numbers about this one gives the same
+    // radians.
     let near = vertical_fov_rad.to_degrees();
     let numbers = [
         near,

@@ -177,7 +177,7 @@ async fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply
     }))
 }
 
-/// Frames that `avgf` tells the mean of.
+/// The number of frames over which `avgf` takes the mean.
 const MEASURED: usize = 100;
 
 async fn average(console: &mut Console) -> anyhow::Result<Reply> {

@@ -1,4 +1,4 @@
-//! Objects: where they stand, and whether they are there.
+//! Objects: their places, and whether they are shown.
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use lumivox_explorer::Placement;
@@ -15,9 +15,9 @@ const OBJECTS: Command =
 /// An object, then perhaps an axis.
 const AXIS: [Takes; 3] = [Takes::Object, Takes::Word(&["x", "y", "z"]), Takes::Anything];
 
-/// Turns, degrees: any that f32 still tells apart.
+/// Turns, degrees: the range in which f32 still resolves them.
 const TURN: std::ops::RangeInclusive<f32> = -36_000.0..=36_000.0;
-/// Factors of sizes. What has no extent cannot be voxelized, nor turned back.
+/// Factors of sizes. A thing without extent cannot be voxelized, nor scaled back.
 const SCALE: std::ops::RangeInclusive<f32> = -1e6..=1e6;
 
 pub const TABLE: &[Command] = &[
@@ -192,7 +192,8 @@ fn transform(
     Ok(Reply::default())
 }
 
-/// Refuses what f32 cannot hold or invert, and what `matrix` would not take, for `script` prints it.
+/// Refuses transforms that f32 cannot hold or invert, and those that `matrix` would not take,
+/// because `script` prints it.
 fn check_transform(console: &Console, object: usize, edit: Mat4) -> Result<(), Failure> {
     let world = console.explorer.posed(object).unwrap_or(Mat4::IDENTITY) * edit;
     let is_held = |matrix: Mat4| matrix.to_cols_array().iter().all(|number| PLACE.contains(number));

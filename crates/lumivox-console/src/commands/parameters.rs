@@ -197,8 +197,8 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     }
 }
 
-/// Whether a setting can be taken from others without more than it changing: the options of an octree ask for one, and
-/// those of VXCT's look for that.
+/// Whether a setting can be taken from others without more than it changing: the options of an
+/// octree ask for one, and those of VXCT's look for that.
 fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettings) -> bool {
     parameter.means_something(settings) && parameter.means_something(from)
 }

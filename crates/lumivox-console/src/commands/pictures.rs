@@ -156,7 +156,7 @@ async fn compare(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Re
     let picture = console.picture().await?;
     let truth = layers.layer(&layers.radiance);
     let variance = layers.radiance_variance.as_slice();
-    // Few samples do not tell their variance.
+    // Few samples do not give their variance.
     let variance = variance.iter().all(|value| value.is_finite()).then_some(variance);
     let figures = ErrorFigures::new(&truth, variance, &LinearPicture::from(&picture))?;
     let comparison = Comparison {

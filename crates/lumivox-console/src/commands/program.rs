@@ -108,7 +108,7 @@ async fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply>
 /// The commands of a script's file, whose name is for messages.
 ///
 /// # Errors
-/// When it is no text, and when a quotation mark is open at the end of a line.
+/// When the file is not text, and when a quotation mark is open at the end of a line.
 pub fn read(bytes: &[u8], name: &str) -> Result<Vec<Line>, Failure> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = bytes.get(..error.valid_up_to()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A ray that marks what it hits.
+//! A ray that marks the place that it hits.
 
 use glam::{Vec2, Vec3};
 use lumivox_render::OverlayLine;
@@ -37,10 +37,10 @@ const NORMAL: f32 = 0.15;
 pub struct Mark {
     /// Where it begins, m.
     origin: Vec3,
-    /// What it hits, m.
+    /// The place that it hits, m.
     at: Vec3,
     normal: Vec3,
-    /// Of the normal as it is drawn, m.
+    /// The drawn length of the normal, m.
     length_m: f32,
 }
 
@@ -112,7 +112,7 @@ fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 }
 
 impl Mark {
-    /// What is drawn. Seen through surfaces, for most of it lies within one.
+    /// The lines of the mark. They are seen through surfaces, because most of them lie within one.
     fn lines(&self) -> Vec<OverlayLine> {
         let Self { origin, at, normal, length_m } = *self;
         let line = |from, to, color| OverlayLine { from, to, color, is_hidden_by_surfaces: false };
@@ -128,7 +128,7 @@ impl Mark {
     }
 }
 
-/// The command that marks what is marked, wherever things have moved to since.
+/// The command that draws this mark again, wherever things have moved since.
 pub fn line(console: &Console) -> Option<String> {
     let mark = console.ray.filter(|_| !console.explorer.settings().overlay.lines.is_empty())?;
     let (origin, at, normal) = (commas(mark.origin), commas(mark.at), commas(mark.normal));

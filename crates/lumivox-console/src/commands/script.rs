@@ -18,8 +18,8 @@ pub fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(format!("{file}: {} commands", lines.len())))
 }
 
-/// The commands. Order matters: the size and the preset come before the scene, which is lit for them; the grid comes before
-/// what moves in it.
+/// The commands. Order matters: the size and the preset come before the scene, which is lit for
+/// them; the grid comes before the things that move in it.
 fn lines(console: &Console) -> Vec<String> {
     let explorer = &console.explorer;
     let settings = explorer.settings();
@@ -30,7 +30,8 @@ fn lines(console: &Console) -> Vec<String> {
     let preset = parameters::of_preset(console);
     let mut differing: Vec<&Parameter> =
         parameters::differing(settings, &preset).filter(|p| p.name != "resolution").collect();
-    // What others ask for comes first, and what asks for others last, such as the view of an octree's nodes.
+    // Settings that others need come first, and settings that need others last, such as the view of
+    // an octree's nodes.
     differing.sort_by_key(|parameter| match parameter.name {
         "look" | "volume" => 0,
         "view" | "level" => 2,
@@ -102,7 +103,7 @@ fn material_lines(console: &Console, scene: &Scene) -> Vec<String> {
         .collect()
 }
 
-/// What surrounds the scene; `true` where that brings a sun.
+/// The surroundings of the scene; `true` where they bring a sun.
 fn surroundings_lines(console: &Console, scene: &Scene) -> (Vec<String>, bool) {
     use crate::arguments::{commas, degrees};
     let Some(original) = console.explorer.original() else { return (Vec::new(), false) };

@@ -1,4 +1,4 @@
-//! What lies around the scene: skies, panoramas, plain light.
+//! The surroundings of the scene: skies, panoramas, plain light.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What is shown: surfaces, voxels, wires.
+//! The content of the picture: surfaces, voxels, wires.
 
 use lumivox_render::parameters::Parameter;
 use lumivox_render::{Look, Overlay, View, Wireframe};
@@ -172,7 +172,7 @@ fn flip_view(
     Ok(Reply::say(format!("{name} {}", on_or_off(is_on))))
 }
 
-/// Chooses what is shown where neither voxels nor their levels are.
+/// Chooses the view for when neither voxels nor their levels are shown.
 pub fn show(console: &mut Console, view: View) -> anyhow::Result<()> {
     let shown = Shown { base: view, ..Shown::of(console.explorer.settings().view, console.shown) };
     console.change(|settings| settings.view = shown.view())?;
@@ -213,8 +213,8 @@ impl Objects {
     }
 }
 
-/// Flips one of the switches. They are told apart by what was set last: settings of overlays that no switch makes start
-/// anew.
+/// Flips one of the switches. Their states are those of the last flip; overlays that were set
+/// otherwise determine them again.
 fn flip_objects(
     console: &mut Console,
     arguments: &[&str],

@@ -1,4 +1,4 @@
-//! Voxels: when they are made, how many there are, what they take.
+//! Voxels: when they are made, their number, their memory.
 
 use glam::Vec3;
 use lumivox::Grid;

@@ -1,4 +1,4 @@
-//! Light that is added to what a scene brings.
+//! Light that is added to that of a scene.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,8 +28,8 @@ pub struct SourceArgs {
     /// [default: the scene's]
     ///
     /// It replaces the scene's own. A clear blue sky has about 2000,2600,3600. A panorama is
-    /// equirectangular, twice as wide as high; its middle lies towards -z. One unit of it is 1 cd/m2
-    /// unless it says otherwise, see --environment-intensity. PNG and JPEG are read, too.
+    /// equirectangular, twice as wide as high; its middle lies towards -z. One unit of it is 1
+    /// cd/m2 unless it says otherwise, see --environment-intensity. PNG and JPEG are read, too.
     #[arg(long, value_name = "R,G,B|FILE", value_parser = light::environment)]
     #[arg(allow_hyphen_values = true, conflicts_with = "sky")]
     pub environment: Option<Surroundings>,
@@ -45,11 +45,11 @@ pub struct SourceArgs {
     #[arg(default_value = "1", allow_negative_numbers = true)]
     pub environment_intensity: f32,
 
-    /// A clear sky and its sun, which stands towards X,Y,Z, or ELEVATION,AZIMUTH in degrees [default:
-    /// none]
+    /// A clear sky and its sun, which stands towards X,Y,Z, or ELEVATION,AZIMUTH in degrees
+    /// [default: none]
     ///
-    /// It replaces the scene's surroundings, computed in cd/m2 and lux. The elevation is from -90 to
-    /// 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards -z, 90 towards +x.
+    /// It replaces the scene's surroundings, computed in cd/m2 and lux. The elevation is from -90
+    /// to 90 (below 0 is dusk), the azimuth from -360 to 360: 0 is towards -z, 90 towards +x.
     #[arg(long, value_name = "X,Y,Z|ELEVATION,AZIMUTH", value_parser = light::sky)]
     #[arg(allow_hyphen_values = true)]
     pub sky: Option<Vec3>,
@@ -61,12 +61,13 @@ pub struct SourceArgs {
     #[arg(default_value = "2", allow_negative_numbers = true, requires = "sky")]
     pub turbidity: f32,
 
-    /// What is put around a scene of which the file sees to too little light [default: auto; none with
-    /// --sun, --sky or --environment]
+    /// What is put around a scene of which the file sees to too little light [default: auto; none
+    /// with --sun, --sky or --environment]
     ///
-    /// auto measures what the scene's own light does where it is seen. Where that is not enough, lamps
-    /// of 300 lux light a closed room, sun and sky an open place or a landscape, and a studio of 1536
-    /// lux, turned to the camera, everything else. The note under the picture tells what was chosen.
+    /// auto measures what the scene's own light does where it is seen. Where that is not enough,
+    /// lamps of 300 lux light a closed room, sun and sky an open place or a landscape, and a studio
+    /// of 1536 lux, turned to the camera, everything else. The note under the picture tells what
+    /// was chosen.
     #[arg(long, value_name = "WHAT", value_parser = choices::staging())]
     pub surroundings: Option<Staging>,
 
@@ -91,7 +92,7 @@ impl SourceArgs {
         }
     }
 
-    /// Adds to a scene's light what is asked for, with the panorama of that file.
+    /// Adds the requested light to a scene, with the panorama of that file.
     ///
     /// # Errors
     /// When the sky cannot be computed.

@@ -13,8 +13,8 @@ const RADIANS_PER_DEGREE: f32 = std::f32::consts::PI / 180.0;
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "File")]
 pub struct LoadArgs {
-    /// Which of the file's scenes (glTF, VXCT), by name or number [default: the one that the file marks,
-    /// else the first]
+    /// Which of the file's scenes (glTF, VXCT), by name or number [default: the one that the file
+    /// marks, else the first]
     ///
     /// Numbers count from 0; `lumivox info SCENE` lists them.
     #[arg(long, value_name = "NAME|NUMBER")]
@@ -33,20 +33,20 @@ pub struct LoadArgs {
     #[arg(allow_negative_numbers = true)]
     pub unit: f32,
 
-    /// Angle in degrees, 0 to 180, above which an edge of a surface without normals stays sharp (OBJ,
-    /// PLY, STL) [default: as each format means it]
+    /// Angle in degrees, 0 to 180, above which an edge of a surface without normals stays sharp
+    /// (OBJ, PLY, STL) [default: as each format means it]
     ///
-    /// 0 keeps all edges sharp, 180 none. Without it, PLY is smooth, STL is flat, OBJ is flat outside
-    /// of its smoothing groups.
+    /// 0 keeps all edges sharp, 180 none. Without it, PLY is smooth, STL is flat, OBJ is flat
+    /// outside of its smoothing groups.
     #[arg(long, value_name = "DEGREES", value_parser = number::number(0.0..=180.0))]
     #[arg(allow_negative_numbers = true)]
     pub crease: Option<f32>,
 
     /// Turn the scene about the centre of its bounds: degrees about x, y and z, each -360 to 360
     ///
-    /// About z first, then y, then x. Its lights and cameras turn with it, so their pictures stay the
-    /// same; the surroundings and what other options place do not. Errors of voxels depend on how
-    /// walls lie in the grid; measurements try several angles.
+    /// About z first, then y, then x. Its lights and cameras turn with it, so their pictures stay
+    /// the same; the surroundings and what other options place do not. Errors of voxels depend on
+    /// how walls lie in the grid; measurements try several angles.
     #[arg(long, value_name = "X,Y,Z", value_parser = number::angles, help_heading = "Scene")]
     #[arg(default_value = "0,0,0", allow_hyphen_values = true)]
     pub rotate: Vec3,
@@ -57,10 +57,11 @@ pub struct LoadArgs {
     #[arg(long)]
     pub allow_outside: bool,
 
-    /// Show a glTF file as far as it goes whose required extensions are not supported [default: off]
+    /// Show a glTF file as far as it goes whose required extensions are not supported [default:
+    /// off]
     ///
-    /// What they would change is told in a warning, and may be anything. Extensions that only refine
-    /// the picture, such as variants of materials, need no leave.
+    /// What they would change is told in a warning, and may be anything. Extensions that only
+    /// refine the picture, such as variants of materials, need no leave.
     #[arg(long)]
     pub ignore_required: bool,
 
@@ -98,7 +99,7 @@ impl LoadArgs {
         }
     }
 
-    /// Checks that the scene takes what is given.
+    /// Checks that the scene accepts the given options.
     ///
     /// # Errors
     /// When an option for files is given with a scene that is made in code.
@@ -120,7 +121,7 @@ impl LoadArgs {
         }
     }
 
-    /// An option that is given and has a meaning for files alone.
+    /// An option that was given and has a meaning only for files.
     fn option_of_files(&self) -> Option<&'static str> {
         let given = [
             (self.scene_in_file.is_some(), "--scene-in-file"),

@@ -19,7 +19,7 @@ pub struct Opening {
     pub source: SceneSource,
     /// How its file is read.
     pub load: LoadArgs,
-    /// What is added to its light.
+    /// The additions to its light.
     pub light: SourceArgs,
     /// Where it is seen from.
     pub camera: Option<CameraChoice>,

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// What stands before the names of scenes that are made in code.
+/// The prefix of the names of scenes that are made in code.
 pub const BUILTIN: &str = "builtin:";
 
 /// A scene, as people name it.
@@ -16,7 +16,7 @@ pub enum SceneSource {
 }
 
 impl SceneSource {
-    /// Of its name: one that is made in code, or a file.
+    /// The scene of that name: one that is made in code, or a file.
     pub fn named(text: &str) -> Self {
         match text.strip_prefix(BUILTIN) {
             Some(name) => Self::Builtin(name.to_owned()),

@@ -20,7 +20,7 @@ pub const OUTSIDE: &str = "outside";
 pub const INSIDE: &str = "inside";
 
 const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
-/// Vertical field of view of cameras that do not tell theirs, degrees.
+/// Vertical field of view of cameras that do not give theirs, degrees.
 pub const DEFAULT_FOV_DEG: f32 = 45.0;
 
 /// A camera, as the command line names it.

@@ -45,7 +45,7 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
     })
 }
 
-/// What surrounds the scene, as the command line names it.
+/// The surroundings of the scene, as the command line names them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surroundings {
     /// The same radiance from everywhere, cd/m².

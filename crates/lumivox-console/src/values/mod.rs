@@ -1,7 +1,8 @@
 //! Values that are written as text: for the console's commands, for options of a command line.
 //!
-//! A value can be wrong in two ways. It may not be of the form asked for (`big` for a size), or it may be of that form
-//! but out of range (`0x0`). [`Refused`] keeps them apart, and is all that goes wrong here.
+//! A value can be wrong in two ways. It may not be of the form asked for (`big` for a size), or it
+//! may be of that form but out of range (`0x0`). [`Refused`] keeps them apart, and is all that goes
+//! wrong here.
 
 #![allow(clippy::missing_errors_doc, reason = "said once for all readers of values")]
 

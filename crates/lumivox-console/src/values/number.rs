@@ -98,7 +98,7 @@ pub fn one(text: &str) -> Result<f32, Refused> {
     Err(Refused::OutOfRange("it must be a finite number".to_owned()))
 }
 
-/// Exactly `N` finite numbers between commas; `form` says what they are, with an example.
+/// Exactly `N` finite numbers between commas; `form` describes them, with an example.
 pub fn list<const N: usize>(text: &str, form: &str) -> Result<[f32; N], Refused> {
     let values = some(text, form)?;
     values.try_into().map_err(|values: Vec<f32>| {

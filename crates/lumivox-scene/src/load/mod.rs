@@ -36,7 +36,7 @@ pub use source::FileSource;
 
 pub use units::UpAxis;
 
-/// How a scene is loaded. The default loads all that a file shows by itself, and reads no file
+/// Options of loading a scene. The default loads all that a file shows by itself, and reads no file
 /// outside of the scene's folder.
 pub struct LoadOptions<'a> {
     /// Whether the scene may name files outside of its own folder (of VXCT's scenes in a folder
@@ -56,16 +56,16 @@ pub struct LoadOptions<'a> {
     /// millimetres, as those of CAD mostly are. Lengths and places are multiplied, strengths of
     /// lights are not.
     pub unit_m: f32,
-    /// How sharp an edge must be to stay an edge, in radians from 0 (all edges stay) to pi (none
+    /// The angle from which an edge stays an edge, in radians from 0 (all edges stay) to pi (none
     /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: the meaning that
     /// each format gives to their absence: PLY is smooth, STL is flat, OBJ is flat outside of its
     /// smoothing groups.
     pub crease_rad: Option<f32>,
-    /// How much memory the scene may take.
+    /// The memory that the scene may take.
     pub budget: MemoryBudget,
-    /// Where all files come from, the scene's own included. Default: the disk.
+    /// The source of all files, including the scene's own. Default: the disk.
     pub files: Option<&'a dyn FileSource>,
-    /// Told how far loading is, now and then.
+    /// A function that is called with the progress now and then.
     pub progress: Option<&'a mut dyn FnMut(LoadProgress)>,
 }
 
@@ -85,7 +85,7 @@ impl Default for LoadOptions<'_> {
     }
 }
 
-/// How much memory a scene may take.
+/// The memory that a scene may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryBudget {
     /// Bytes of all textures, finest levels. Textures are shrunk by halves, all alike, until they
@@ -102,7 +102,7 @@ impl Default for MemoryBudget {
     }
 }
 
-/// How far loading is.
+/// The progress of loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadProgress {
     /// The stage under way: `reading` or `textures`.
@@ -159,7 +159,7 @@ impl Scene {
         Self::load_with(path, &mut LoadOptions::default())
     }
 
-    /// The same with options.
+    /// Reads a scene as [`Scene::load`] does, with options.
     ///
     /// # Errors
     /// As [`Scene::load`], and when the file does not have what the options ask for.
@@ -209,7 +209,7 @@ pub fn may_name(file: &Path, path: &Path) -> bool {
     options.reach(&folders).admit(path).is_ok()
 }
 
-/// In lower case.
+/// The path's extension in lower case.
 fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }

@@ -22,8 +22,8 @@ pub struct Light {
     /// same. Default: 0, a point with hard shadows. A directional light has an angular radius in
     /// its kind instead.
     pub radius_m: f32,
-    /// How its light falls off in the look of the time before physical units. Default: none, for
-    /// the inverse square. Physical renderers pay no heed to it.
+    /// The fall-off of its light in looks without physical units. Default: none, for the inverse
+    /// square. Physical renderers ignore it.
     pub attenuation: Option<Attenuation>,
 }
 

@@ -10,7 +10,7 @@ use super::TextureRef;
 pub struct Material {
     /// A name for lists and messages.
     pub name: String,
-    /// How the surface reflects.
+    /// The law by which the surface reflects.
     pub shading: Shading,
     /// Emitted radiance in cd/m² (glTF's emissive factor times `KHR_materials_emissive_strength`),
     /// multiplied by the emissive texture where there is one. Default: zero.
@@ -186,8 +186,8 @@ impl Default for Phong {
 /// A surface as Phong's shader of the time before physical units has it: for each light, `color`
 /// times (ambient + diffuse cos + specular cos^shininess) is added up, and shown as it is.
 ///
-/// It may reflect more than it gets, and no number of it has a limit. [`Strengths::to_phong`] is
-/// the nearest surface that there could be.
+/// It may reflect more light than it receives, and its numbers have no limits.
+/// [`Strengths::to_phong`] is the nearest possible surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strengths {
     /// Linear RGB. Default: 0.85 each.
@@ -259,7 +259,7 @@ impl Default for Unlit {
 /// A thin, clear layer of an index of refraction of 1.5 on top (`KHR_materials_clearcoat`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clearcoat {
-    /// How much of the surface it covers, 0 (the default) to 1.
+    /// The share of the surface that it covers, 0 (the default) to 1.
     pub strength: f32,
     /// Its perceptual roughness, 0 (the default) to 1.
     pub roughness: f32,

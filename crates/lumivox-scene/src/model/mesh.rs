@@ -30,7 +30,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// How many triangles there are.
+    /// The number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.indices.len() / 3
     }
@@ -81,17 +81,17 @@ pub struct Instance {
     /// of it. By default everything is static except for things that an animation can reach, by a
     /// node, a bone or a morph target.
     pub is_static: bool,
-    /// Its surface is in the voxels, so that it takes part in indirect light; all of it is drawn
-    /// and casts shadows from shadow maps in any case, and rays of the reference meet it. Default:
-    /// yes.
+    /// Whether its surface is in the voxels, so that it takes part in indirect light; all of it is
+    /// drawn and casts shadows from shadow maps in any case, and rays of the reference meet it.
+    /// Default: yes.
     pub is_voxelized: bool,
-    /// It is as if it were not there: neither drawn nor voxelized, without shadow, outside of
+    /// Whether it is as if it were absent: neither drawn nor voxelized, without shadow, outside of
     /// [`Scene::bounds`](super::Scene::bounds); only kept and saved (`KHR_node_visibility`).
     /// Default: no.
     pub is_hidden: bool,
-    /// It belongs to the surroundings, such as the ground of a studio: drawn, lit and voxelized
-    /// where the grid reaches, but outside of [`Scene::bounds`](super::Scene::bounds), so that
-    /// neither the grid nor a camera is fitted to it. Default: no.
+    /// Whether it belongs to the surroundings, such as the ground of a studio: drawn, lit and
+    /// voxelized where the grid reaches, but outside of [`Scene::bounds`](super::Scene::bounds), so
+    /// that neither the grid nor a camera is fitted to it. Default: no.
     pub is_backdrop: bool,
 }
 

@@ -37,7 +37,7 @@ pub struct Scene {
 /// Notes of the loader that are not errors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadNotes {
-    /// How many triangles of no area were removed from the meshes.
+    /// The number of triangles of no area that were removed from the meshes.
     pub degenerate_triangles: usize,
     /// Sentences for the user, each naming something that was ignored or replaced.
     pub warnings: Vec<String>,
@@ -130,7 +130,8 @@ impl Scene {
         self.grid_bounds.unwrap_or_else(|| self.bounds())
     }
 
-    /// How many triangles a renderer sees: each instance that is not hidden counts its mesh's.
+    /// The number of triangles that a renderer sees: each instance that is not hidden counts its
+    /// mesh's.
     pub fn triangle_count(&self) -> usize {
         self.shown()
             .filter_map(|instance| self.meshes.get(instance.mesh))

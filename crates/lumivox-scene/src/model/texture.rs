@@ -34,11 +34,11 @@ pub struct Texture {
     pub height: u32,
     /// Red, green, blue, alpha of each texel, row by row from the top; `4 * width * height` bytes.
     pub rgba8: Vec<u8>,
-    /// How the image is sampled.
+    /// The sampling of the image.
     pub sampler: Sampler,
 }
 
-/// How an image is sampled. Default: repeating, linear.
+/// The sampling of an image. Default: repeating, linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Sampler {
     /// The texels left and right of the image.
@@ -63,7 +63,7 @@ pub enum Wrap {
     ClampToEdge,
 }
 
-/// How values between texel centres come about.
+/// The interpolation between texel centres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Filter {
     /// The nearest texel.

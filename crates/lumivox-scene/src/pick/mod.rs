@@ -18,7 +18,7 @@ use shape::{Hit, Shape, Sides};
 
 /// The triangles of a scene, ready for rays: made once for each state of the scene, on the CPU.
 pub struct Picker {
-    /// One a mesh; none where no instance shows it.
+    /// A shape for each mesh; none where no instance shows it.
     shapes: Vec<Option<Shape>>,
     placed: Vec<PlacedShape>,
 }
@@ -41,7 +41,7 @@ pub struct Pick {
     /// The number of the triangle in the instance's mesh: its vertices are those at three times
     /// this number.
     pub triangle: usize,
-    /// Where, in the world, m.
+    /// The point that was hit, in the world, m.
     pub position: Vec3,
     /// The unit normal of the triangle's plane in the world, towards the ray's origin.
     pub normal: Vec3,

@@ -17,7 +17,7 @@ pub struct Camera {
     /// The eye.
     #[tsify(type = "[number, number, number]")]
     pub position: Vec3,
-    /// What it looks at; its distance is of no meaning.
+    /// The point that it looks at; its distance has no meaning.
     #[tsify(type = "[number, number, number]")]
     pub target: Vec3,
     /// Towards the top of the picture, not along the line of sight. Default: `[0, 1, 0]`.

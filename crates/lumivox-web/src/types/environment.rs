@@ -1,4 +1,4 @@
-//! What is around a scene.
+//! The surroundings of a scene.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use crate::error::WebError;
 /// The most radiance, cd/m2: as of the command line.
 const BRIGHTEST: f32 = 1e10;
 
-/// What is around a scene: a panorama, or the same light from everywhere.
+/// The surroundings of a scene: a panorama, or the same light from everywhere.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct EnvironmentInfo {
-    /// Linear red, green and blue in cd/m2; of a panorama what its texels are multiplied by.
+    /// Linear red, green and blue in cd/m2; with a panorama, the factor of its texels.
     #[tsify(type = "[number, number, number]")]
     pub radiance: Vec3,
     /// The panorama's name, where there is one.
@@ -36,11 +36,11 @@ impl From<&Environment> for EnvironmentInfo {
     }
 }
 
-/// What is to change around a scene; what is left out stays.
+/// A change of a scene's surroundings; properties that are left out stay.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct EnvironmentChange {
-    /// In cd/m2, from 0 to 1e10; of a panorama what its texels are multiplied by.
+    /// In cd/m2, from 0 to 1e10; with a panorama, the factor of its texels.
     #[tsify(optional, type = "[number, number, number]")]
     pub radiance: Option<Vec3>,
     /// `null` takes the panorama away; another one comes by `loadPanorama`.
@@ -59,7 +59,7 @@ fn given<'a, D: serde::Deserializer<'a>>(value: D) -> Result<Option<Option<Strin
 }
 
 impl EnvironmentChange {
-    /// What it makes of the surroundings.
+    /// The surroundings after this change.
     ///
     /// # Errors
     /// When a number is out of its range, or another panorama is named.

@@ -19,7 +19,7 @@ pub enum LightKind {
     Spot,
 }
 
-/// A light that is not seen itself. What its kind has no use for is passed over.
+/// A light that is not seen itself. Properties that its kind does not use are ignored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct Light {
@@ -41,16 +41,17 @@ pub struct Light {
     /// In which its light travels. Default: down.
     #[tsify(optional, type = "[number, number, number]")]
     pub direction: Vec3,
-    /// Of what shines, in metres, for soft shadows. Default: 0.
+    /// The radius of the light's source, in metres, for soft shadows. Default: 0.
     #[tsify(optional)]
     pub radius_m: f32,
-    /// Half the angle under which a directional light is seen, in degrees. Default: 0; the sun has 0.27.
+    /// Half the angle under which a directional light is seen, in degrees. Default: 0; the sun has
+    /// 0.27.
     #[tsify(optional)]
     pub angular_radius_deg: f32,
     /// Beyond which it may be cut off, in metres; `null` is nowhere, the default.
     #[tsify(optional, type = "number | null")]
     pub range_m: Option<f32>,
-    /// Of a spot, from its axis, where it begins to fall, in degrees. Default: 0.
+    /// For a spot, the angle from its axis at which it begins to fall, in degrees. Default: 0.
     #[tsify(optional)]
     pub inner_cone_deg: f32,
     /// And where it ends, at most 90. Default: 45.
@@ -114,7 +115,7 @@ impl From<&lumivox_scene::Light> for Light {
 }
 
 impl Light {
-    /// The scene's kind of light, checked; `attenuation` is what only the look of VXCT heeds.
+    /// The scene's kind of light, checked; only the look of VXCT uses `attenuation`.
     ///
     /// # Errors
     /// When a number is out of its range.

@@ -1,4 +1,4 @@
-//! What surfaces are made of.
+//! The materials of surfaces.
 
 use std::ops::RangeInclusive;
 
@@ -25,7 +25,7 @@ pub enum Shading {
     Unlit,
 }
 
-/// A material. What its shading does not have is left out.
+/// A material. Properties that its shading does not have are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct Material {
     /// As its file calls it.
@@ -48,7 +48,7 @@ pub struct Material {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<f32>,
-    /// Scales what a dielectric reflects, from 0 to 1.
+    /// Scales the reflectance of a dielectric, from 0 to 1.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specular: Option<f32>,
@@ -101,7 +101,7 @@ impl From<&lumivox_scene::Material> for Material {
     }
 }
 
-/// What is to change of a material; what is left out stays.
+/// A change of a material; properties that are left out stay.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct MaterialChange {
@@ -129,7 +129,7 @@ pub struct MaterialChange {
 }
 
 impl MaterialChange {
-    /// What it makes of a material.
+    /// The material after this change.
     ///
     /// # Errors
     /// When a number is out of its range, or the material's shading has no such property.

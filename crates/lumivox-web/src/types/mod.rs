@@ -1,4 +1,5 @@
-//! What a page hands over and gets back: plain objects, with declarations for TypeScript made from these types.
+//! The values that a page hands over and gets back: plain objects, with declarations for TypeScript
+//! made from these types.
 
 mod camera;
 mod environment;
@@ -28,7 +29,7 @@ pub struct Progress {
     pub stage: String,
     /// From 0 to `total`.
     pub done: f64,
-    /// Bytes of files, or steps; 0 where nobody knows.
+    /// Bytes of files, or steps; 0 where the total is unknown.
     pub total: f64,
 }
 
@@ -58,7 +59,7 @@ pub struct ObjectInfo {
     pub hidden: bool,
 }
 
-/// What moves in a scene.
+/// An animation of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct AnimationInfo {
     /// As its file calls it.
@@ -67,7 +68,7 @@ pub struct AnimationInfo {
     pub duration_s: f32,
 }
 
-/// What is known of a scene.
+/// The properties of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct SceneInfo {
     /// The file's name without its extension.
@@ -80,7 +81,7 @@ pub struct SceneInfo {
     pub voxels: Option<u32>,
     /// Around all that is there.
     pub bounds: Box3,
-    /// Those of the file.
+    /// The cameras of the file.
     pub cameras: Vec<Camera>,
     /// The one that it is seen from at first: its file's first, or the view that was found for it.
     pub camera: Camera,
@@ -90,16 +91,16 @@ pub struct SceneInfo {
     pub materials: Vec<String>,
     /// All lights, with those that were added because nothing shone.
     pub lights: Vec<Light>,
-    /// What is around it.
+    /// Its surroundings.
     pub environment: EnvironmentInfo,
-    /// What can be played.
+    /// The animations that can be played.
     pub animations: Vec<AnimationInfo>,
-    /// What was approximated or passed over while loading, in sentences.
+    /// The approximations and omissions while loading, in sentences.
     pub notes: Vec<String>,
 }
 
 impl SceneInfo {
-    /// Of a scene as it is seen.
+    /// The properties of a scene as it is seen.
     pub fn new(
         scene: &Scene,
         camera: &lumivox_scene::Camera,
@@ -146,7 +147,7 @@ pub struct StageMs {
     pub ms: f64,
 }
 
-/// What a frame has done.
+/// The result of a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct FrameReport {
     /// Frames in the picture so far.
@@ -155,25 +156,25 @@ pub struct FrameReport {
     pub frames: u32,
     /// Whether nothing is left to do until something changes.
     pub complete: bool,
-    /// What the last frame took, from the call until the GPU was done, in milliseconds.
+    /// The time of the last frame, from the call until the GPU was done, in milliseconds.
     pub frame_ms: f64,
     /// The moment of the animation that is shown, in seconds; none where nothing moves.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f32>,
-    /// Where the browser lets GPUs tell times, else empty.
+    /// The times of stages, where the browser has them; else empty.
     pub stages: Vec<StageMs>,
-    /// Why the picture is not what a camera would make of the scene: too dark, too bright, or black.
+    /// The reason why the picture is not as a camera would make it: too dark, too bright, or black.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
     /// Whether its own emission is all the light that the scene has.
     pub emission_alone: bool,
-    /// What `undo` would take back, in words.
+    /// The change that `undo` would undo, in words.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undo: Option<String>,
-    /// What `redo` would do again, in words.
+    /// The change that `redo` would redo, in words.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub redo: Option<String>,
@@ -211,19 +212,20 @@ fn usual_samples() -> u32 {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneOptions {
-    /// What is put around it. Default: `auto`.
+    /// The surroundings that it gets. Default: `auto`.
     #[tsify(optional)]
     pub surroundings: Surroundings,
     /// Where from, instead of the scene's own camera or the view that shows it best.
     #[tsify(optional)]
     pub from: Option<Standpoint>,
-    /// Where the first picture is taken from; what surrounds the scene is chosen for its own view. Default: that view.
+    /// The camera of the first picture; the surroundings are chosen for its own view. Default: that
+    /// view.
     #[tsify(optional)]
     pub camera: Option<Camera>,
     /// A panorama around it: an address or a `File`, as `loadPanorama` takes it.
     #[tsify(optional, type = "string | URL | File")]
     pub panorama: IgnoredAny,
-    /// Cancels loading; what was shown stays.
+    /// Cancels loading; the present scene stays.
     #[tsify(optional, type = "AbortSignal")]
     pub signal: IgnoredAny,
 }
@@ -232,12 +234,12 @@ pub struct SceneOptions {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Tsify)]
 #[serde(deny_unknown_fields, default)]
 pub struct LoadingOptions {
-    /// Cancels loading; what was shown stays.
+    /// Cancels loading; the present scene stays.
     #[tsify(optional, type = "AbortSignal")]
     pub signal: IgnoredAny,
 }
 
-/// What a place of the picture shows.
+/// The surface at a place of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct Picked {
     /// The number of the object in `scene().objects`.
@@ -256,12 +258,13 @@ pub struct Picked {
     pub bounds: Box3,
 }
 
-/// What is put around a scene: a studio, or the sun and the sky of a clear day, or nothing. `auto` lets lamps light
-/// closed rooms, sun and sky what lies in the open, and a studio everything else, where a scene's own light is not enough.
+/// The light around a scene: a studio, or the sun and the sky of a clear day, or nothing. With
+/// `auto`, where a scene's own light is not enough, lamps light closed rooms, sun and sky open
+/// places, and a studio everything else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Tsify)]
 #[serde(rename_all = "lowercase")]
 pub enum Surroundings {
-    /// What suits the scene.
+    /// The light that suits the scene.
     #[default]
     Auto,
     /// Soft boxes, a grey wall, a ground.
@@ -303,10 +306,10 @@ impl Standpoint {
     }
 }
 
-/// What GPU memory is used for.
+/// One use of GPU memory.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct MemoryInfo {
-    /// What it holds.
+    /// The use.
     pub name: String,
     /// How much.
     pub bytes: f64,
@@ -318,13 +321,13 @@ impl From<&MemoryUse> for MemoryInfo {
     }
 }
 
-/// A name to choose by, and what it is called.
+/// A name to choose by, and a title.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct Named {
-    /// What functions take.
+    /// The name that functions take.
     pub name: String,
-    /// What people read.
+    /// The title for people.
     pub title: String,
-    /// What it is, in a sentence without a full stop; empty where the title says it.
+    /// A sentence on it without a full stop; empty where the title says it.
     pub summary: String,
 }

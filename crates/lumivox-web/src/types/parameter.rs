@@ -1,4 +1,4 @@
-//! What is known of each setting.
+//! The properties of each setting.
 
 use lumivox_render::RenderSettings;
 use lumivox_render::parameters::{Kind, PARAMETERS, Parameter};
@@ -7,16 +7,16 @@ use tsify::Tsify;
 
 use crate::settings::SettingValue;
 
-/// One setting: what panels are made of.
+/// One setting: panels are made from these.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
 pub struct ParameterInfo {
     /// Its name in [`Settings`](crate::settings::Settings).
     pub name: String,
     /// `picture`, `view`, `overlay`, `volume`, `light`, `cones` or `vxct`.
     pub group: String,
-    /// Of its numbers; empty where there is none.
+    /// The unit of its numbers; empty where there is none.
     pub unit: String,
-    /// What it is.
+    /// A sentence on it, without a full stop.
     pub summary: String,
     /// Which values there are.
     #[tsify(type = "\"switch\" | \"whole\" | \"number\" | \"vector\" | \"choice\"")]
@@ -41,7 +41,7 @@ pub struct ParameterInfo {
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub words: Vec<String>,
-    /// Where nobody has set anything.
+    /// The value that it has at first.
     #[tsify(type = "boolean | number | string | [number, number, number]")]
     pub default: SettingValue,
 }

@@ -7,9 +7,10 @@ use tsify::Tsify;
 /// The light at a place of the picture, as meters measure it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Tsify)]
 pub struct LightHere {
-    /// What a camera sees there, in cd/m2.
+    /// The luminance that a camera sees there, in cd/m2.
     pub luminance_cd_m2: f32,
-    /// What arrives at the surface there, in lux; none over the background, and in other views than `final`.
+    /// The illuminance of the surface there, in lux; none over the background, and in other views
+    /// than `final`.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub illuminance_lux: Option<f32>,
@@ -41,7 +42,7 @@ pub struct HistogramInfo {
 }
 
 impl HistogramInfo {
-    /// Of a picture that is exposed by so many stops.
+    /// The figures of a picture that is exposed by so many stops.
     pub fn new(histogram: &Histogram, stops: f32) -> Self {
         Self {
             bins: histogram.bins.to_vec(),

@@ -45,7 +45,7 @@ pub struct TraceSettings {
     /// Diffuse cones a point and frame: 6, 9 or 12. More: less noise and bias, proportional cost.
     pub diffuse_cones: u32,
     /// Edge of the sampled voxels as a share of the cone's diameter, 0.05 to 1. Finer: sharper
-    /// indirect light from more samples. What it does to the error is in ARCHITECTURE.md.
+    /// indirect light from more samples. docs/decisions.md has its effect on the error.
     pub voxel_per_diameter: f32,
     /// Growth of the sampled voxels, per metre travelled and per cosine against the normal, at most: the
     /// footprint keeps clear of the plane that the cone starts from. 0 (off) or 0.1 to 1; default 1/3.

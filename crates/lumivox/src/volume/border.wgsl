@@ -1,5 +1,5 @@
-// What lies outside the grid is zero. Textures clamp to their edge instead, so a look-up near the border is
-// weighted by the share of its trilinear filter that falls on cells of the grid.
+// Cells outside the grid are zero. Textures clamp to their edge instead, so a look-up near the
+// border is weighted by the share of its trilinear filter that falls on cells of the grid.
 
 import package::grid::grid;
 

@@ -2,7 +2,8 @@
 
 use crate::{GiError, Grid};
 
-/// Refuses what exceeds a budget of bytes. `growth` says by which power of the resolution the bytes grow.
+/// Refuses a number of bytes above a budget. `growth` is the power of the resolution by which the
+/// bytes grow.
 pub(super) fn check(
     what: &str,
     needed: u64,

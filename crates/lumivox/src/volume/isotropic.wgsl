@@ -1,13 +1,14 @@
-// A volume with one value a cell, as the tracer sees it: the module package::volume of the cheap mode. Where its
-// cells are stored is package::volume::cells.
+// A volume with one value a cell, as the tracer sees it: the module package::volume of the cheap
+// mode. Where its cells are stored is package::volume::cells.
 //
-// A surface looks the same from both sides, and lights and hides itself: this is what the first voxel cone
-// tracers did (Crassin et al. 2011), kept for comparison and for small devices.
+// A surface looks the same from both sides, and lights and hides itself: the first voxel cone
+// tracers did the same (Crassin et al. 2011); it is kept for comparison and for small devices.
 
 import package::volume::border::border_weight;
 import package::volume::cells::{fetch, load_part, parts_at, place_at, Place};
 
-// A place in the volume where a sample may be taken: cheap to make, and enough to tell that nothing is there.
+// A place in the volume where a sample may be taken: cheap to make, and enough to see that nothing
+// is there.
 struct Probe {
     place: Place,
     parts: u32,
@@ -27,7 +28,7 @@ fn is_clear(position_in_grid: vec3f, level: u32) -> bool {
     return parts_at(place_at(position_in_grid, level)) == 0u;
 }
 
-// One value a cell tells no orientation.
+// One value a cell has no orientation.
 fn is_oblique(probe: Probe) -> bool {
     return false;
 }
@@ -37,12 +38,12 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     return border_weight(probe.place.position_in_grid, probe.place.level) * fetch(probe.place, 0u);
 }
 
-// One value a cell tells no orientation.
+// One value a cell has no orientation.
 fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
     return vec2f(0.0);
 }
 
-// What `sample_probe` gives for one cell of a level, unfiltered.
+// The value of `sample_probe` for one cell of a level, unfiltered.
 fn load_cell(cell: vec3u, level: u32, direction: vec3f) -> vec4f {
     return load_part(cell, level, 0u);
 }

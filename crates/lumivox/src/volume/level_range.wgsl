@@ -6,7 +6,7 @@ struct NodeRange {
     level: u32,
     first: u32,
     count: u32,
-    // For the dense volume's masks alone.
+    // Only for the dense volume's masks.
     first_mask_entry: u32,
 }
 

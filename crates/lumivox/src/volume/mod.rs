@@ -1,11 +1,12 @@
-//! Volumes: where the radiance of the voxel list is stored, filtered into a pyramid, and sampled by cones.
+//! Volumes: where the radiance of the voxel list is stored, filtered into a pyramid, and sampled by
+//! cones.
 //!
-//! All volumes are filled from the same [`VoxelList`](crate::voxels::VoxelList) and stand behind one interface:
-//! in Rust the methods of [`Volume`], in shaders the module `package::volume` with `probe_volume`,
-//! `is_empty`, `is_oblique`, `sample_probe`, `wall_coverage` and `load_cell`, bound as group 0. That module is
-//! `six_lobes.wgsl` or `isotropic.wgsl`; where cells are stored is told by the module `package::volume::cells`, which
-//! each kind of volume has (`place_at`, `parts_at`, `fetch`, `load_part`). A new kind is a new folder, a new variant,
-//! and nothing else.
+//! All volumes are filled from the same [`VoxelList`](crate::voxels::VoxelList) and have one
+//! interface: in Rust the methods of [`Volume`], in shaders the module `package::volume` with
+//! `probe_volume`, `is_empty`, `is_oblique`, `sample_probe`, `wall_coverage` and `load_cell`, bound
+//! as group 0. That module is `six_lobes.wgsl` or `isotropic.wgsl`; the module
+//! `package::volume::cells`, which each kind of volume has, knows where cells are stored
+//! (`place_at`, `parts_at`, `fetch`, `load_part`). `docs/recipes.md` lists the steps to add a kind.
 
 mod budget;
 pub(crate) mod changes;
@@ -36,13 +37,14 @@ const SHARED: &[(&str, &str)] = &[
     ("volume::parts", include_str!("parts.wgsl")),
 ];
 
-/// Of the textures that hold cells.
+/// The format of the textures that hold cells.
 const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Where cells are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VolumeKind {
-    /// 3D textures over the whole grid: the fastest look-ups, and memory that goes with the cube of the resolution.
+    /// 3D textures over the whole grid: the fastest look-ups, and memory that goes with the cube of
+    /// the resolution.
     Dense,
     /// A sparse octree with bricks: memory that goes with the surface.
     Octree(OctreeOptions),
@@ -58,11 +60,12 @@ impl Default for VolumeKind {
 /// How a voxel looks from different sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Directionality {
-    /// Six lobes with vector areas: each side of a wall has its own light, and covers what it covers.
+    /// Six lobes with vector areas: each side of a wall has its own light, and covers its own share
+    /// of the view.
     #[default]
     SixLobes,
-    /// One value a voxel, the same from everywhere: a ninth of the memory, and surfaces that light and
-    /// shadow themselves.
+    /// One value a voxel, the same from everywhere: a ninth of the memory, and surfaces that light
+    /// and shadow themselves.
     Isotropic,
 }
 
@@ -71,7 +74,7 @@ pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
     dense::bytes(grid, directionality)
 }
 
-/// The shader modules of all volumes but for those that [`mount`] adds.
+/// The shader modules of all volumes, except for those that [`mount`] adds.
 pub(crate) fn modules() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
     SHARED.iter().chain(changes::MODULES).chain(dense::MODULES).chain(octree::MODULES)
 }
@@ -99,23 +102,25 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
 pub(crate) struct Lists<'a> {
     pub(crate) old: Option<&'a VoxelList>,
     pub(crate) new: &'a VoxelList,
-    /// What the new list's faces will send out.
+    /// The light that the new list's faces will send out.
     pub(crate) radiance: &'a Buffer,
 }
 
-/// What differs between them.
+/// The differences between them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells<'a> {
-    /// The cells of another surface than the last list's, which hold what must go, for a volume that clears in place.
+    /// The cells of another surface than the last list's, whose content must be removed, for a
+    /// volume that clears in place.
     pub(crate) wrong: Option<&'a ChangedCells>,
     /// The list of cells that updates will come with.
     pub(crate) changed: &'a ChangedCells,
-    /// The bits that it is made from; now those of cells of another surface, if there was a list before.
+    /// The bits that it is made from; now those of cells of another surface, if there was a list
+    /// before.
     pub(crate) bits: &'a Buffer,
 }
 
-/// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes, its one texture,
-/// and how that is filtered.
+/// Group 0 of everything that samples a volume: the grid, the volume's numbers, its masks or nodes,
+/// its one texture, and how that is filtered.
 fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     LayoutBuilder::compute()
         .uniform()
@@ -146,8 +151,8 @@ pub(crate) enum Volume {
 }
 
 impl Volume {
-    /// Makes an empty volume over a grid, and mounts its shaders. It refuses to take more than `budget`
-    /// bytes: a dense volume at once, an octree once there are voxels.
+    /// Makes an empty volume over a grid, and mounts its shaders. It refuses to take more than
+    /// `budget` bytes: a dense volume at once, an octree once there are voxels.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
@@ -186,8 +191,8 @@ impl Volume {
         matches!(self, Self::Dense(_))
     }
 
-    /// Takes a new voxel list, for which there is room: forgets what is gone of the last one. The radiance is not
-    /// there before [`Self::update`].
+    /// Takes a new voxel list, for which there is room, and forgets cells that are gone. The
+    /// radiance is not there before [`Self::update`].
     pub(crate) fn rebuild(&mut self, recorder: &mut Recorder, lists: Lists<'_>, cells: Cells<'_>) {
         match self {
             Self::Dense(dense) => dense.rebuild(recorder, lists, cells),
@@ -203,7 +208,8 @@ impl Volume {
         }
     }
 
-    /// Group 0: the grid and the volume, for sampling. A new one after each [`Self::rebuild`] of an octree.
+    /// Group 0: the grid and the volume, for sampling. A new one after each [`Self::rebuild`] of an
+    /// octree.
     pub(crate) fn globals(&self) -> &BindGroup {
         match self {
             Self::Dense(dense) => dense.globals(),
@@ -219,7 +225,7 @@ impl Volume {
         }
     }
 
-    /// Bytes on the GPU, by what they hold.
+    /// Bytes on the GPU, by use.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         match self {
             Self::Dense(dense) => dense.memory(),
@@ -227,7 +233,7 @@ impl Volume {
         }
     }
 
-    /// What the octree is made of, if it is one and there are voxels.
+    /// The composition of the octree, if it is one and there are voxels.
     pub(crate) fn octree_stats(&self) -> Option<OctreeStats> {
         match self {
             Self::Dense(_) => None,

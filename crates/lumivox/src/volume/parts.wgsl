@@ -1,10 +1,10 @@
 // The parts of a cell.
 //
-// A cell with six lobes has up to nine parts of four half floats. For each axis: 0, the tilt: the two components
-// across the axis of the vector area of the positive lobe (xy) and of the negative one (zw), in cyclic order;
-// 1 and 2, the positive and the negative lobe: radiance premultiplied by opacity, and opacity, which is the
-// vector area's component along the axis. An isotropic cell has the one part 0: radiance premultiplied, and
-// opacity.
+// A cell with six lobes has up to nine parts of four half floats. For each axis: 0, the tilt: the
+// two components across the axis of the vector area of the positive lobe (xy) and of the negative
+// one (zw), in cyclic order; 1 and 2, the positive and the negative lobe: radiance premultiplied by
+// opacity, and opacity, which is the vector area's component along the axis. An isotropic cell has
+// the one part 0: radiance premultiplied, and opacity.
 
 import package::constants::ISOTROPIC;
 
@@ -17,7 +17,8 @@ fn part_of(axis: u32, kind: u32) -> u32 {
     return 3u * axis + kind;
 }
 
-// The parts of a node of the voxel list: bit 3 * axis for a tilt, the next two for the positive and the negative lobe.
+// The parts of a node of the voxel list: bit 3 * axis for a tilt, the next two for the positive and
+// the negative lobe.
 fn parts_of_lobes(lobes: u32) -> u32 {
     var parts = 0u;
     for (var axis = 0u; axis < 3u; axis++) {

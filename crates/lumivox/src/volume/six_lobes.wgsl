@@ -1,8 +1,8 @@
-// A volume with six lobes, as the tracer sees it: the module package::volume. Where its cells are stored is
-// package::volume::cells.
+// A volume with six lobes, as the tracer sees it: the module package::volume. Where its cells are
+// stored is package::volume::cells.
 //
-// Seen along d, a lobe with vector area N covers max(0, -d . N): exactly what a plane of that orientation
-// covers, and nothing from behind.
+// Seen along d, a lobe with vector area N covers max(0, -d . N): exactly what a plane of that
+// orientation covers, and nothing from behind.
 
 import package::volume::border::border_weight;
 import package::volume::cells::{fetch, load_part, parts_at, place_at, Place};
@@ -11,8 +11,8 @@ import package::volume::parts::{part_of, NEGATIVE, PARTS, POSITIVE, TILT};
 // The tilts of all axes.
 const TILTS: u32 = 0x49u;
 
-// Radiance times coverage, and coverage, of a lobe seen along a direction: `along` and `across` are the
-// direction's components in the frame of the lobe, the first counted outwards.
+// Radiance times coverage, and coverage, of a lobe seen along a direction: `along` and `across` are
+// the direction's components in the frame of the lobe, the first counted outwards.
 fn seen(lobe: vec4f, tilt: vec2f, along: f32, across: vec2f) -> vec4f {
     let coverage = max(0.0, -(along * lobe.a + dot(across, tilt)));
     if coverage <= 0.0 || lobe.a <= 0.0 {
@@ -25,9 +25,9 @@ fn across_axis(direction: vec3f, axis: u32) -> vec2f {
     return vec2f(direction[(axis + 1u) % 3u], direction[(axis + 2u) % 3u]);
 }
 
-// Of the parts that are there, those that matter to a direction: on each axis the lobe that faces against it;
-// the other one only if something is tilted and the direction leans more across the axis than along (a lobe's
-// axis is the longest component of its normals, so below that its back is all there is to see).
+// The parts that matter to a direction: on each axis the lobe that faces against it; the other one
+// only if something is tilted and the direction leans more across the axis than along (a lobe's
+// axis is the longest component of its normals, so below that only its back can be seen).
 fn parts_facing(parts: u32, direction: vec3f) -> u32 {
     var facing = 0u;
     for (var axis = 0u; axis < 3u; axis++) {
@@ -44,7 +44,8 @@ fn parts_facing(parts: u32, direction: vec3f) -> u32 {
     return facing;
 }
 
-// A place in the volume where a sample may be taken: cheap to make, and enough to tell that nothing is there.
+// A place in the volume where a sample may be taken: cheap to make, and enough to see that nothing
+// is there.
 struct Probe {
     place: Place,
     // The parts that matter; 0: the sample would be zero.
@@ -70,8 +71,8 @@ fn is_oblique(probe: Probe) -> bool {
     return (probe.parts & TILTS) != 0u;
 }
 
-// Radiance that leaves the surfaces around a probe against `direction`, times their coverage, and the coverage.
-// The probe must not be empty.
+// Radiance that leaves the surfaces around a probe against `direction`, times their coverage, and
+// the coverage. The probe must not be empty.
 fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     var parts = probe.parts;
     var sum = vec4f(0.0);
@@ -104,7 +105,8 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     return sum * border_weight(probe.place.position_in_grid, probe.place.level);
 }
 
-// What the surfaces across an axis cover at the finest level: those that face along it in x, against it in y.
+// The coverage of the surfaces across an axis at the finest level: of those that face along it in
+// x, against it in y.
 fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
     let place = place_at(position_in_grid, 0u);
     let positive = fetch(place, part_of(axis, POSITIVE)).a;
@@ -112,7 +114,7 @@ fn wall_coverage(position_in_grid: vec3f, axis: u32) -> vec2f {
     return vec2f(positive, negative) * border_weight(position_in_grid, 0u);
 }
 
-// What `sample_probe` gives for one cell of a level, unfiltered.
+// The value of `sample_probe` for one cell of a level, unfiltered.
 fn load_cell(cell: vec3u, level: u32, direction: vec3f) -> vec4f {
     var sum = vec4f(0.0);
     for (var axis = 0u; axis < 3u; axis++) {

@@ -111,8 +111,8 @@ impl ListBuilder {
         scan.run(recorder, &occupied.ranks, words as u32 + 1);
     }
 
-    /// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for kernels that
-    /// have none to spare.
+    /// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for
+    /// kernels that have none to spare.
     ///
     /// # Errors
     /// [`GiError::Limit`] when they do not fit.
@@ -136,7 +136,8 @@ impl ListBuilder {
         Ok(cells)
     }
 
-    /// Copies where the nodes of each level start, and their total, to `counts` at the byte `place`.
+    /// Copies where the nodes of each level start, and their total, to `counts` at the byte
+    /// `place`.
     pub fn copy_level_starts(
         recorder: &mut Recorder,
         grid: &Grid,

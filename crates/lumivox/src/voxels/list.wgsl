@@ -1,4 +1,4 @@
-// The compact list of occupied voxels and what stands in it.
+// The compact list of occupied voxels and its content.
 //
 // Lobes are numbered 2 * axis + (0 for the positive side, 1 for the negative): +x -x +y -y +z -z.
 
@@ -9,8 +9,8 @@ const LARGEST_REFLECTANCE = 0.99;
 struct Node {
     // The cell's coordinates, interleaved: x in the lowest bit.
     morton: u32,
-    // Bits 0..5: which lobes have coverage here or below. Bits 8..13: which of them are tilted, that is, have
-    // a vector area off their axis that survives rounding to 8 bits.
+    // Bits 0..5: which lobes have coverage here or below. Bits 8..13: which of them are tilted,
+    // that is, have a vector area off their axis that survives rounding to 8 bits.
     lobes: u32,
 }
 
@@ -20,7 +20,8 @@ struct Face {
     position_in_world: vec3f,
     // Index of the voxel in the list.
     voxel: u32,
-    // Sum of A n / h^2 over the pieces of surface, scaled so that the component along the lobe is at most 1.
+    // Sum of A n / h^2 over the pieces of surface, scaled so that the component along the lobe is
+    // at most 1.
     vector_area: vec3f,
     // 0..5, as numbered above.
     lobe: u32,
@@ -31,7 +32,8 @@ struct Face {
     // Mean emitted radiance.
     emission: vec3f,
     padding_1: f32,
-    // What the surface mirrors besides, and keeps from entering: mean, grazing, kept_out (light/reflected.wgsl).
+    // The light that the surface mirrors, and so keeps from entering: mean, grazing, kept_out
+    // (light/reflected.wgsl).
     gloss: vec3f,
     padding_2: f32,
 }

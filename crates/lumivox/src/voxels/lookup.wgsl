@@ -1,7 +1,7 @@
-// Where a cell's bit stands in the occupancy bits, and its rank: its place in the list of nodes.
+// The place of a cell's bit in the occupancy bits, and its rank: its place in the list of nodes.
 //
-// The bits of all levels follow one another, level 0 first, each level in Morton order over the enclosing
-// power-of-two cube and starting at a word of its own. A cell's rank is
+// The bits of all levels follow one another, level 0 first, each level in Morton order over the
+// enclosing power-of-two cube and starting at a word of its own. A cell's rank is
 // `ranks[word] + bits_below(occupancy[word], bit)`; it names a node only if the bit is set.
 
 import package::grid::grid;

@@ -1,9 +1,10 @@
 //! The compact list of occupied voxels: the one thing that all volumes are filled from.
 //!
-//! Memory layout: a bit per cell of every level, in Morton order, all levels in one buffer; the prefix sum of
-//! the bits of its words, so that a cell's rank (its place in the list) is one look-up and one bit count; a
-//! [`Node`](NodeRecord) per occupied cell, level after level; a [`Face`](FaceRecord) per voxel and lobe with
-//! surface. All of it grows with the occupied cells alone, but for the bits: 2 MB at 256³.
+//! Memory layout: a bit per cell of every level, in Morton order, all levels in one buffer; the
+//! prefix sum of the bits of its words, so that a cell's rank (its place in the list) is one
+//! look-up and one bit count; a [`Node`](NodeRecord) per occupied cell, level after level; a
+//! [`Face`](FaceRecord) per voxel and lobe with surface. All of it grows only with the occupied
+//! cells, except for the bits: 2 MB at 256³.
 
 mod build;
 mod pyramid;
@@ -20,7 +21,8 @@ use bytemuck::{Pod, Zeroable};
 pub struct NodeRecord {
     /// The cell's coordinates, interleaved, x in the lowest bit.
     pub morton: u32,
-    /// Bits 0 to 5: lobes with coverage here or below; bits 8 to 13: those that are tilted off their axis.
+    /// Bits 0 to 5: lobes with coverage here or below; bits 8 to 13: those that are tilted off
+    /// their axis.
     pub lobes: u32,
 }
 
@@ -63,7 +65,8 @@ pub struct VoxelList {
     pub ranks: Buffer,
     /// `array<Node>`.
     pub nodes: Buffer,
-    /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are in the order of lobes.
+    /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are in the order
+    /// of lobes.
     pub first_faces: Buffer,
     /// `array<Face>`.
     pub faces: Buffer,
@@ -80,7 +83,7 @@ impl VoxelList {
         self.level_starts[level as usize]..self.level_starts[level as usize + 1]
     }
 
-    /// Bytes on the GPU, by what they hold.
+    /// Bytes on the GPU, by use.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         vec![
             ("voxels: occupancy", self.occupancy.size()),

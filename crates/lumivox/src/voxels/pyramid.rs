@@ -1,4 +1,5 @@
-//! The coarser levels of bits, a bit per cell in Morton order: a cell's is set if that of any child is.
+//! The coarser levels of bits, a bit per cell in Morton order: a cell's is set if that of any child
+//! is.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -28,7 +29,7 @@ pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
     (0..level).map(|finer| level_words(grid, finer)).sum()
 }
 
-/// Where the bits of a level stand in their buffer.
+/// The places of a level's bits in their buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BitLevel {
     pub first_word: u32,

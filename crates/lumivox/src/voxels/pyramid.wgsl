@@ -1,5 +1,5 @@
-// The next coarser level of the occupancy bits: a cell is occupied if any of its eight children is. In Morton
-// order the children are one byte, so that a word of parents is eight words of children.
+// The next coarser level of the occupancy bits: a cell is occupied if any of its eight children is.
+// In Morton order the children are one byte, so that a word of parents is eight words of children.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -35,7 +35,7 @@ fn main(
         children |= children >> 2u;
         children |= children >> 1u;
         children &= 0x01010101u;
-        // Those four bits, side by side.
+        // These four bits, side by side.
         let nibble = (children | (children >> 7u) | (children >> 14u) | (children >> 21u)) & 0xfu;
         parents |= nibble << (4u * i);
     }

@@ -68,7 +68,8 @@ fn list(console: &mut Console, _: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(table.text().trim_end()))
 }
 
-/// Where a material is shaded again as its file has it: the textures that other ways of shading do not have.
+/// Where a material is shaded again as its file has it: the textures that other ways of shading do
+/// not have.
 fn bring_textures_back(material: &mut Material, original: &Material) {
     match (&mut material.shading, &original.shading) {
         (Shading::MetallicRoughness(now), Shading::MetallicRoughness(was)) => {

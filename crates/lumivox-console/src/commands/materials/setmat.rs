@@ -1,4 +1,4 @@
-//! `setmat`: VXCT's names for what a Phong material is made of.
+//! `setmat`: VXCT's names for the properties of a Phong material.
 
 use glam::Vec3;
 use lumivox_scene::{Material, Phong, Shading, Strengths};

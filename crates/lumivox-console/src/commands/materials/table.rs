@@ -1,4 +1,4 @@
-//! What of a material can be read and set by name.
+//! The properties of a material that can be read and set by name.
 
 use glam::{Vec3, Vec4};
 use lumivox_scene::{Material, MetallicRoughness, Phong, Shading, Strengths, Unlit};
@@ -276,7 +276,8 @@ pub const PROPERTIES: &[P] = &[
     },
 ];
 
-/// They say how VXCT's look shows the surface, and nothing of the physical one: what is set of that ends them.
+/// They describe the surface in VXCT's look, and not in the physical one: setting a physical
+/// property ends them.
 fn set_strengths(material: &mut Material, words: &[&str]) -> Result<(), Failure> {
     if words == ["none"] {
         material.strengths = None;

@@ -28,7 +28,7 @@ pub struct SkySettings {
     /// black (to a millionth of a lux) from some 18 degrees on, since neither stars nor moon shine.
     /// Default: 45 degrees high, over -z and +x alike.
     pub sun_direction: Vec3,
-    /// How hazy the air is: the optical depth of all over that of molecules. 1 (the clearest that
+    /// The haze of the air: its optical depth over that of its molecules. 1 (the clearest that
     /// there is) to 10 (thick haze); default 2, a clear day. Higher: paler, brighter around the
     /// sun, a weaker sun.
     pub turbidity: f32,

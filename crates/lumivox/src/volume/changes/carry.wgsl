@@ -1,5 +1,6 @@
-// Brings what the volume holds of each face from its place in an earlier list to that in the new one, where a voxel's
-// surface is the same. Of the others nothing is asked: they have changed.
+// Moves the volume's content of each face from its place in an earlier list to that in the new one,
+// where a voxel's surface is the same. The other faces have changed, so their content is not
+// needed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

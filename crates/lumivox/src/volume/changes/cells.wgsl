@@ -1,4 +1,5 @@
-// The cells of a level that have changed: what the kernels that write the volume run over (volume/changes/mod.rs).
+// The changed cells of a level, over which the kernels that write the volume run
+// (volume/changes/mod.rs).
 
 import package::volume::changes::list::{ChangedCell, NOTHING};
 

@@ -1,4 +1,4 @@
-// The voxels of an earlier list that a new one does not have: the first of what has changed.
+// The voxels of an earlier list that a new one does not have: the first kind of change.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -27,7 +27,7 @@ pub(crate) struct LevelWords {
 }
 
 impl LevelWords {
-    /// Of each level of a grid, as uniforms.
+    /// The uniforms of each level of a grid.
     pub(crate) fn of_levels(device: &wgpu::Device, grid: &Grid) -> Vec<Buffer> {
         let words = |level: u32| Self {
             level,
@@ -45,7 +45,7 @@ pub(crate) struct ChangedCells {
     pub(crate) ranks: Buffer,
     /// `array<ChangedCell>` of `list.wgsl`.
     pub(crate) cells: Buffer,
-    /// Of a dispatch over each level's cells.
+    /// The arguments of a dispatch over each level's cells.
     arguments: Buffer,
 }
 
@@ -63,7 +63,7 @@ impl ChangedCells {
     }
 
     /// Runs a kernel with a thread for each changed cell of a level, and some more:
-    /// `package::volume::changes::cells` tells which.
+    /// `package::volume::changes::cells` returns its cell.
     pub(crate) fn dispatch(
         &self,
         pass: &mut ComputePass<'_>,
@@ -96,7 +96,7 @@ pub(super) struct Lister {
     list: Kernel,
     scan: Scan,
     indirect: Indirect,
-    /// What stands for no overflow.
+    /// The value that means no overflow.
     zero: Buffer,
 }
 
@@ -121,8 +121,8 @@ impl Lister {
         })
     }
 
-    /// Lists the changed cells, of which `cells` must have room for all; those that are not occupied only if asked
-    /// for.
+    /// Lists the changed cells, of which `cells` must have room for all; those that are not
+    /// occupied only if asked for.
     pub(super) fn list(
         &self,
         recorder: &mut Recorder,

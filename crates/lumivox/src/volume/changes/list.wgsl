@@ -1,6 +1,6 @@
-// The changed cells of all levels as a list, so that passes run over them alone: level after level, each in Morton
-// order. `count` leaves the bit count of each word, a prefix sum turns the counts into ranks, and `list` writes each
-// cell to its place.
+// The changed cells of all levels as a list, so that passes run only over them: level after level,
+// each in Morton order. `count` leaves the bit count of each word, a prefix sum turns the counts
+// into ranks, and `list` writes each cell to its place.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,15 +1,16 @@
-//! Which cells of a volume do not hold what they should, so that the others can stay as they are.
+//! The cells of a volume whose content is outdated, so that all others can stay as they are.
 //!
-//! It works on the voxel list and the faces' radiance alone: any volume can use it. A bit per cell, laid out as the
-//! list's occupancy bits, says whether the cell's surface or light, or that of any cell below it, differs from what is
-//! stored. The cells whose bits are set are listed, and passes that write to the volume run over them alone. What they
-//! write depends on nothing but the voxel list and the radiance: so the volume has the bits that it had if all were
-//! written.
+//! It works only on the voxel list and the faces' radiance: any volume can use it. A bit per cell,
+//! laid out as the list's occupancy bits, says whether the cell's surface or light, or that of any
+//! cell below it, differs from what is stored. The cells whose bits are set are listed, and passes
+//! that write to the volume run only over them. The values that they write depend only on the voxel
+//! list and the radiance: so the volume has the same bits as if all cells were written.
 //!
-//! A new list is compared with the one before: voxels that are gone, new, or of another surface have changed. Light
-//! is compared with what the volume holds of each face, which is carried along from list to list. With bounces nearly
-//! all light changes whenever something moves, and changes several times within one update; there everything is
-//! written, and nothing remembered. See [`Changes::find`] and [`Changes::all`].
+//! A new list is compared with the one before: voxels that are gone, new, or of another surface
+//! have changed. Light is compared with the volume's content of each face, which is carried along
+//! from list to list. With bounces nearly all light changes whenever something moves, and changes
+//! several times within one update; there everything is written, and nothing is remembered. See
+//! [`Changes::find`] and [`Changes::all`].
 
 mod list;
 #[cfg(test)]
@@ -47,7 +48,7 @@ pub(crate) struct MovedParams {
     pub(crate) all: u32,
 }
 
-/// What belongs to the current voxel list.
+/// The data of the current voxel list.
 #[derive(Debug)]
 struct Bound {
     params: Buffer,
@@ -86,7 +87,7 @@ pub(crate) struct Changes {
     lister: Lister,
     bits: Option<Buffer>,
     bound: Option<Bound>,
-    /// The bits tell of a new list that the volume has not stored yet.
+    /// The bits are those of a new list that the volume has not stored yet.
     is_list_new: bool,
 }
 
@@ -130,9 +131,10 @@ impl Changes {
         })
     }
 
-    /// Takes a new list, of which the bits become those of the cells whose surface is not what it was in the list
-    /// before, cells that are gone included. Those are returned, too, if asked for: what the volume holds there is wrong.
-    /// `radiance` is what the faces will send out.
+    /// Takes a new list, of which the bits become those of the cells whose surface is not what it
+    /// was in the list before, cells that are gone included. These cells are returned, too, if
+    /// asked for: the volume's content there is wrong. `radiance` is the light that the faces will
+    /// send out.
     pub(crate) fn rebuild(
         &mut self,
         recorder: &mut Recorder,
@@ -144,7 +146,7 @@ impl Changes {
         let device = recorder.device().clone();
         let bytes = voxels.occupancy.size();
         let bits = self.bits.take().unwrap_or_else(|| storage_buffer(&device, "changed", bytes));
-        // Of a list that was never stored, the volume holds nothing.
+        // The volume holds nothing of a list that was never stored.
         let all = self.is_list_new;
         let params = MovedParams {
             voxel_count: voxels.voxel_count(),
@@ -239,13 +241,13 @@ impl Changes {
         held
     }
 
-    /// Before surfaces are needed, whatever their light: the cells that lack those of the current list; none if the
-    /// volume has them.
+    /// Before surfaces are needed, whatever their light: the cells that lack those of the current
+    /// list; none if the volume has them.
     pub(crate) fn surfaces(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
         if self.is_list_new { self.list(recorder) } else { None }
     }
 
-    /// Before all cells are stored: every occupied one. What the volume holds is not remembered.
+    /// Before all cells are stored: every occupied one. The volume's content is not remembered.
     pub(crate) fn all(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
         let (bits, bound) = self.bits.as_ref().zip(self.bound.as_mut())?;
         recorder.copy((&bound.occupancy, 0), (bits, 0), bits.size());
@@ -254,8 +256,8 @@ impl Changes {
         self.list(recorder)
     }
 
-    /// Before the current radiance is stored: the cells that do not hold it. If what the volume holds is not
-    /// known, that is every occupied cell. Afterwards it is known.
+    /// Before the current radiance is stored: the cells that do not hold it. If the volume's
+    /// content is not known, that is every occupied cell. Afterwards it is known.
     pub(crate) fn find(&mut self, recorder: &mut Recorder) -> Option<&ChangedCells> {
         let (bits, bound) = self.bits.as_ref().zip(self.bound.as_ref())?;
         let device = recorder.device().clone();
@@ -299,20 +301,20 @@ impl Changes {
         self.bound.as_ref().map(|bound| &bound.changed)
     }
 
-    /// Forgets what the volume holds, so that all is stored the next time.
+    /// Forgets the volume's content, so that all is stored the next time.
     pub(crate) fn forget(&mut self) {
         if let Some(bound) = &mut self.bound {
             bound.held = None;
         }
     }
 
-    /// A bit per cell, laid out as the list's occupancy, once there is a list: what [`Self::rebuild`],
-    /// [`Self::all`] or [`Self::find`] found last.
+    /// A bit per cell, laid out as the list's occupancy, once there is a list: the last result of
+    /// [`Self::rebuild`], [`Self::all`] or [`Self::find`].
     pub(crate) fn bits(&self) -> Option<&Buffer> {
         self.bits.as_ref()
     }
 
-    /// Bytes on the GPU, by what they hold.
+    /// Bytes on the GPU, by use.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         let held = self.bound.as_ref().and_then(|bound| bound.held.as_ref());
         let size = |buffer: Option<&Buffer>| buffer.map_or(0, |buffer| buffer.size());

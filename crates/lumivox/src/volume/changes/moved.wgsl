@@ -1,5 +1,5 @@
-// Which voxels of a new list have another surface than in the earlier one, or were not in it: those whose cells, and
-// the cells above them, do not hold what they should. A thread per voxel.
+// The voxels of a new list that have another surface than in the earlier one, or were not in it:
+// their cells, and the cells above them, are outdated. A thread per voxel.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

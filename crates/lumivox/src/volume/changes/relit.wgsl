@@ -9,7 +9,7 @@ import package::voxels::list::Node;
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(3) var<storage, read> radiance: array<vec4f>;
-// What the volume holds, of each face; what it is going to hold afterwards.
+// The volume's content of each face before this pass, and after the next update.
 @group(1) @binding(4) var<storage, read_write> held: array<vec4f>;
 @group(1) @binding(5) var<storage, read_write> changed: array<atomic<u32>>;
 

@@ -1,4 +1,4 @@
-//! After any moves and lights, the volume holds what a fresh one would, to the bit.
+//! After any moves and lights, the volume equals a new one, to the bit.
 
 use glam::{Mat4, Vec3};
 
@@ -122,8 +122,8 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
 
 const LAMP: Vec3 = Vec3::new(0.2, 0.4, 0.7);
 
-/// In the air, a little on, into a wall, onto the plate, half outside, far outside (gone), and back; lit directly,
-/// with bounces, directly again; with and without shadows through the voxels.
+/// In the air, a little on, into a wall, onto the plate, half outside, far outside (gone), and
+/// back; lit directly, with bounces, directly again; with and without shadows through the voxels.
 fn check_moves(volume: VolumeKind, directionality: Directionality, shadow: Shadow) {
     let stage = Stage::new(volume, directionality);
     let mut gi = stage.gi();
@@ -206,7 +206,7 @@ fn check_any_order(volume: VolumeKind) {
     stage.assert_fresh(&gi, here, 0, lamp, Shadow::Cone, "forgotten");
 }
 
-/// What changes little is written little.
+/// A small change writes few cells.
 #[test]
 fn only_what_changed_is_written() {
     let stage = Stage::new(VolumeKind::Dense, Directionality::SixLobes);

@@ -1,8 +1,8 @@
-// Where the parts of a cell (parts.wgsl) stand in the dense volume's one texture.
+// The places of a cell's parts (parts.wgsl) in the dense volume's one texture.
 //
-// Part p of all cells is a slab of the texture, side by side with the others: three along y, three along z. One
-// texture with a computed address lets the tracer loop over the parts that it needs instead of branching over
-// nine bindings.
+// Part p of all cells is a slab of the texture, side by side with the others: three along y, three
+// along z. One texture with a computed address lets the tracer loop over the parts that it needs
+// instead of branching over nine bindings.
 
 import package::grid::grid;
 

@@ -1,5 +1,5 @@
-//! Storing faces into the dense volume, filtering its pyramid, and clearing what an earlier list had written: all where
-//! anything has changed.
+//! Stores faces into the dense volume, filters its pyramid, and clears the cells of an earlier
+//! list: all where anything has changed.
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,

@@ -1,4 +1,5 @@
-// Fills the finest level of the isotropic volume from the faces of the voxel list, where they have changed.
+// Fills the finest level of the isotropic volume from the faces of the voxel list, where they have
+// changed.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,8 +1,9 @@
-// Which parts of cells a filtered look-up can meet: what lets the tracer pass over empty space for a load.
+// The parts of cells that a filtered look-up can meet, so that the tracer passes over empty space
+// for one load.
 //
-// A trilinear look-up at level l reads 2x2x2 texels, and which ones depends only on floor(texel - 1/2). So each
-// of those positions has an entry: the parts (parts.wgsl) of its 2x2x2 cells, OR-ed. 16 bits an entry, two in a
-// word. Skipping by them is exact.
+// A trilinear look-up at level l reads 2x2x2 texels, and which ones depends only on floor(texel -
+// 1/2). So each of those positions has an entry: the parts (parts.wgsl) of its 2x2x2 cells, OR-ed.
+// 16 bits an entry, two in a word. Skipping by them is exact.
 
 import package::grid::grid;
 

@@ -1,10 +1,11 @@
 //! The dense volume: a 3D texture over the whole grid, with a pyramid of levels.
 //!
-//! With six lobes a cell has nine parts of four half floats (`parts.wgsl`): 72 bytes, 8/7 of it with the
-//! pyramid. Isotropic it has one. All parts stand in one `Rgba16Float` texture, so that tracing binds a single
-//! texture and loops over the parts that a sample needs. Two more bytes a cell tell which parts are there, so
-//! that empty space costs no look-up. Only cells of the voxel list are ever written or cleared: time goes
-//! with the surface, memory with the cube. Use it for small grids and for comparison.
+//! With six lobes a cell has nine parts of four half floats (`parts.wgsl`): 72 bytes, 8/7 of it
+//! with the pyramid. Isotropic it has one. All parts are in one `Rgba16Float` texture, so that
+//! tracing binds a single texture and loops over the parts that a sample needs. Two more bytes a
+//! cell say which parts are there, so that empty space costs no look-up. Only cells of the voxel
+//! list are ever written or cleared: time goes with the surface, memory with the cube. Use it for
+//! small grids and for comparison.
 
 mod build;
 mod masks;
@@ -58,7 +59,7 @@ impl Directionality {
 pub(crate) struct DenseVolume {
     globals: BindGroup,
     globals_layout: wgpu::BindGroupLayout,
-    /// Group 0 with the grid alone, for the kernels that write the volume.
+    /// Group 0 with only the grid, for the kernels that write the volume.
     grid: BindGroup,
     levels: Vec<TextureView>,
     texture_bytes: u64,

@@ -204,8 +204,8 @@ fn a_new_list_leaves_nothing_of_the_old_one() {
     }
 }
 
-/// The finest level has the surface's area in each voxel, one at most, and the mean of its light; each coarser one is the
-/// mean of eight.
+/// The finest level has the surface's area in each voxel, one at most, and the mean of its light;
+/// each coarser one is the mean of eight.
 #[test]
 fn isotropic_levels_are_means() {
     let (device, queue, gi) = lit_room(32, Directionality::Isotropic);
