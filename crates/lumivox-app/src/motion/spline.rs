@@ -8,18 +8,43 @@
 //! 1984), so that the motion is smooth at the keys, too, never runs backwards, and rests where two
 //! keys are the same point. Before the first key and after the last it stands still.
 
+use std::ops::{Add, Mul};
+
 use glam::DVec3;
+
+/// Cubic pieces between values at rising places, by the values and their derivatives there.
+#[derive(Clone, Debug, PartialEq)]
+struct Hermite<T> {
+    places: Vec<f64>,
+    values: Vec<T>,
+    slopes: Vec<T>,
+}
+
+impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> Hermite<T> {
+    /// The value at `x`; before the first place and after the last it is that of the end.
+    fn at(&self, x: f64) -> T {
+        let last = self.places.len() - 1;
+        if last == 0 {
+            return self.values[0];
+        }
+        let i = self.places.partition_point(|&place| place <= x).saturating_sub(1).min(last - 1);
+        let width = self.places[i + 1] - self.places[i];
+        let t = ((x - self.places[i]) / width).clamp(0.0, 1.0);
+        let (t2, t3) = (t * t, t * t * t);
+        self.values[i] * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + self.slopes[i] * ((t3 - 2.0 * t2 + t) * width)
+            + self.values[i + 1] * (3.0 * t2 - 2.0 * t3)
+            + self.slopes[i + 1] * ((t3 - t2) * width)
+    }
+}
 
 /// A curve through points at times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
     /// From times to knots: equal knots where the point stays.
     pace: Pace,
-    /// Distinct points, with knots that rise strictly.
-    points: Vec<DVec3>,
-    knots: Vec<f64>,
-    /// Derivatives by the knot at each point.
-    tangents: Vec<DVec3>,
+    /// From knots, which rise strictly, to distinct points.
+    curve: Hermite<DVec3>,
 }
 
 impl Spline {
@@ -39,20 +64,14 @@ impl Spline {
             }
             knots_of_keys.push(knot);
         }
-        let tangents = tangents(&distinct, &knots);
-        Self { pace: Pace::new(times_s, &knots_of_keys), points: distinct, knots, tangents }
+        let slopes = tangents(&distinct, &knots);
+        let curve = Hermite { places: knots, values: distinct, slopes };
+        Self { pace: Pace::new(times_s, &knots_of_keys), curve }
     }
 
     /// The point at a time.
     pub fn at(&self, time_s: f64) -> DVec3 {
-        let knot = self.pace.at(time_s);
-        let (piece, share, width) = locate(&self.knots, knot);
-        let Some(&end) = self.points.get(piece + 1) else { return self.points[piece] };
-        let [start, start_slope, end_weight, end_slope] = hermite(share);
-        self.points[piece] * start
-            + self.tangents[piece] * (start_slope * width)
-            + end * end_weight
-            + self.tangents[piece + 1] * (end_slope * width)
+        self.curve.at(self.pace.at(time_s))
     }
 }
 
@@ -73,11 +92,7 @@ fn tangents(points: &[DVec3], knots: &[f64]) -> Vec<DVec3> {
 
 /// A monotone cubic through values at times: it stays between neighbouring values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pace {
-    times_s: Vec<f64>,
-    values: Vec<f64>,
-    slopes: Vec<f64>,
-}
+pub struct Pace(Hermite<f64>);
 
 impl Pace {
     /// Through `values` at `times_s`, which rise strictly; as many of both, at least one.
@@ -100,36 +115,13 @@ impl Pace {
                 }
             })
             .collect();
-        Self { times_s: times_s.to_vec(), values: values.to_vec(), slopes }
+        Self(Hermite { places: times_s.to_vec(), values: values.to_vec(), slopes })
     }
 
     /// The value at a time.
     pub fn at(&self, time_s: f64) -> f64 {
-        let (piece, share, width) = locate(&self.times_s, time_s);
-        let Some(&end) = self.values.get(piece + 1) else { return self.values[piece] };
-        let [start, start_slope, end_weight, end_slope] = hermite(share);
-        self.values[piece] * start
-            + self.slopes[piece] * (start_slope * width)
-            + end * end_weight
-            + self.slopes[piece + 1] * (end_slope * width)
+        self.0.at(time_s)
     }
-}
-
-/// The piece that `x` falls into, the share of it that is passed, and its width; clamped to the ends.
-fn locate(knots: &[f64], x: f64) -> (usize, f64, f64) {
-    let pieces = knots.len() - 1;
-    if pieces == 0 {
-        return (0, 0.0, 0.0);
-    }
-    let piece = knots.partition_point(|&knot| knot <= x).saturating_sub(1).min(pieces - 1);
-    let width = knots[piece + 1] - knots[piece];
-    (piece, ((x - knots[piece]) / width).clamp(0.0, 1.0), width)
-}
-
-/// The weights of start, its slope, end and its slope.
-fn hermite(t: f64) -> [f64; 4] {
-    let (t2, t3) = (t * t, t * t * t);
-    [2.0 * t3 - 3.0 * t2 + 1.0, t3 - 2.0 * t2 + t, 3.0 * t2 - 2.0 * t3, t3 - t2]
 }
 
 #[cfg(test)]

@@ -26,6 +26,20 @@ pub(super) fn cube(count: usize) -> impl ExactSizeIterator<Item = Vec3> + Clone 
     (0..count).map(move |i| (steps * i as f64 + 0.5).fract().as_vec3())
 }
 
+/// `count` points spread evenly over triangles, of which `up_to` has the area of each and of all before
+/// it: the triangle's number, and the weights of its corners (Turk 1990, "Generating random points in
+/// triangles").
+pub(super) fn triangles(up_to: &[f64], count: usize) -> impl Iterator<Item = (usize, [f32; 3])> {
+    let total = up_to.last().copied().unwrap_or_default();
+    cube(count).enumerate().filter_map(move |(number, place)| {
+        let at = (number as f64 + 0.5) / count as f64 * total;
+        let index = up_to.partition_point(|&up_to| up_to <= at);
+        let root = place.x.sqrt();
+        let weights = [1.0 - root, root * (1.0 - place.y), root * place.y];
+        (index < up_to.len()).then_some((index, weights))
+    })
+}
+
 /// `count` points of the unit disc, each standing for the same area: Vogel's spiral (Vogel 1979, "A
 /// better way to construct the sunflower head").
 pub(super) fn disc(count: usize) -> impl ExactSizeIterator<Item = glam::Vec2> + Clone {

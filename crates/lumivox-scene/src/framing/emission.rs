@@ -47,14 +47,12 @@ struct Candidate<'a> {
     material: &'a Material,
     triangle: [usize; 3],
     corners: [Vec3; 3],
-    /// The area of it and of all before it, m².
-    up_to_m2: f64,
 }
 
 impl Emission {
     pub(super) fn of(scene: &Scene, unit: Unit) -> Self {
         let (mut area_m2, mut candidates_m2) = (0.0, 0.0);
-        let mut candidates: Vec<Candidate<'_>> = Vec::new();
+        let (mut candidates, mut up_to_m2) = (Vec::new(), Vec::new());
         for instance in scene.subjects() {
             let Some(mesh) = scene.meshes.get(instance.mesh) else { continue };
             let Some(material) = scene.materials.get(instance.material) else { continue };
@@ -67,20 +65,16 @@ impl Emission {
                 area_m2 += sides * own_m2;
                 if emits {
                     candidates_m2 += own_m2;
-                    let up_to_m2 = candidates_m2;
-                    candidates.push(Candidate { mesh, material, triangle, corners, up_to_m2 });
+                    up_to_m2.push(candidates_m2);
+                    candidates.push(Candidate { mesh, material, triangle, corners });
                 }
             }
         }
         let mut emission = Self { area_m2: area_m2 as f32, ..Self::default() };
         let each_m2 = candidates_m2 / SAMPLES as f64;
-        for (number, place) in directions::cube(SAMPLES).enumerate() {
-            let at_m2 = (number as f64 + 0.5) * each_m2;
-            let index = candidates.partition_point(|candidate| candidate.up_to_m2 <= at_m2);
-            let Some(candidate) = candidates.get(index) else { break };
-            let Some(emitter) = candidate.emitter(place, each_m2 as f32, unit, scene) else {
-                continue;
-            };
+        for (index, weights) in directions::triangles(&up_to_m2, SAMPLES) {
+            let emitter = candidates[index].emitter(weights, each_m2 as f32, unit, scene);
+            let Some(emitter) = emitter else { continue };
             let sides = if emitter.is_double_sided { 2.0 } else { 1.0 };
             emission.flux_lm += PI * sides * emitter.intensity_cd;
             emission.emitting_m2 += sides * each_m2 as f32;
@@ -101,11 +95,14 @@ impl Emission {
 }
 
 impl Candidate<'_> {
-    /// The piece around a place of the triangle (two numbers from 0 to 1), unless it is black.
-    fn emitter(&self, place: Vec3, area_m2: f32, unit: Unit, scene: &Scene) -> Option<Emitter> {
-        // Uniform over the triangle: Turk 1990, "Generating random points in triangles".
-        let root = place.x.sqrt();
-        let weights = [1.0 - root, root * (1.0 - place.y), root * place.y];
+    /// The piece around a point between the corners, unless it is black.
+    fn emitter(
+        &self,
+        weights: [f32; 3],
+        area_m2: f32,
+        unit: Unit,
+        scene: &Scene,
+    ) -> Option<Emitter> {
         let [a, b, c] = self.corners;
         let position = a * weights[0] + b * weights[1] + c * weights[2];
         let normal = (b - a).cross(c - a).try_normalize()?;

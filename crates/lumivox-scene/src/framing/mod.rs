@@ -36,8 +36,6 @@ mod subject;
 mod sun;
 mod survey;
 
-use std::cell::RefCell;
-
 use crate::{Camera, Light, Scene};
 use inside::Inside;
 use outside::View;
@@ -72,8 +70,6 @@ pub struct Framing {
     soup: Soup,
     rays: Rays,
     survey: Survey,
-    /// The aspect that a view was last chosen for, and the view: it is asked for more than once.
-    chosen: RefCell<Option<(f32, Camera, Chosen)>>,
 }
 
 impl std::fmt::Debug for Framing {
@@ -92,7 +88,7 @@ impl Framing {
         let unit = Unit::of(scene.bounds());
         let (soup, rays) = Rays::of(scene, unit);
         let survey = Survey::new(&rays, &soup, unit.half);
-        Self { unit, soup, rays, survey, chosen: RefCell::new(None) }
+        Self { unit, soup, rays, survey }
     }
 
     /// Whether the scene is a place to stand in, such as a room or a hall (maybe with windows or an
@@ -115,17 +111,6 @@ impl Framing {
     /// The same, and why.
     fn chosen(&self, aspect: f32) -> (Camera, Chosen) {
         let aspect = sane(aspect);
-        if let Some((last, camera, chosen)) = &*self.chosen.borrow()
-            && last.to_bits() == aspect.to_bits()
-        {
-            return (camera.clone(), *chosen);
-        }
-        let (camera, chosen) = self.choose(aspect);
-        *self.chosen.borrow_mut() = Some((aspect, camera.clone(), chosen));
-        (camera, chosen)
-    }
-
-    fn choose(&self, aspect: f32) -> (Camera, Chosen) {
         if !self.is_place() {
             let subject = Subject::of_thing(&self.soup);
             let view = outside::view(&self.rays, &subject, aspect);
@@ -232,11 +217,6 @@ impl Scene {
     /// A camera for a scene that brings none: see [`Framing::camera`].
     pub fn default_camera(&self, aspect: f32) -> Camera {
         Framing::of(self).camera(aspect)
-    }
-
-    /// Whether the scene is a closed room, maybe with a small window: see [`Framing::is_enclosed`].
-    pub fn is_enclosed(&self) -> bool {
-        Framing::of(self).is_enclosed()
     }
 
     /// Whether there is any light, however little: a lamp, an environment, or a surface in use that emits or takes no

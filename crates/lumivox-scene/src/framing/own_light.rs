@@ -12,6 +12,7 @@ use glam::{Vec2, Vec3};
 use super::directions;
 use super::emission::{Emission, Emitter, luminance};
 use super::rays::{Hit, Rays};
+use super::shines::strength;
 use super::soup::Unit;
 use super::survey::Patch;
 use crate::{Camera, Light, LightKind, Scene};
@@ -155,15 +156,6 @@ pub(super) fn seen(
     let dark: Vec<Patch> = hits.iter().filter(is_dark).map(Patch::of).collect();
     // Where all may emit, a texture says where.
     if dark.is_empty() { hits.iter().map(Patch::of).collect() } else { dark }
-}
-
-fn strength(light: &Light) -> f32 {
-    match light.kind {
-        LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-            intensity_cd
-        }
-    }
 }
 
 /// What a lamp gives a point.

@@ -22,7 +22,7 @@ use crate::Scene;
 const COINCIDENT: f32 = 3e-6;
 
 /// Lifts points off their surface: far above the rounding of a coordinate.
-const LIFT: f32 = 1e-4;
+pub(super) const LIFT: f32 = 1e-4;
 
 /// What a ray meets first.
 #[derive(Clone, Copy, Debug, PartialEq)]

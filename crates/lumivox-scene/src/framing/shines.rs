@@ -1,6 +1,6 @@
 //! Whether anything shines.
 
-use crate::{Environment, Light, LightKind, Material, Scene, Shading, Texture};
+use crate::{EnvironmentMap, Light, LightKind, Material, Scene, Shading, Texture};
 
 /// Texels up to this code (of 255) are black: compression makes black images a little grey.
 const BLACK: u8 = 8;
@@ -32,25 +32,23 @@ pub(super) fn is_unlit(scene: &Scene) -> bool {
 }
 
 pub(super) fn surroundings_shine(scene: &Scene) -> bool {
-    environment_shines(&scene.environment)
+    let is_black =
+        |map: &EnvironmentMap| map.rgb.as_flattened().iter().all(|&channel| channel <= 0.0);
+    let environment = &scene.environment;
+    environment.radiance.max_element() > 0.0 && !environment.map.as_deref().is_some_and(is_black)
 }
 
 fn light_shines(light: &Light) -> bool {
-    let strength = match light.kind {
-        LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-            intensity_cd
-        }
-    };
-    strength * light.color.max_element() > 0.0
+    strength(light) * light.color.max_element() > 0.0
 }
 
-fn environment_shines(environment: &Environment) -> bool {
-    let is_black = environment
-        .map
-        .as_ref()
-        .is_some_and(|map| map.rgb.iter().all(|texel| texel.iter().all(|&channel| channel <= 0.0)));
-    environment.radiance.max_element() > 0.0 && !is_black
+/// The illuminance of a sun in lux, the intensity of a lamp in cd.
+pub(super) fn strength(light: &Light) -> f32 {
+    match light.kind {
+        LightKind::Directional { illuminance_lux: strength, .. }
+        | LightKind::Point { intensity_cd: strength, .. }
+        | LightKind::Spot { intensity_cd: strength, .. } => strength,
+    }
 }
 
 /// Exporters often switch emission on, and leave the dark to a black texture.

@@ -9,6 +9,7 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::directions;
+use super::rays::LIFT;
 use super::soup::{Sides, Soup};
 use super::survey::Patch;
 use crate::Bounds;
@@ -25,8 +26,6 @@ const STANDS: f32 = 0.2;
 const INWARD: f32 = 0.9;
 /// Points that a view is judged by.
 const POINTS: usize = 512;
-/// How far a point is lifted off its surface.
-const LIFT: f32 = 1e-4;
 
 /// What a view is about.
 pub(super) struct Subject {
@@ -165,16 +164,11 @@ fn patches(soup: &Soup, triangles: &[usize]) -> Vec<Patch> {
         })
         .collect();
     let mut patches = Vec::new();
-    for (number, place) in directions::cube(POINTS).enumerate() {
-        let at = (number as f64 + 0.5) / POINTS as f64 * total;
-        let Some(&index) = triangles.get(up_to.partition_point(|&up_to| up_to <= at)) else {
-            break;
-        };
+    for (number, weights) in directions::triangles(&up_to, POINTS) {
+        let index = triangles[number];
         let [a, b, c] = soup.corners_of(index);
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-        // Uniform over the triangle: Turk 1990, "Generating random points in triangles".
-        let root = place.x.sqrt();
-        let point = a * (1.0 - root) + b * (root * (1.0 - place.y)) + c * (root * place.y);
+        let point = a * weights[0] + b * weights[1] + c * weights[2];
         let is_both = soup.sides[soup.part[index] as usize] == Sides::Both;
         let weight = if is_both { 0.5 } else { 1.0 } / POINTS as f32;
         let patch = |normal: Vec3| Patch { position: point + normal * LIFT, normal, weight };

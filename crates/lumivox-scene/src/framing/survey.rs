@@ -19,7 +19,7 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::directions;
-use super::rays::{Hit, Rays};
+use super::rays::{Hit, LIFT, Rays};
 use super::soup::Soup;
 
 const PROBES: usize = 2000;
@@ -63,9 +63,8 @@ const UPRIGHT: [f32; 2] = [0.34, 0.94];
 const BUILT: f32 = 0.65;
 /// A furnished shell shows less than this share of its triangles outside.
 const DETAIL: f32 = 0.4;
-/// Triangles that tell, and how far above them rays start.
+/// Triangles that tell.
 const DETAILS: usize = 300;
-const LIFT: f32 = 1e-4;
 /// Points that look for floors and walls.
 const STANDS: usize = 200;
 

@@ -183,7 +183,7 @@ fn two_rooms_get_two_lamps() {
     scene.lights.clear();
     scene.cameras.clear();
     scene.materials.iter_mut().for_each(|material| material.emissive = Vec3::ZERO);
-    assert!(scene.is_enclosed());
+    assert!(Framing::of(&scene).is_enclosed());
     let Some(DefaultLight::Lamps(lamps)) = lit(&mut scene, None) else {
         panic!("no sun reaches a closed room")
     };
@@ -251,7 +251,7 @@ fn double_sided_shells_are_rooms_where_they_are_furnished() {
     });
     let scene = scene(furniture.into_iter().chain([shell]), true);
     let camera = scene.default_camera(ASPECT);
-    assert!(scene.is_enclosed() && scene.bounds().contains(camera.position));
+    assert!(Framing::of(&scene).is_enclosed() && scene.bounds().contains(camera.position));
     assert_stands_free(&scene, &camera, 0.2);
 }
 
@@ -377,7 +377,7 @@ fn nearly_nothing_does_no_harm() {
     let mut empty = Scene::default();
     let camera = empty.default_camera(f32::NAN);
     assert!(camera.position.is_finite() && camera.near_m > 0.0, "{camera:?}");
-    assert!(!empty.is_enclosed());
+    assert!(!Framing::of(&empty).is_enclosed());
     assert!(lit(&mut empty, None).is_some());
 }
 
@@ -398,9 +398,9 @@ fn panes_let_the_view_and_the_sun_pass() {
         ..Instance::default()
     });
     scene.validate().unwrap();
-    assert!(!scene.is_enclosed());
+    assert!(!Framing::of(&scene).is_enclosed());
     scene.materials[1].transmission.factor = 0.0;
-    assert!(scene.is_enclosed());
+    assert!(Framing::of(&scene).is_enclosed());
 }
 
 #[test]
