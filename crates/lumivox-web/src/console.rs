@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use lumivox_console::complete::complete;
-use lumivox_console::{Effect, Hear, Queue, Reply, own_command, script};
+use lumivox_console::{Effect, Hear, LineInfo, Queue, Reply, script};
 use lumivox_render::Progress;
 use wasm_bindgen::prelude::*;
 
@@ -29,15 +29,13 @@ impl Session {
     /// As the command has it.
     pub async fn run_line(&mut self, line: &str, listener: &Listener) -> Result<Reply, WebError> {
         self.show_view_of_left()?;
-        let size = self.explorer().size();
+        self.fit(self.full_size(), listener).await?;
+        let size = self.full_size();
         self.console.on_progress(hearer(listener));
         let reply = self.console.run(line).await;
         self.console.on_progress(Box::new(|_| ControlFlow::Continue(())));
         self.view = self.explorer().settings().view;
-        if self.explorer().size() != size {
-            let size = self.explorer().size();
-            self.presenter.resize(self.console.explorer.gpu(), size);
-        }
+        self.follow_size(size);
         self.picker = None;
         self.follow_light();
         self.change();
@@ -77,7 +75,7 @@ impl Renderer {
         let mut opened = None;
         while let Some(line) = queue.take() {
             listener.check().await?;
-            if own_command(&line.text).is_some() {
+            if LineInfo::of(&line.text).window_command.is_some() {
                 continue;
             }
             let reply = self.session().await.run_line(&line.text, listener).await;
