@@ -70,7 +70,7 @@ impl ExposureMeter {
             return Ok(None);
         }
         let metering = explorer.meter().await?;
-        Ok(self.take(metering, frames))
+        Ok(self.take(&metering, frames))
     }
 
     /// The stops for a scene's first, coarse picture. The pictures of full size get a histogram and
@@ -107,8 +107,8 @@ impl ExposureMeter {
         is_last || (frames.is_power_of_two() && is_step)
     }
 
-    fn take(&mut self, metering: Metering, frames: u32) -> Option<ExposureWarning> {
-        let before = std::mem::replace(&mut self.last, metering);
+    fn take(&mut self, metering: &Metering, frames: u32) -> Option<ExposureWarning> {
+        let before = std::mem::replace(&mut self.last, *metering);
         (self.measured, self.frames) = (Some(Instant::now()), Some(frames));
         let is_known = metering.warning.map(|w| discriminant(&w))
             == before.warning.map(|warning| discriminant(&warning));
@@ -130,7 +130,7 @@ mod tests {
         let mut due = Vec::new();
         for frames in 1..=23 {
             if meter.is_due(frames, frames == 23) {
-                meter.take(metering(None), frames);
+                meter.take(&metering(None), frames);
                 due.push(frames);
             }
         }
@@ -144,12 +144,12 @@ mod tests {
     #[test]
     fn time_decides_while_everything_moves() {
         let mut meter = ExposureMeter::default();
-        meter.take(metering(None), 1);
+        meter.take(&metering(None), 1);
         meter.start_again();
         assert!(!meter.is_due(1, false));
         meter.measured = Instant::now().checked_sub(2 * MEASURE_EVERY);
         assert!(meter.is_due(1, false) && !meter.is_due(3, false));
-        meter.take(metering(None), 1);
+        meter.take(&metering(None), 1);
         meter.forget();
         assert!(meter.is_due(1, false));
     }
@@ -158,7 +158,7 @@ mod tests {
     fn a_warning_is_returned_once() {
         let mut meter = ExposureMeter::default();
         let black = Some(ExposureWarning::Black);
-        let warned = [black, black, None, black].map(|warning| meter.take(metering(warning), 1));
+        let warned = [black, black, None, black].map(|warning| meter.take(&metering(warning), 1));
         assert_eq!(warned, [black, None, None, black]);
         assert_eq!((meter.stops(), meter.warning()), (2.0, black));
     }
