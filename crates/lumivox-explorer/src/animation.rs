@@ -1,6 +1,7 @@
 //! What a scene plays.
 
 use lumivox_scene::{AnimationChoice, Instance, InstanceBounds};
+use web_time::Instant;
 
 use crate::opened::Opened;
 use crate::{Explorer, ExplorerError};
@@ -43,6 +44,7 @@ impl Explorer {
     /// Starts or stops what plays.
     pub fn play(&mut self, is_playing: bool) {
         self.playback.is_playing = is_playing && self.playback.animation.is_some();
+        self.ticked = Instant::now();
     }
 
     /// Chooses what plays, from its start.

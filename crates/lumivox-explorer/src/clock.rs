@@ -1,14 +1,20 @@
 //! What happens as time goes on.
 
+use web_time::Instant;
+
 use crate::{Explorer, ExplorerError, Revoxelize};
 
+/// After a long sleep an animation goes on where it was: it skips this at most, s.
+const LONGEST_STEP_S: f32 = 1.0;
+
 impl Explorer {
-    /// Lets time go on: what plays moves, and voxels are made anew where [`Explorer::revoxelize`] asks for it. Whoever
-    /// renders frames says how long each takes; scripts, how long it is to stand for.
+    /// Lets time go on: what plays moves, and voxels are made again where [`Explorer::revoxelize`]
+    /// asks for it. Whoever renders frames for a file says how long each takes, and scripts how
+    /// long a frame lasts. Returns whether something has changed by it.
     ///
     /// # Errors
     /// When nothing of the scene is left at the new time.
-    pub fn tick(&mut self, seconds: f32) -> Result<(), ExplorerError> {
+    pub fn tick(&mut self, seconds: f32) -> Result<bool, ExplorerError> {
         self.advance(seconds)?;
         self.since_voxels_s += seconds;
         let is_due = match self.revoxelize {
@@ -20,6 +26,23 @@ impl Explorer {
             self.since_voxels_s = 0.0;
             self.ask_for_voxels();
         }
-        Ok(())
+        Ok(is_due || self.playback().is_playing)
+    }
+
+    /// The same by the time that has passed since the last call, for pictures on a screen.
+    ///
+    /// # Errors
+    /// As [`Self::tick`].
+    pub fn tick_clock(&mut self) -> Result<bool, ExplorerError> {
+        let now = Instant::now();
+        let passed_s = (now - std::mem::replace(&mut self.ticked, now)).as_secs_f32();
+        let is_playing = self.playback().is_playing;
+        self.tick(if is_playing { passed_s.min(LONGEST_STEP_S) } else { passed_s })
+    }
+
+    /// Whether the scene changes as time goes on.
+    pub fn changes_by_itself(&self) -> bool {
+        let is_renewed = matches!(self.revoxelize, Revoxelize::Every(_) | Revoxelize::EveryFrame);
+        is_renewed || self.playback().is_playing
     }
 }

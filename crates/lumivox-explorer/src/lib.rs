@@ -40,6 +40,10 @@
 //! | `clock.rs` | what happens as time goes on |
 //! | `update.rs` | bringing the renderer up to date |
 //! | `frames.rs` | rendering frame by frame, and their times |
+//! | `pacing.rs` | how large the next picture is |
+//! | `metering.rs` | when the exposure is measured |
+//! | `split.rs` | which of two pictures side by side is rendered next |
+//! | `coalesce.rs` | changes that supersede each other while they wait |
 //! | `live.rs` | what a screen asks besides: reading a scene again, times of stages |
 
 #![cfg_attr(
@@ -49,14 +53,18 @@
 
 mod animation;
 mod clock;
+mod coalesce;
 mod error;
 mod frames;
 mod history;
 mod live;
+mod metering;
 mod names;
 mod objects;
 mod opened;
 mod original;
+mod pacing;
+mod split;
 pub mod suggest;
 mod update;
 
@@ -65,15 +73,20 @@ use std::collections::BTreeMap;
 use glam::{UVec2, Vec3};
 use lumivox_render::{Gpu, PresetChoice, Progress, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, InstanceBounds, Scene};
+use web_time::Instant;
 
 pub use animation::Playback;
+pub use coalesce::{ChangeQueue, Ticket};
 pub use error::ExplorerError;
 pub use frames::FrameTimes;
 use history::{History, Key};
+pub use metering::ExposureMeter;
 pub use names::NotFound;
 pub use objects::Placement;
 pub use opened::{Opened, first_look};
 pub use original::Original;
+pub use pacing::{Pacing, REST};
+pub use split::{Side, SplitSchedule};
 use update::Pending;
 
 /// When triangles that have moved become voxels again.
@@ -133,6 +146,8 @@ pub struct Explorer {
     times: FrameTimes,
     /// Seconds since voxels were last made anew for the time's sake.
     since_voxels_s: f32,
+    /// When [`Explorer::tick_clock`] was called last, or playing began.
+    ticked: Instant,
     generation: u32,
 }
 
@@ -160,6 +175,7 @@ impl Explorer {
             history: History::default(),
             times: FrameTimes::default(),
             since_voxels_s: 0.0,
+            ticked: Instant::now(),
             generation: 0,
         }
     }
