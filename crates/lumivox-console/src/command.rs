@@ -90,6 +90,27 @@ pub enum Takes {
     Word(&'static [&'static str]),
 }
 
+/// Why a command goes before those that wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Urgency {
+    /// It stops what is under way.
+    Cancel,
+    /// It ends the program.
+    Quit,
+}
+
+/// The part of the scene that a command may change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Edits {
+    /// Nothing.
+    Nothing,
+    /// Objects, or the scene as a whole. Changes of objects stay when the scene's file is read again.
+    #[default]
+    Scene,
+    /// Materials, lights or surroundings, which are those of the file when it is read again.
+    Look,
+}
+
 /// A command.
 #[derive(Clone, Copy, Debug)]
 pub struct Command {
@@ -113,6 +134,17 @@ pub struct Command {
     pub example: &'static str,
     /// Of a command that VXCT has: what differs here; empty where nothing does. `None`: VXCT has none like it.
     pub vxct: Option<&'static str>,
+    /// If it does nothing but set something to what it says: how many of its words, its name included, say what it
+    /// sets. It has more words then, and a later line that begins with these supersedes it.
+    pub sets: Option<usize>,
+    /// Whether the camera is where it has put it afterwards.
+    pub moves_camera: bool,
+    /// Without arguments it goes before lines that wait.
+    pub urgency: Option<Urgency>,
+    /// The part of the scene that it may change.
+    pub edits: Edits,
+    /// Whether it asks for all frames of the picture: front ends render them before, one by one.
+    pub needs_all_frames: bool,
     /// Does it.
     pub run: Run,
 }
@@ -144,6 +176,11 @@ pub const PLAIN: Command = Command {
     details: "",
     example: "",
     vxct: None,
+    sets: None,
+    moves_camera: false,
+    urgency: None,
+    edits: Edits::Scene,
+    needs_all_frames: false,
     run: Run::Now(|_, _| Ok(Reply::default())),
 };
 

@@ -21,7 +21,7 @@
 //! | `opening/`, `outside.rs` | which scene is opened and how, and what is reached besides |
 //! | `values/` | values that command lines have as well |
 //! | `report.rs`, `comparison.rs`, `shown.rs` | what is said: tables, figures, text that a terminal does not obey |
-//! | `window_only.rs` | commands that are not in the table: the window's |
+//! | `classify.rs` | properties of a line that are known before it is run |
 
 #![allow(clippy::format_push_string, reason = "what is said is put together once for each command")]
 #![cfg_attr(
@@ -30,6 +30,7 @@
 )]
 
 mod arguments;
+mod classify;
 mod command;
 mod commands;
 mod comparison;
@@ -46,7 +47,6 @@ mod queue;
 pub mod report;
 pub mod shown;
 pub mod values;
-mod window_only;
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -57,7 +57,8 @@ use lumivox_render::{PresetChoice, Progress, RenderSettings, has_display_values}
 use lumivox_scene::{EnvironmentMap, Scene};
 use wgpu::WasmNotSend;
 
-pub use command::{COMMANDS, Command, Group, Run, Takes, Waiting};
+pub use classify::{LineInfo, words};
+pub use command::{COMMANDS, Command, Edits, Group, Run, Takes, Urgency, Waiting};
 pub use commands::program::read as script_of_bytes;
 pub use commands::surroundings::SUN as SUN_OF_SKY;
 pub use comparison::{Comparison, named_figures};
@@ -68,7 +69,6 @@ pub use names::{Names, is_scene};
 pub use opening::{BUILTIN, LoadArgs, Opening, Ready, SceneSource, SourceArgs};
 pub use outside::{Outside, Reading};
 pub use queue::{Line, Queue, script};
-pub use window_only::{own_command, words};
 
 /// What is left to do after a command, by whoever gave the line.
 #[derive(Debug, Default)]

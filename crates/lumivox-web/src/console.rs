@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use lumivox_console::complete::complete;
-use lumivox_console::{Effect, Hear, Queue, Reply, own_command, script};
+use lumivox_console::{Effect, Hear, LineInfo, Queue, Reply, script};
 use lumivox_render::Progress;
 use wasm_bindgen::prelude::*;
 
@@ -76,7 +76,7 @@ impl Renderer {
         let mut opened = None;
         while let Some(line) = queue.take() {
             listener.check().await?;
-            if own_command(&line.text).is_some() {
+            if LineInfo::of(&line.text).window_command.is_some() {
                 continue;
             }
             let reply = self.session().await.run_line(&line.text, listener).await;

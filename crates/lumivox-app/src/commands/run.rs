@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use lumivox_console::{
-    Console, Effect, Failure, Opening, Queue, help, own_command, page, script, script_of_bytes,
+    Console, Effect, Failure, LineInfo, Opening, Queue, help, page, script, script_of_bytes,
 };
 use lumivox_explorer::Explorer;
 use lumivox_render::Progress as Step;
@@ -134,7 +134,7 @@ impl Runner {
 
     /// Does what a line says, and what it leaves to do.
     fn line(&mut self, line: &str, queue: &mut Queue) -> anyhow::Result<()> {
-        if let Some(name) = own_command(line) {
+        if let Some(name) = LineInfo::of(line).window_command {
             tracing::warn!("`{name}` is a command of the window; it is passed over");
             return Ok(());
         }

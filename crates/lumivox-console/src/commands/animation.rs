@@ -36,6 +36,7 @@ pub const TABLE: &[Command] = &[
         summary: "Show a moment of the animation, or print which is shown",
         details: "From 0 to 10000 s; beyond its end an animation starts again.",
         example: "time 1.5",
+        sets: Some(1),
         run: Now(time),
         ..FRAMES
     },

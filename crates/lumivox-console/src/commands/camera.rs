@@ -5,11 +5,12 @@ use lumivox_scene::Camera;
 
 use crate::arguments::{PLACE, angle, commas, degrees, direction, number, refused, spaces, vector};
 use crate::command::Run::Now;
-use crate::command::{Command, Group, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, PLAIN, Takes};
 use crate::values::camera::{self, CameraChoice, FRAMING, INSIDE, OUTSIDE, resolve};
 use crate::{Console, Failure, Reply, nothing_to_show, shown, suggest};
 
-const CAMERA: Command = Command { group: Group::Camera, takes: &[Takes::Anything], ..PLAIN };
+const CAMERA: Command =
+    Command { group: Group::Camera, takes: &[Takes::Anything], edits: Edits::Nothing, ..PLAIN };
 
 /// Turns, degrees.
 const TURN: std::ops::RangeInclusive<f64> = -36_000.0..=36_000.0;
@@ -26,6 +27,8 @@ pub const TABLE: &[Command] = &[
         details: "Numbers count from 0; `framing` is the view that shows the scene best. Positions are in metres, FOV is \
                   the vertical field of view in degrees, 1 to 170 (the present one where it is left out).",
         example: "camera 2,1.5,3,0,0.5,0,60",
+        sets: Some(1),
+        moves_camera: true,
         run: Now(camera),
         ..CAMERA
     },
@@ -64,6 +67,7 @@ pub const TABLE: &[Command] = &[
         details: "Position in metres; direction and top at any length, not parallel; the vertical field of view in degrees, \
                   0.001 to 179; the near plane in metres. `script` prints it, for it keeps every bit.",
         example: "camera_axes 0 1 3 0 0 -1 0 1 0 45",
+        moves_camera: true,
         run: Now(axes),
         ..CAMERA
     },
@@ -74,6 +78,7 @@ pub const TABLE: &[Command] = &[
         summary: "Set the vertical field of view, or print it",
         details: "From 1 to 170 degrees.",
         example: "fov 60",
+        moves_camera: true,
         run: Now(|console, arguments| {
             let mut camera = console.explorer.camera().clone();
             let Some(text) = arguments.first() else {
@@ -91,6 +96,7 @@ pub const TABLE: &[Command] = &[
         count: (1, 3),
         summary: "Move the camera along its own axes, in metres",
         example: "move 0 0 0.5",
+        moves_camera: true,
         run: Now(|console, arguments| {
             let by = vector(arguments, "the distance in metres", PLACE)?;
             let mut camera = console.explorer.camera().clone();
@@ -109,6 +115,7 @@ pub const TABLE: &[Command] = &[
         summary: "Move the camera about a point, by degrees to the right and upwards",
         details: "The point is the middle of the scene where none is given; the camera keeps its distance and turns along.",
         example: "orbit 30 10",
+        moves_camera: true,
         run: Now(orbit),
         ..CAMERA
     },
@@ -118,6 +125,7 @@ pub const TABLE: &[Command] = &[
         count: (2, 2),
         summary: "Turn the camera where it stands, by degrees to the right and upwards",
         example: "turn -15 5",
+        moves_camera: true,
         run: Now(|console, arguments| {
             let (yaw, pitch) = turns(arguments)?;
             let mut camera = console.explorer.camera().clone();
@@ -134,6 +142,7 @@ pub const TABLE: &[Command] = &[
         details: "The scene's second camera until something is stored.",
         example: "pos1",
         vxct: Some("positions are stored by `store` and by scenes, VXCT's are fixed"),
+        moves_camera: true,
         run: Now(|console, _| go(console, 0)),
         ..CAMERA
     },
@@ -143,6 +152,7 @@ pub const TABLE: &[Command] = &[
         details: "The scene's third camera until something is stored.",
         example: "pos2",
         vxct: Some("as `pos1`"),
+        moves_camera: true,
         run: Now(|console, _| go(console, 1)),
         ..CAMERA
     },
@@ -155,6 +165,7 @@ pub const TABLE: &[Command] = &[
         details: "What was stored there before goes. Names are neither numbers nor those of the scene's cameras; `cameras` \
                   lists them. They are kept until another scene is opened, and in what `script` prints.",
         example: "store 'window seat'",
+        edits: Edits::Scene,
         run: Now(store),
         ..CAMERA
     },

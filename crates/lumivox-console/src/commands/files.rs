@@ -3,7 +3,7 @@
 use clap::Parser;
 
 use crate::command::Run::Now;
-use crate::command::{Command, Group, MANY, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, MANY, PLAIN, Takes};
 use crate::values::camera::{self, CameraChoice};
 use crate::{Console, Effect, Failure, LoadArgs, Opening, Reply, SceneSource, SourceArgs, shown};
 
@@ -29,6 +29,7 @@ pub const TABLE: &[Command] = &[
         name: "reload",
         summary: "Open the present scene again, as its file is now, without the changes made to it",
         example: "reload",
+        edits: Edits::Nothing,
         run: Now(|console, _| {
             let opening = console.opening().cloned();
             let opening = opening

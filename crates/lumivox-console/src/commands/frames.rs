@@ -7,7 +7,7 @@ use web_time::Instant;
 
 use crate::arguments::{on_or_off, toggled, whole};
 use crate::command::Run::{Now, Waits};
-use crate::command::{Command, Group, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, PLAIN, Takes};
 use crate::report::Times;
 use crate::{Console, Effect, Failure, Reply};
 
@@ -29,6 +29,7 @@ pub const TABLE: &[Command] = &[
         details: "From 0 to 65536. Each frame of a script stands for 1/30 s of what plays, and of the time between \
                   voxelizations. A picture that is complete takes no more frames.",
         example: "wait 4",
+        edits: Edits::Nothing,
         run: Now(|_, arguments| {
             let text = arguments.first().copied().unwrap_or_default();
             Ok(Reply::ask(Effect::Wait(whole(text, "frames", 0..=LONGEST_WAIT)?)))
@@ -143,6 +144,7 @@ pub const TABLE: &[Command] = &[
         summary: "Print the time of each stage in milliseconds, of a frame the mean",
         details: "After `timing on`. With `passes`, each pass of a stage as well.",
         example: "times",
+        edits: Edits::Nothing,
         run: Now(times),
         ..FRAMES
     },

@@ -5,7 +5,7 @@ use lumivox_scene::{Attenuation, Light, LightKind};
 
 use crate::arguments::{PLACE, angle, choice, degrees, direction, number, short, spaces, vector};
 use crate::command::Run::Now;
-use crate::command::{Command, Group, MANY, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, MANY, PLAIN, Takes};
 use crate::properties::{self, Property, first, names};
 use crate::report::Table;
 use crate::{Console, Failure, Reply, nothing_to_show};
@@ -30,6 +30,8 @@ pub const TABLE: &[Command] = &[
                   travels), radius (m, for soft shadows), range (m, or none), inner and outer (degrees, of a spot), \
                   angular_radius (degrees, of a sun), attenuation CONSTANT LINEAR QUADRATIC (of the look vxct, or none).",
         example: "light lamp strength 200 color 1 0.8 0.6",
+        sets: Some(3),
+        edits: Edits::Look,
         run: Now(light),
         ..LIGHT
     },
@@ -42,6 +44,7 @@ pub const TABLE: &[Command] = &[
         details: "Where its properties (see `light`) are not given: at the camera, looking where it looks; 100 cd, a sun from \
                   above with 100000 lux. NAME may be left out. Prints the light's name.",
         example: "add_light point lamp position 0 1.5 0 strength 50",
+        edits: Edits::Look,
         run: Now(add),
         ..LIGHT
     },
@@ -51,6 +54,7 @@ pub const TABLE: &[Command] = &[
         count: (1, 1),
         summary: "Remove a light, or all of them",
         example: "remove_light lamp",
+        edits: Edits::Look,
         run: Now(remove),
         ..LIGHT
     },

@@ -94,6 +94,7 @@ pub const TABLE: &[Command] = &[
         details: "Position in metres, turns in degrees about x, y and z (z first, in the world's axes), and its size as one \
                   factor or three.",
         example: "place 'tall block' 0 0.3 0 0 45 0 1",
+        sets: Some(2),
         run: Now(place),
         ..OBJECTS
     },
@@ -155,6 +156,7 @@ pub const TABLE: &[Command] = &[
         summary: "Say that an object stays where it is while others move, or print whether it does",
         details: "What is static is voxelized once and kept. It may be moved all the same, at the cost of all voxels.",
         example: "static 'tall block' off",
+        sets: Some(2),
         run: Now(set_static),
         ..OBJECTS
     },

@@ -10,7 +10,7 @@ use lumivox_render::{ImageFormat, Picture, Progress, View};
 
 use crate::arguments::whole;
 use crate::command::Run::{Now, Waits};
-use crate::command::{Command, Group, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, PLAIN, Takes};
 use crate::report::counted;
 use crate::{Comparison, Console, Failure, Reply, nothing_to_show};
 
@@ -29,6 +29,8 @@ pub const TABLE: &[Command] = &[
         details: "Frames that are missing are rendered first. A relative path is relative to the working folder; a file of \
                   that name is replaced.",
         example: "screenshot hall.png",
+        edits: Edits::Nothing,
+        needs_all_frames: true,
         run: Waits(|console, arguments| Box::pin(screenshot(console, arguments))),
         ..FILES
     },
@@ -40,6 +42,8 @@ pub const TABLE: &[Command] = &[
         summary: "Set the size of the picture in pixels, or print it",
         details: "Each from 1 to 32768, or less, as the GPU allows.",
         example: "size 1280x720",
+        sets: Some(1),
+        edits: Edits::Nothing,
         run: Now(super::parameters::size),
         ..FILES
     },
@@ -63,6 +67,8 @@ pub const TABLE: &[Command] = &[
         details: "Bias, RMSE, 95th percentile and FLIP, as `lumivox compare`. SAMPLES a pixel, from 1 to 1048576; 64 where \
                   none are given. The view must be `final`.",
         example: "compare 128",
+        edits: Edits::Nothing,
+        needs_all_frames: true,
         run: Waits(|console, arguments| Box::pin(compare(console, arguments))),
         ..FILES
     },

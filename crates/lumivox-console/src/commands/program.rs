@@ -1,7 +1,7 @@
 //! The program itself.
 
 use crate::command::Run::{Now, Waits};
-use crate::command::{Command, Group, MANY, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, MANY, PLAIN, Takes, Urgency};
 use crate::{Console, Effect, Failure, Line, Reply, help, script, shown};
 
 pub const TABLE: &[Command] = &[
@@ -13,6 +13,7 @@ pub const TABLE: &[Command] = &[
         takes: &[Takes::Command],
         summary: "Tell about a command or a setting, or list all of them",
         example: "help translate",
+        edits: Edits::Nothing,
         run: Now(|_, arguments| help::tell(arguments.first().copied())),
         ..PROGRAM
     },
@@ -33,6 +34,7 @@ pub const TABLE: &[Command] = &[
         takes: &[Takes::Anything],
         summary: "Print words",
         example: "echo 'two lamps'",
+        edits: Edits::Nothing,
         run: Now(|_, arguments| Ok(Reply::say(arguments.join(" ")))),
         ..PROGRAM
     },
@@ -57,6 +59,7 @@ pub const TABLE: &[Command] = &[
         details: "`lumivox run` with them gives the same picture to the bit: scene, settings that differ from the \
                   preset's, camera, changes of objects, materials and lights. What is left out is said in comments.",
         example: "script evening.txt",
+        edits: Edits::Nothing,
         run: Now(super::script::run),
         ..PROGRAM
     },
@@ -91,6 +94,7 @@ pub const TABLE: &[Command] = &[
         summary: "End the program",
         example: "quit",
         vxct: Some(""),
+        urgency: Some(Urgency::Quit),
         run: Now(|_, _| Ok(Reply::ask(Effect::Quit))),
         ..PROGRAM
     },

@@ -8,7 +8,7 @@ use lumivox_scene::{Environment, EnvironmentMap};
 
 use crate::arguments::{angle, commas, degrees, number, refused, vector};
 use crate::command::Run::{Now, Waits};
-use crate::command::{Command, Group, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, PLAIN, Takes};
 use crate::line::quote;
 use crate::values::light::{self, Surroundings};
 use crate::{Console, Reply, nothing_to_show, shown};
@@ -27,6 +27,8 @@ pub const TABLE: &[Command] = &[
         details: "Where the sun stands: degrees above the horizon and from -z over +x, or a vector. The turbidity is from 1 \
                   (the clearest) to 10, 2 where none is given. In cd/m2 and lux. A sky that was there goes, its sun too.",
         example: "sky 30,120",
+        sets: Some(1),
+        edits: Edits::Look,
         run: Now(sky),
         ..LIGHT
     },
@@ -38,6 +40,8 @@ pub const TABLE: &[Command] = &[
         summary: "Surround the scene with the same light from everywhere, or with a panorama, or print what surrounds it",
         details: "R,G,B in cd/m2, from 0 to 1e10; a panorama is an .hdr or .exr file (.png and .jpg are read, too).",
         example: "environment 2000,2600,3600",
+        sets: Some(1),
+        edits: Edits::Look,
         run: Waits(|console, arguments| Box::pin(environment(console, arguments))),
         ..LIGHT
     },
@@ -58,6 +62,8 @@ pub const TABLE: &[Command] = &[
         summary: "Turn the panorama about the vertical, counter-clockwise seen from above, or print its turn",
         details: "From -360 to 360 degrees. The sun of a sky does not turn along.",
         example: "environment_rotation 90",
+        sets: Some(1),
+        edits: Edits::Look,
         run: Now(rotation),
         ..LIGHT
     },

@@ -13,7 +13,7 @@ use lumivox_scene::{Material, Shading};
 
 use crate::arguments::spaces;
 use crate::command::Run::Now;
-use crate::command::{Command, Group, MANY, PLAIN, Takes};
+use crate::command::{Command, Edits, Group, MANY, PLAIN, Takes};
 use crate::report::Table;
 use crate::{Console, Failure, Reply, nothing_to_show, properties};
 pub use table::PROPERTIES;
@@ -42,6 +42,8 @@ pub const TABLE: &[Command] = &[
                   ior. Phong: diffuse R G B, opacity, specular R G B, shininess. Unlit: color R G B [A]. Colours \
                   are linear, 0 to 1, and multiply textures.",
         example: "material 'red wall' albedo 0.1 0.1 0.6 roughness 0.5",
+        sets: Some(3),
+        edits: Edits::Look,
         run: Now(material),
         ..MATERIALS
     },

@@ -7,7 +7,7 @@ use super::MATERIALS;
 use super::table::phong;
 use crate::arguments::{choice, number_of, vector};
 use crate::command::Run::Now;
-use crate::command::{Command, MANY, Takes};
+use crate::command::{Command, Edits, MANY, Takes};
 use crate::{Console, Failure, Reply, nothing_to_show};
 
 const PROPERTIES: [&str; 5] = ["shininess", "specular_str", "diffuse_str", "ambient_str", "color"];
@@ -27,6 +27,7 @@ pub const SETMAT: Command = Command {
               materials become Phong's by `material NAME shading phong`.",
     example: "setmat Floor color 0.2 0.4 0.8",
     vxct: Some("takes colours, too"),
+    edits: Edits::Look,
     run: Now(setmat),
     ..MATERIALS
 };
