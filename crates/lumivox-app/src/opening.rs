@@ -1,11 +1,6 @@
 //! Scenes that the console and the window open: how the command line asks for them, and how they are read.
 
-use std::cell::OnceCell;
-
-use lumivox_console::values::camera::resolve_with;
 use lumivox_console::{Opening, Ready, SceneSource};
-use lumivox_explorer::Opened;
-use lumivox_scene::SightOptions;
 
 use crate::args::scene;
 use crate::cli::ExploreArgs;
@@ -38,13 +33,10 @@ pub fn load(opening: Opening, progress: &Progress) -> anyhow::Result<Ready> {
     light::check(&opening.light)?;
     let mut scene = scene::load(&opening.source, &opening.load, progress)?;
     light::add(&mut scene, &opening.light, progress)?;
-    let (camera, framing) = (opening.camera.as_ref(), OnceCell::new());
-    let camera = camera.map(|_| resolve_with(camera, &scene, opening.aspect, &framing));
-    let camera = camera.transpose()?;
-    let options = SightOptions { camera, aspect: opening.aspect, staging: opening.light.staging() };
-    let opened = Opened::surveyed(scene, &options, &framing, &mut |step| {
+    let mut tell = |step: lumivox_render::Progress| {
         progress.set(words(step.stage), step.done, step.total);
-    })?;
-    light::tell(opened.notes());
-    Ok(Ready { opening, opened })
+    };
+    let ready = opening.ready(scene, &mut tell)?;
+    light::tell(ready.opened.notes());
+    Ok(ready)
 }

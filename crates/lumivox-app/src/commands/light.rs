@@ -1,12 +1,7 @@
 //! The light that the command line adds to a scene or puts in the place of the scene's.
 
-use std::cell::OnceCell;
-
 use lumivox_console::SourceArgs;
-use lumivox_scene::{
-    Camera, EnvironmentMap, Framing, LightKind, Note, Scene, SceneError, Sight, SightOptions,
-    Staging, check_regular,
-};
+use lumivox_scene::{EnvironmentMap, LightKind, Note, Scene, SceneError, check_regular};
 use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
@@ -36,24 +31,6 @@ pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<
     progress.set("loading the surroundings", 0, 1);
     let panorama = args.panorama().map(EnvironmentMap::load).transpose()?;
     args.light(scene, panorama)
-}
-
-/// Decides how a scene is seen, adds the light that it needs, and tells the user what was chosen. For commands
-/// whose reports do not.
-pub fn stage(
-    scene: &mut Scene,
-    camera: Camera,
-    (staging, aspect): (Staging, f32),
-    framing: &OnceCell<Framing>,
-    progress: &Progress,
-) {
-    progress.set("looking at the scene", 0, 1);
-    let options = SightOptions { camera: Some(camera), aspect, staging };
-    let sight = Sight::of(scene, &options, framing);
-    scene.light_up(&sight);
-    if sight.light.is_some() {
-        tell(&sight.notes);
-    }
 }
 
 /// Tells what was chosen for the user.

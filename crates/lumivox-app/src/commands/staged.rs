@@ -3,8 +3,9 @@
 use std::cell::OnceCell;
 
 use glam::UVec2;
+use lumivox_console::values::camera::CameraChoice;
 use lumivox_console::{Failure, LoadArgs, SceneSource, SourceArgs};
-use lumivox_scene::{Camera, Scene};
+use lumivox_scene::{Camera, Scene, Sight, SightOptions, Staging};
 
 use super::light;
 use crate::args::camera::resolve_with;
@@ -40,8 +41,30 @@ pub fn stage(
     if scene.cameras.is_empty() && view.camera.is_none() {
         progress.set("looking for a camera", 0, 1);
     }
-    let (aspect, framing) = (size.x as f32 / size.y as f32, OnceCell::new());
-    let camera = resolve_with(view.camera.as_ref(), &scene, aspect, &framing)?;
-    light::stage(&mut scene, camera.clone(), (sources.staging(), aspect), &framing, progress);
+    let camera = look_at(&mut scene, view.camera.as_ref(), size, sources.staging(), progress)?;
     Ok((scene, camera))
+}
+
+/// Finds the camera, adds the light that the scene needs, and logs what was chosen. For commands
+/// whose reports do not say it.
+///
+/// # Errors
+/// When there is no such camera.
+pub fn look_at(
+    scene: &mut Scene,
+    choice: Option<&CameraChoice>,
+    size: UVec2,
+    staging: Staging,
+    progress: &Progress,
+) -> anyhow::Result<Camera> {
+    let (aspect, framing) = (size.x as f32 / size.y as f32, OnceCell::new());
+    let camera = resolve_with(choice, scene, aspect, &framing)?;
+    progress.set("looking at the scene", 0, 1);
+    let options = SightOptions { camera: Some(camera), aspect, staging };
+    let sight = Sight::of(scene, &options, &framing);
+    scene.light_up(&sight);
+    if sight.light.is_some() {
+        light::tell(&sight.notes);
+    }
+    Ok(sight.camera)
 }

@@ -1,7 +1,5 @@
 //! `lumivox volumes`: what the kinds of volumes take, side by side.
 
-use std::cell::OnceCell;
-
 use glam::Vec3;
 use lumivox::gpu::{StageTime, Timing};
 use lumivox::{
@@ -14,8 +12,7 @@ use lumivox_render::{Gpu, RenderSettings, Renderer};
 use lumivox_scene::{Scene, Staging, write_atomically};
 use serde::Serialize;
 
-use super::light;
-use crate::args::camera::resolve_with;
+use super::staged;
 use crate::args::scene;
 use crate::args::{choices, output};
 use crate::cli::VolumesArgs;
@@ -38,9 +35,7 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
     let progress = Progress::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
-    let (aspect, framing) = (args.size.x as f32 / args.size.y as f32, OnceCell::new());
-    let camera = resolve_with(None, &scene, aspect, &framing)?;
-    light::stage(&mut scene, camera, (Staging::Auto, aspect), &framing, &progress);
+    staged::look_at(&mut scene, None, args.size, Staging::Auto, &progress)?;
     let mut rows = Vec::new();
     let variants = variants(args.alternatives);
     let total = (args.resolutions.len() * variants.len()) as u32;

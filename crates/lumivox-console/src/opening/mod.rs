@@ -4,9 +4,13 @@ mod light;
 mod load;
 mod source;
 
-use lumivox_explorer::Opened;
+use std::cell::OnceCell;
 
-use crate::values::camera::CameraChoice;
+use lumivox_explorer::Opened;
+use lumivox_render::Progress;
+use lumivox_scene::{Scene, SightOptions};
+
+use crate::values::camera::{CameraChoice, resolve_with};
 
 pub use light::SourceArgs;
 pub use load::LoadArgs;
@@ -25,6 +29,25 @@ pub struct Opening {
     pub camera: Option<CameraChoice>,
     /// Width by height of the picture that the camera is found for.
     pub aspect: f32,
+}
+
+impl Opening {
+    /// Makes a scene ready that was read, turned and lit as this says: finds its camera, and the light that it lacks.
+    /// This may take seconds and needs no GPU.
+    ///
+    /// # Errors
+    /// When there is no such camera, and as [`Opened::new`].
+    pub fn ready(self, scene: Scene, tell: &mut dyn FnMut(Progress)) -> anyhow::Result<Ready> {
+        let (choice, framing) = (self.camera.as_ref(), OnceCell::new());
+        let camera = choice.map(|_| resolve_with(choice, &scene, self.aspect, &framing));
+        let options = SightOptions {
+            camera: camera.transpose()?,
+            aspect: self.aspect,
+            staging: self.light.staging(),
+        };
+        let opened = Opened::surveyed(scene, &options, &framing, tell)?;
+        Ok(Ready { opening: self, opened })
+    }
 }
 
 /// A scene that was read, and how.
