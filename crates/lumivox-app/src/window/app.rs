@@ -1,36 +1,28 @@
 //! The window's state, and where everything is.
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
 use egui::{CentralPanel, Frame, Panel, TextureId, Ui};
 use glam::{UVec2, Vec2};
+use lumivox_explorer::REST;
 use lumivox_render::parameters::{Parameter, Value};
 use lumivox_scene::Camera;
 
 use super::config::Config;
 use super::gizmo;
-use super::lines::{Line, Origin, quoted, urgent};
+use super::lines::{Origin, quoted};
 use super::model::{LogKind, Model, Selected};
+use super::orders::{Order, Published, Shared};
+use super::outbox::{Held, Outbox};
 use super::panels::{self, console, files};
 use super::surface::PICTURES;
-use super::worker::{Order, Published, Shared};
 use super::{camera, theme};
 
-/// The camera has come to rest when it has not moved for this long.
-const REST: Duration = Duration::from_millis(250);
-
-/// Commands after which the camera is where they have put it.
-const MOVES_CAMERA: [&str; 7] = ["camera", "pos1", "pos2", "move", "orbit", "turn", "fov"];
-
-/// A value that was sent and that the model does not have yet: what a slider shows in the meantime.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Held {
-    Value(Value),
-    Numbers([f32; 9]),
-}
+/// The line that puts the camera where it has come to rest is sent a moment before pictures become sharp, which would
+/// start again otherwise.
+const SETTLED: Duration = REST.saturating_sub(Duration::from_millis(50));
 
 /// A camera in somebody's hand.
 #[derive(Clone, Debug)]
@@ -39,6 +31,16 @@ struct Motion {
     moved: Instant,
     /// The line that tells where it came to rest, once it was sent.
     told: Option<u64>,
+}
+
+/// The changes of the model that the window has followed, by the model's counts.
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    opened: u64,
+    camera_moves: u64,
+    selections: u64,
+    command_lines: u64,
+    source: String,
 }
 
 /// A scene's name that holds in other folders, too.
@@ -58,16 +60,10 @@ pub struct App {
     pub textures: [Option<TextureId>; PICTURES],
     /// What the worker has published.
     pub published: Published,
-    orders: Sender<Order>,
-    shared: Shared,
-    lines_sent: u64,
-    /// Counts what hands do: presses of buttons, and keys while none is held.
-    gesture: u64,
-    held: HashMap<String, (Held, u64)>,
+    outbox: Outbox,
     motion: Option<Motion>,
-    /// What is chosen, and of which of the worker's selections it follows.
+    /// The selected object or light.
     pub selected: Option<Selected>,
-    selections: u64,
     /// What the handles do.
     pub gizmo: gizmo::Mode,
     /// A handle in somebody's hand.
@@ -82,13 +78,7 @@ pub struct App {
     pub has_help: bool,
     /// Dialogs of the system.
     pub dialogs: files::Dialogs,
-    size: UVec2,
-    is_timed: bool,
-    is_coarse: bool,
-    command_lines: u64,
-    source: String,
-    opened: u64,
-    camera_moves: u64,
+    seen: Seen,
     /// What is chosen after this one of the worker's selections is shown whole.
     frames_after: Option<u64>,
     /// Where light was asked for, of which picture, and when.
@@ -109,14 +99,9 @@ impl App {
             config,
             textures: [None; PICTURES],
             published: Published::default(),
-            orders,
-            shared,
-            lines_sent: 0,
-            gesture: 1,
-            held: HashMap::new(),
+            outbox: Outbox::new(orders, shared),
             motion: None,
             selected: None,
-            selections: 0,
             gizmo: gizmo::Mode::default(),
             drag: None,
             split: 0.5,
@@ -124,13 +109,7 @@ impl App {
             console: console::State::default(),
             has_help: false,
             dialogs: files::Dialogs::default(),
-            size: UVec2::ZERO,
-            is_timed: false,
-            is_coarse: true,
-            command_lines: 0,
-            source: String::new(),
-            opened: 0,
-            camera_moves: 0,
+            seen: Seen::default(),
             frames_after: None,
             probed: None,
             camera_name: String::new(),
@@ -140,25 +119,25 @@ impl App {
 
     /// Fetches what was published.
     pub fn look(&mut self) -> Published {
-        self.published = self.shared.get();
+        self.published = self.outbox.published();
         let model = self.published.model.clone();
-        if model.opened != self.opened {
+        if model.opened != self.seen.opened {
             // What is in somebody's hand is of the last scene.
-            self.opened = model.opened;
+            self.seen.opened = model.opened;
             self.motion = None;
             self.drag = None;
-            self.held.clear();
+            self.outbox.forget_held();
         }
-        if model.camera_moves != self.camera_moves {
-            self.camera_moves = model.camera_moves;
+        if model.camera_moves != self.seen.camera_moves {
+            self.seen.camera_moves = model.camera_moves;
             // A command goes before a hand that was there before it.
             if self.motion.as_ref().is_some_and(|motion| motion.told.is_none()) {
                 self.motion = None;
             }
         }
-        self.held.retain(|_, (_, line)| *line > model.lines_done);
-        if model.selections != self.selections {
-            self.selections = model.selections;
+        self.outbox.done(model.lines_done);
+        if model.selections != self.seen.selections {
+            self.seen.selections = model.selections;
             self.selected.clone_from(&model.selected);
             if self.frames_after.take().is_some() && self.selected.is_some() {
                 panels::picture::frame_selection(self, &model);
@@ -168,16 +147,16 @@ impl App {
             self.motion = None;
         }
         let source = model.scene.as_ref().map(|scene| scene.source.clone()).unwrap_or_default();
-        if !source.is_empty() && source != self.source {
+        if !source.is_empty() && source != self.seen.source {
             self.config.note_recent(&absolute(&source));
-            self.source = source;
+            self.seen.source = source;
         }
         self.published.clone()
     }
 
     /// Whether the worker has ended.
     pub fn has_ended(&self) -> bool {
-        self.shared.has_ended()
+        self.outbox.has_ended()
     }
 
     /// Keeps what is kept between runs.
@@ -195,11 +174,7 @@ impl App {
 
     /// Tells the worker something.
     pub fn order(&self, order: Order) {
-        if matches!(order, Order::Cancel(_) | Order::Quit) {
-            self.shared.stop();
-        }
-        // It has ended when nobody listens; the window follows.
-        let _ = self.orders.send(order);
+        self.outbox.order(order);
     }
 
     /// Sends a line that a button, a slider or a key stands for.
@@ -213,18 +188,12 @@ impl App {
     }
 
     fn send(&mut self, text: String, origin: Origin) -> u64 {
-        if urgent(&text).is_some() {
-            self.shared.stop();
-        }
-        let name = text.split_whitespace().next().unwrap_or_default();
-        if MOVES_CAMERA.contains(&name) {
+        let (line, info) = self.outbox.line(text, origin);
+        if info.moves_camera {
             // It is elsewhere after that.
             self.motion = None;
         }
-        self.lines_sent += 1;
-        let gesture = if origin == Origin::Panel { self.gesture } else { 0 };
-        self.order(Order::Line(Line { text, origin, serial: self.lines_sent, gesture }));
-        self.lines_sent
+        line
     }
 
     /// Opens a scene's file.
@@ -239,8 +208,8 @@ impl App {
 
     /// A parameter's value, or what it will be.
     pub fn value(&self, parameter: &Parameter, model: &Model) -> Value {
-        match self.held.get(parameter.name) {
-            Some((Held::Value(value), _)) => *value,
+        match self.outbox.held(parameter.name) {
+            Some(Held::Value(value)) => value,
             _ => parameter.get(&model.settings),
         }
     }
@@ -248,13 +217,13 @@ impl App {
     /// Sets a parameter.
     pub fn set_value(&mut self, parameter: &Parameter, value: Value) {
         let line = self.line(format!("{} {value}", parameter.name));
-        self.held.insert(parameter.name.to_owned(), (Held::Value(value), line));
+        self.outbox.hold(parameter.name, Held::Value(value), line);
     }
 
     /// Numbers of something, or what they will be.
     pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
-        match self.held.get(key) {
-            Some((Held::Numbers(held), _)) => {
+        match self.outbox.held(key) {
+            Some(Held::Numbers(held)) => {
                 std::array::from_fn(|i| held.get(i).copied().unwrap_or(now[i]))
             }
             _ => now,
@@ -265,7 +234,7 @@ impl App {
     pub fn set_numbers<const N: usize>(&mut self, key: &str, numbers: [f32; N], command: String) {
         let line = self.line(command);
         let held = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
-        self.held.insert(key.to_owned(), (Held::Numbers(held), line));
+        self.outbox.hold(key, Held::Numbers(held), line);
     }
 
     /// Chooses something.
@@ -290,7 +259,7 @@ impl App {
 
     /// Shows all of what is chosen next.
     pub fn frame_next_choice(&mut self) {
-        self.frames_after = Some(self.selections);
+        self.frames_after = Some(self.seen.selections);
     }
 
     /// The camera, as it is or as it is being moved.
@@ -303,7 +272,7 @@ impl App {
 
     /// Moves the camera by hand.
     pub fn move_camera(&mut self, camera: Camera) {
-        self.order(Order::Camera(camera.clone(), self.opened));
+        self.order(Order::Camera(camera.clone(), self.seen.opened));
         self.motion = Some(Motion { camera, moved: Instant::now(), told: None });
     }
 
@@ -313,8 +282,8 @@ impl App {
         if motion.told.is_some() {
             return;
         }
-        if motion.moved.elapsed() < REST || ui.input(|input| input.pointer.any_down()) {
-            ui.ctx().request_repaint_after(REST);
+        if motion.moved.elapsed() < SETTLED || ui.input(|input| input.pointer.any_down()) {
+            ui.ctx().request_repaint_after(SETTLED);
             return;
         }
         let camera = motion.camera.clone();
@@ -327,32 +296,17 @@ impl App {
     /// Says how much room there is for the picture, px.
     pub fn set_room(&mut self, size: UVec2) {
         let size = if self.config.half_size { size / 2 } else { size };
-        let size = size.max(UVec2::ONE);
-        if size != self.size {
-            self.size = size;
-            self.order(Order::Size(size));
-        }
-    }
-
-    /// Takes times of stages where they are shown.
-    pub fn set_timed(&mut self, is_timed: bool) {
-        if is_timed != self.is_timed {
-            self.is_timed = is_timed;
-            self.order(Order::Timed(is_timed));
-        }
+        self.outbox.set_size(size.max(UVec2::ONE));
     }
 
     /// All of the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let model = self.published.model.clone();
-        if self.is_coarse != self.config.coarse_motion {
-            self.is_coarse = self.config.coarse_motion;
-            self.order(Order::Coarse(self.is_coarse));
-        }
+        self.outbox.set_coarse(self.config.coarse_motion);
         if let Some((number, line)) = &model.command_line
-            && *number != self.command_lines
+            && *number != self.seen.command_lines
         {
-            self.command_lines = *number;
+            self.seen.command_lines = *number;
             ui.ctx().copy_text(line.clone());
         }
         let is_held = |input: &egui::InputState| {
@@ -360,7 +314,7 @@ impl App {
             (pointer.any_down() || pointer.any_released()) && !pointer.any_pressed()
         };
         if !ui.input(is_held) {
-            self.gesture += 1;
+            self.outbox.end_gesture();
         }
         self.keys(ui, &model);
         let bar = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 4));
@@ -378,7 +332,8 @@ impl App {
                 Panel::right("right").frame(side).default_size(296.0).size_range(260.0..=460.0);
             panel.show(ui, |ui| is_timed = panels::right(ui, &model, self));
         }
-        self.set_timed(is_timed);
+        // Times of stages are taken where they are shown.
+        self.outbox.set_timed(is_timed);
         if self.config.console {
             let deep = Frame::new().fill(theme::DEEP).inner_margin(egui::Margin::symmetric(8, 4));
             let panel = Panel::bottom("console").frame(deep).resizable(true);

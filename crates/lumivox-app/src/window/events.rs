@@ -13,9 +13,9 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Fullscreen, Window, WindowId};
 
 use super::app::App;
+use super::orders::{Order, Wish};
 use super::surface::Surface;
-use super::worker::{self, Order, Wish};
-use super::{Start, theme};
+use super::{Start, theme, worker};
 
 /// What wakes the window.
 #[derive(Debug)]

@@ -12,8 +12,8 @@ use lumivox_render::reference::{PathTracer, ReferenceProgress, ReferenceSettings
 use lumivox_render::{Gpu, RenderSettings, ToneMap};
 use lumivox_scene::{Camera, Environment, Instance, Light, Material, Scene};
 
+use super::orders::Order;
 use super::reload::Watched;
-use super::worker::Order;
 use crate::progress::{Progress, Watch};
 
 /// A scene that is being read.

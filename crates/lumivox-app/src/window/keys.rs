@@ -6,8 +6,8 @@ use super::app::App;
 use super::gizmo;
 use super::lines::quoted;
 use super::model::{Model, Selected};
+use super::orders::Order;
 use super::panels::{self, console};
-use super::worker::Order;
 
 impl App {
     /// Keys that work anywhere, and those that work while nobody types.

@@ -1,7 +1,6 @@
-//! Lines on their way to the console: of several that set the same thing, the last counts.
+//! Lines on their way to the console.
 
-use lumivox_console::quote;
-use lumivox_render::parameters::Parameter;
+use lumivox_console::{LineInfo, quote};
 
 pub use lumivox_console::words;
 
@@ -31,67 +30,10 @@ pub struct Line {
     pub gesture: u64,
 }
 
-/// Commands that set something to what they say and nothing else, by how many of their words name it.
-const SETTERS: [(&str, usize); 12] = [
-    ("camera", 1),
-    ("compare_with", 1),
-    ("environment", 1),
-    ("environment_rotation", 1),
-    ("light", 3),
-    ("material", 3),
-    ("place", 2),
-    ("select", 1),
-    ("size", 1),
-    ("sky", 1),
-    ("static", 2),
-    ("time", 1),
-];
-
-/// What a line sets, where it does nothing but that: a later one with the same target makes it superfluous.
-pub fn target(text: &str) -> Option<String> {
-    let words = words(text)?;
-    let name = words.first()?;
-    let setter = SETTERS.iter().find(|(setter, _)| setter == name);
-    let named_by = match setter {
-        Some((_, named_by)) => *named_by,
-        None if Parameter::find(name).is_some() => 1,
-        None => return None,
-    };
-    (words.len() > named_by).then(|| words[..named_by].join("\u{0}"))
-}
-
-/// Leaves out what later lines of the panels do again. What is not of a panel, or does more than to set something, stays
-/// where it is, and nothing moves past it.
-pub fn coalesce(lines: Vec<Line>) -> Vec<Line> {
-    let mut kept: Vec<(Option<String>, Line)> = Vec::new();
-    for line in lines {
-        let target = if line.origin == Origin::Panel { target(&line.text) } else { None };
-        if target.is_some() {
-            let run = kept.iter().rposition(|(target, _)| target.is_none()).map_or(0, |at| at + 1);
-            if let Some(same) = kept[run..].iter().position(|(other, _)| *other == target) {
-                kept.remove(run + same);
-            }
-        }
-        kept.push((target, line));
-    }
-    kept.into_iter().map(|(_, line)| line).collect()
-}
-
-/// What does not wait for lines before it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Urgent {
-    /// Stop what is under way.
-    Cancel,
-    /// End.
-    Quit,
-}
-
-/// Whether a line is such.
-pub fn urgent(text: &str) -> Option<Urgent> {
-    match text.trim() {
-        "cancel" => Some(Urgent::Cancel),
-        "quit" | "exit" | "q" => Some(Urgent::Quit),
-        _ => None,
+impl Line {
+    /// The target that it sets, if a later line may supersede it: typed lines are all run.
+    pub fn target(&self) -> Option<String> {
+        if self.origin == Origin::Panel { LineInfo::of(&self.text).target } else { None }
     }
 }
 
@@ -113,58 +55,13 @@ pub fn quoted(word: &str) -> String {
 mod tests {
     use super::*;
 
-    fn after(lines: &[(&str, Origin)]) -> Vec<String> {
-        let lines = lines.iter().enumerate().map(|(serial, (text, origin))| Line {
-            text: (*text).to_owned(),
-            origin: *origin,
-            serial: serial as u64 + 1,
-            gesture: 0,
-        });
-        coalesce(lines.collect()).into_iter().map(|line| line.text).collect()
-    }
-
-    fn of_panels(lines: &[&str]) -> Vec<String> {
-        after(&lines.iter().map(|line| (*line, Origin::Panel)).collect::<Vec<_>>())
-    }
-
-    #[test]
-    fn the_last_value_of_a_parameter_counts() {
-        let lines = ["bounces 1", "exposure 2", "bounces 2", "bounces 3"];
-        assert_eq!(of_panels(&lines), ["exposure 2", "bounces 3"]);
-    }
-
-    #[test]
-    fn objects_are_told_apart() {
-        let lines =
-            ["place a 1 0 0 0 0 0 1", "place \"b c\" 1 0 0 0 0 0 1", "place a 2 0 0 0 0 0 1"];
-        assert_eq!(of_panels(&lines), [lines[1], lines[2]]);
-        let lines =
-            ["light lamp position 1 2 3", "light lamp color 1 1 1", "light lamp position 4 5 6"];
-        assert_eq!(of_panels(&lines), [lines[1], lines[2]]);
-    }
-
-    #[test]
-    fn nothing_moves_past_what_does_more() {
-        let lines = ["bounces 1", "preset high", "bounces 2"];
-        assert_eq!(of_panels(&lines), lines);
-        // These add up, or print.
-        for lines in [["translate a 1 0 0", "translate a 1 0 0"], ["bounces", "bounces"]] {
-            assert_eq!(of_panels(&lines), lines);
-        }
-    }
-
     #[test]
     fn what_somebody_typed_is_done_as_it_was_typed() {
-        for origin in [Origin::Pane, Origin::Terminal] {
-            let lines = [("bounces 1", origin), ("bounces 2", origin)];
-            assert_eq!(after(&lines), ["bounces 1", "bounces 2"]);
+        let line = |origin| Line { text: "bounces 1".to_owned(), origin, serial: 1, gesture: 0 };
+        assert!(line(Origin::Panel).target().is_some());
+        for origin in [Origin::Pane, Origin::Terminal, Origin::Script] {
+            assert_eq!(line(origin).target(), None);
         }
-        let lines = [
-            ("bounces 1", Origin::Panel),
-            ("bounces 2", Origin::Pane),
-            ("bounces 3", Origin::Panel),
-        ];
-        assert_eq!(after(&lines).len(), 3);
     }
 
     #[test]
@@ -175,13 +72,6 @@ mod tests {
             let output = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();
             assert_eq!(String::from_utf8(output.stdout).unwrap(), word);
         }
-    }
-
-    #[test]
-    fn what_is_urgent_is_told_from_what_only_looks_like_it() {
-        assert_eq!(urgent(" quit "), Some(Urgent::Quit));
-        assert_eq!(urgent("cancel"), Some(Urgent::Cancel));
-        assert_eq!(urgent("echo quit"), None);
     }
 
     #[test]

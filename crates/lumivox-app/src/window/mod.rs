@@ -13,6 +13,7 @@
 //! | `app.rs` | the window's state and its layout; `panels/`: what is in it |
 //! | `events.rs` | the event loop |
 //! | `surface.rs` | the window's device |
+//! | `orders.rs`, `outbox.rs` | what goes between the window and the worker |
 //! | `worker/` | the thread that renders |
 //! | `model.rs` | what the panels show |
 //! | `keys.rs` | what keys do |
@@ -33,6 +34,8 @@ mod jobs;
 mod keys;
 mod lines;
 mod model;
+mod orders;
+mod outbox;
 mod panels;
 mod priority;
 mod reload;

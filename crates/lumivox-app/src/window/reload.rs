@@ -8,7 +8,7 @@ use std::time::Duration;
 use lumivox_scene::may_name;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
-use super::worker::Order;
+use super::orders::Order;
 
 /// Changes within this time are one: programs write files in pieces.
 const QUIET: Duration = Duration::from_millis(250);

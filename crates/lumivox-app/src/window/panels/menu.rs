@@ -5,8 +5,8 @@ use lumivox_scene::builtin;
 
 use crate::window::app::App;
 use crate::window::model::Model;
+use crate::window::orders::Order;
 use crate::window::theme;
-use crate::window::worker::Order;
 
 /// Menus, and what is used most.
 pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {

@@ -16,7 +16,7 @@ use crate::window::app::App;
 use crate::window::gizmo::{self, Handle, Mode, Projection};
 use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model, ObjectModel, SceneModel, Selected};
-use crate::window::worker::Order;
+use crate::window::orders::Order;
 use crate::window::{camera, theme};
 
 /// A drag over the picture's height turns by this, rad.

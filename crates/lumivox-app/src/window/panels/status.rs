@@ -9,8 +9,8 @@ use super::icons::{self, Icon};
 use super::widgets::count;
 use crate::window::app::App;
 use crate::window::model::{Model, RENDERING};
+use crate::window::orders::Order;
 use crate::window::theme;
-use crate::window::worker::Order;
 
 /// How often times are told anew. What turns by itself would be painted all the time, with the cores that are waited for.
 const TICK: Duration = Duration::from_millis(250);

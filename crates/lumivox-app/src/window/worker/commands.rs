@@ -2,48 +2,16 @@
 
 use anyhow::bail;
 use glam::Vec2;
-use lumivox_console::{Failure, suggest};
+use lumivox_console::{Edits, Failure, LineInfo, suggest};
 use lumivox_render::{RenderSettings, View};
-use lumivox_scene::Picker;
 
-use super::{Wish, Worker};
+use super::Worker;
 use crate::window::lines::{self, quoted};
 use crate::window::model::{Comparand, LogKind, Selected};
+use crate::window::orders::Wish;
 
 /// Samples of a reference where nobody says otherwise.
 const SAMPLES: u32 = 256;
-
-/// Commands that change what a scene that is read again does not keep.
-const DROPPED: [&str; 8] = [
-    "material",
-    "light",
-    "add_light",
-    "remove_light",
-    "sky",
-    "environment",
-    "environment_rotation",
-    "setmat",
-];
-
-/// Commands that change nothing of the scene.
-const HARMLESS: [&str; 16] = [
-    "camera",
-    "cancel",
-    "compare",
-    "compare_with",
-    "echo",
-    "fullscreen",
-    "help",
-    "pos1",
-    "pos2",
-    "reload",
-    "screenshot",
-    "script",
-    "select",
-    "size",
-    "times",
-    "wait",
-];
 
 impl Worker {
     /// Runs a command of the window; `None` where it is none.
@@ -54,7 +22,9 @@ impl Worker {
         let done = match *name {
             "select" => self.select(arguments),
             "compare_with" => self.compare_with(arguments),
-            "times" if !self.stage_totals.is_empty() => self.stage_totals.table(arguments),
+            "times" if !self.pictures.times.totals.is_empty() => {
+                self.pictures.times.totals.table(arguments)
+            }
             "reload" => {
                 self.reload();
                 Ok(String::new())
@@ -64,8 +34,7 @@ impl Worker {
                 Ok(String::new())
             }
             "fullscreen" if arguments.is_empty() => {
-                self.shared.change(|published| published.wish = Some(Wish::FullScreen));
-                (self.wake)();
+                self.publisher.publish(|published| published.wish = Some(Wish::FullScreen));
                 Ok(String::new())
             }
             "fullscreen" => {
@@ -74,8 +43,7 @@ impl Worker {
             // For tests of what happens when a driver goes.
             "lose_device" => {
                 if arguments == ["window"] {
-                    self.shared.change(|published| published.wish = Some(Wish::LoseDevice));
-                    (self.wake)();
+                    self.publisher.publish(|published| published.wish = Some(Wish::LoseDevice));
                 } else {
                     self.console.explorer.gpu().device.destroy();
                 }
@@ -97,16 +65,14 @@ impl Worker {
                  quote it if it has spaces"
             )),
         };
-        self.selected = selected;
-        self.selections += 1;
         // The camera turns about what is chosen, not about what was clicked before.
-        self.picked_at = None;
+        self.session.selection.choose(selected, None);
         Ok(String::new())
     }
 
     /// What has a name: of one kind, or whatever it is.
     fn find(&mut self, name: &str, kind: &str) -> anyhow::Result<Selected> {
-        let model = self.scene();
+        let model = self.session.view.model(&self.console);
         let objects =
             model.iter().flat_map(|scene| &scene.objects).map(|object| object.name.as_str());
         let lights = model.iter().flat_map(|scene| &scene.lights).map(|(name, _)| name.as_str());
@@ -134,7 +100,7 @@ impl Worker {
         };
         let comparand = match arguments {
             [] => {
-                return Ok(match self.comparand {
+                return Ok(match self.pictures.comparand {
                     Comparand::Nothing => "compare_with nothing".to_owned(),
                     Comparand::View(view) => format!("compare_with {}", view.name()),
                     Comparand::Reference(samples) => format!("compare_with reference {samples}"),
@@ -167,11 +133,10 @@ impl Worker {
     pub(super) fn pick(&mut self, at: Vec2) {
         let explorer = &self.console.explorer;
         let Some(scene) = explorer.scene() else { return };
-        let picker = self.picker.get_or_insert_with(|| Picker::new(scene));
+        let picker = self.session.view.picker(scene);
         let size = explorer.size();
         let (origin, direction) = explorer.camera().ray(at * size.as_vec2(), size);
         let pick = picker.pick(origin, direction);
-        self.picked_at = pick.map(|pick| pick.position);
         let names = explorer.object_names();
         let selected =
             pick.and_then(|pick| names.into_iter().nth(pick.instance)).map(Selected::Object);
@@ -179,29 +144,25 @@ impl Worker {
             Some(selected) => format!("select {}", quoted(selected.name())),
             None => "select".to_owned(),
         };
-        self.log.add(LogKind::Command, &line);
-        self.selected = selected;
-        self.selections += 1;
+        self.messages.log.add(LogKind::Command, &line);
+        self.session.selection.choose(selected, pick.map(|pick| pick.position));
     }
 
     /// Remembers what a line has made untrue.
     pub(super) fn note_edits(&mut self, line: &str) {
-        let name = line.split_whitespace().next().unwrap_or_default();
-        let is_setting = lumivox_render::parameters::Parameter::find(name).is_some();
-        if !is_setting && name != "store" && !HARMLESS.contains(&name) {
-            self.forget_scene();
-            self.names_are_old = true;
+        let edits = LineInfo::of(line).edits;
+        if edits != Edits::Nothing {
+            self.session.view.change();
         }
-        self.names_are_old |= name == "store";
-        self.has_edits |= DROPPED.contains(&name);
+        self.session.has_edits |= edits == Edits::Look;
     }
 
     /// The command line that reproduces the picture, from the console's `script`.
     pub(super) fn tell_command_line(&mut self) {
-        self.set_size(self.full_size);
+        self.set_size(self.pictures.full_size());
         let script = match pollster::block_on(self.console.run("script")) {
             Ok(reply) => reply.text,
-            Err(error) => return self.fail(&error),
+            Err(error) => return self.messages.fail(&error),
         };
         let mut words = vec!["lumivox".to_owned(), "run".to_owned()];
         for line in
@@ -210,9 +171,6 @@ impl Worker {
             words.extend(["-c".to_owned(), lines::shell_quoted(line)]);
         }
         words.extend(["-c".to_owned(), lines::shell_quoted("screenshot picture.png")]);
-        let number = self.command_line.as_ref().map_or(0, |(number, _)| *number) + 1;
-        let line = words.join(" ");
-        self.log.add(LogKind::Note, &format!("copied: {line}"));
-        self.command_line = Some((number, line));
+        self.messages.copy(words.join(" "));
     }
 }

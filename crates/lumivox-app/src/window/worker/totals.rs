@@ -1,10 +1,43 @@
-//! Times of stages, summed up: the window takes those of each frame apart, and `times` tells the mean.
+//! Times of frames for the panels, and sums of the times of stages: `times` prints their mean.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use lumivox::gpu::StageTime;
 use lumivox_console::Failure;
 use lumivox_console::report::Times;
+
+use crate::window::model::{FrameTime, KEPT_FRAMES};
+
+/// Times of the last frames, and of the stages of all.
+#[derive(Debug, Default)]
+pub struct FrameLog {
+    frames: VecDeque<FrameTime>,
+    pub totals: StageTotals,
+}
+
+impl FrameLog {
+    /// Adds a frame. The first one of a renderer, which is made for it, is not kept.
+    pub fn add(&mut self, total: Duration, stages: &[StageTime], is_first: bool) {
+        self.totals.add(stages);
+        if is_first {
+            return;
+        }
+        let mut time = FrameTime { total_ms: total.as_secs_f32() * 1e3, ..FrameTime::default() };
+        for stage in stages {
+            time.add(stage.stage, stage.duration.as_secs_f32() * 1e3);
+        }
+        if self.frames.len() == KEPT_FRAMES {
+            self.frames.pop_front();
+        }
+        self.frames.push_back(time);
+    }
+
+    /// The last frames.
+    pub fn frames(&self) -> Vec<FrameTime> {
+        self.frames.iter().copied().collect()
+    }
+}
 
 /// Sums of the times of passes, with how many frames had them.
 #[derive(Debug, Default)]
@@ -63,6 +96,16 @@ impl StageTotals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_frames_are_kept() {
+        let mut log = FrameLog::default();
+        for ms in 0..=KEPT_FRAMES as u64 + 1 {
+            log.add(Duration::from_millis(ms), &[], ms == 0);
+        }
+        let frames = log.frames();
+        assert_eq!((frames.len(), frames[0].total_ms), (KEPT_FRAMES, 2.0));
+    }
 
     #[test]
     fn means_are_over_the_frames_that_had_a_pass() {
