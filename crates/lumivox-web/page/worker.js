@@ -3,7 +3,6 @@
 // the page. It renders frame after frame until the picture is complete, then sleeps until something changes. All uses
 // of the package's API are here.
 
-import { LastOf, Together } from "./coalesce.js";
 import init, { builtinScenes, createRenderer, parameters, presets } from "./lumivox/lumivox.js";
 
 /** @typedef {import("./lumivox/lumivox.js").Renderer} Renderer */
@@ -14,6 +13,7 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").MaterialChange} MaterialChange */
 /** @typedef {import("./types.js").Memory} Memory */
 /** @typedef {import("./types.js").Opened} Opened */
+/** @typedef {import("./types.js").Progress} Progress */
 /** @typedef {import("./types.js").Ran} Ran */
 /** @typedef {import("./types.js").SceneInfo} SceneInfo */
 /** @typedef {import("./types.js").SceneOptions} SceneOptions */
@@ -21,12 +21,10 @@ import init, { builtinScenes, createRenderer, parameters, presets } from "./lumi
 /** @typedef {import("./types.js").Source} Source */
 /** @typedef {import("./types.js").Split} Split */
 /** @typedef {import("./types.js").Stepped} Stepped */
-/** @typedef {import("./coalesce.js").OnProgress} OnProgress */
+/** @typedef {(progress: Progress) => void} OnProgress */
 
-/** A frame that takes longer, ms, has fewer pixels while the camera moves: as in the window. */
-const SLOW_MS = 100;
-/** The camera stands still after this time without a change, ms. */
-const STILL_MS = 250;
+/** A device that is lost says so within this time after a frame has failed, ms. */
+const LOSS_MS = 250;
 /** A browser that wants no picture for this time, ms, gets one all the same. */
 const UNASKED_MS = 500;
 /** A device that is lost so often without a frame in between is not asked for again by itself. */
@@ -36,16 +34,13 @@ const LOSSES = 3;
 let renderer;
 let number = 0;
 let isReady = false;
-let isPlaying = false;
 let isComplete = false;
 let isLost = false;
 let losses = 0;
-/** @type {Camera | null} */
-let camera = null;
+/** Where the camera is at the next frame. @type {{ camera: Camera, isMoving: boolean } | null} */
+let place = null;
 /** Cancels what is being loaded. */
 let loading = new AbortController();
-
-const size = { width: 1, height: 1, factor: 1, coarser: true, movedAt: -Infinity, fullMs: 0 };
 
 /** @param {string} event @param {unknown} data */
 const tell = (event, data) => self.postMessage({ event, data });
@@ -60,9 +55,6 @@ function changed() {
     wake();
 }
 
-const last = new LastOf(changed);
-const together = new Together((changes, onProgress) => renderer.set(changes, onProgress), changed);
-
 /** Until the browser wants another picture; a hidden page wants few. After its GPU process has crashed Chromium asks no
  * more, but takes what it is given. */
 const nextPicture = () => new Promise((resolve) => {
@@ -72,7 +64,7 @@ const nextPicture = () => new Promise((resolve) => {
 
 async function frames() {
     for (;;) {
-        if (!isReady || isLost || (isComplete && !isPlaying && size.factor === 1)) {
+        if (!isReady || isLost || isComplete) {
             await new Promise((/** @type {(value?: undefined) => void} */ resolve) => (wake = resolve));
             wake = () => {};
             continue;
@@ -80,37 +72,21 @@ async function frames() {
         try {
             // What changes from here on sets it to false.
             isComplete = true;
-            await fitSize();
-            const asked = camera;
-            camera = null;
-            if (asked) await renderer.setCamera(asked);
+            const asked = place;
+            place = null;
+            if (asked) await renderer.setCamera(asked.camera, asked.isMoving);
             const report = await renderer.render();
             isComplete = isComplete && report.complete;
             losses = 0;
-            if (size.factor === 1) size.fullMs = report.frame_ms;
-            tell("frame", { ...report, complete: isComplete && !isPlaying && size.factor === 1 });
+            tell("frame", { ...report, complete: isComplete });
         } catch (error) {
             isComplete = true;
             // A lost device makes the frame fail before it tells of itself.
-            await new Promise((resolve) => setTimeout(resolve, STILL_MS));
+            await new Promise((resolve) => setTimeout(resolve, LOSS_MS));
             if (!isLost) tell("error", failure(error));
         }
         await nextPicture();
     }
-}
-
-/** Fewer pixels while the camera moves, if frames are slow. */
-async function fitSize() {
-    const isMoving = performance.now() - size.movedAt < STILL_MS;
-    const factor = isMoving && size.coarser && size.fullMs > SLOW_MS ? 0.5 : 1;
-    if (factor === size.factor) return;
-    size.factor = factor;
-    await applySize();
-}
-
-function applySize() {
-    const side = (/** @type {number} */ pixels) => Math.max(1, Math.round(pixels * size.factor));
-    return renderer.resize(side(size.width), side(size.height));
 }
 
 // --- A lost device -------------------------------------------------------------------------------------------------
@@ -165,7 +141,6 @@ const everything = async () => {
 /** Takes a step back or does it again; gives all that may be another now.
  * @param {"undo" | "redo"} way @returns {Promise<Stepped>} */
 async function step(way) {
-    await last.settled();
     const words = await renderer[way]();
     return { words, ...(await everything()) };
 }
@@ -193,9 +168,8 @@ const calls = {
         const options = { ...data.options, panorama, signal, camera: data.camera };
         const scene = /** @type {SceneInfo} */ (await renderer.loadScene(sourceFor(data.source), onProgress, options));
         number += 1;
-        camera = null;
+        place = null;
         isReady = true;
-        isPlaying = false;
         return { scene, materials: await renderer.materials(), settings: await renderer.settings(), number };
     },
     /** @param {Source} source @param {OnProgress} onProgress */
@@ -209,7 +183,7 @@ const calls = {
     },
     /** @param {Settings} changes @param {OnProgress} onProgress */
     async set(changes, onProgress) {
-        await together.set(changes, onProgress);
+        await renderer.set(changes, onProgress);
         return outcome();
     },
     /** @param {string} name @param {OnProgress} onProgress */
@@ -221,29 +195,28 @@ const calls = {
      * @param {{ camera: Camera, number: number, isMoving: boolean }} data */
     async camera(data) {
         if (data.number !== number) return;
-        camera = data.camera;
-        if (data.isMoving) size.movedAt = performance.now();
+        place = data;
     },
     /** @param {{ width: number, height: number, coarser: boolean }} data */
-    async resize(data) {
-        Object.assign(size, data);
-        await last.run("size", applySize);
+    async resize({ width, height, coarser }) {
+        await renderer.setCoarseMotion(coarser);
+        await renderer.resize(width, height);
     },
     /** @param {Split | null} split */
     async split(split) {
-        await last.run("split", () => renderer.setSplit(split));
+        await renderer.setSplit(split);
     },
     /** @param {{ index: number, light: Light }} data */
     async light({ index, light }) {
-        await last.run(`light ${index}`, () => renderer.setLight(index, light));
+        await renderer.setLight(index, light);
     },
     /** @param {EnvironmentChange} change */
     async environment(change) {
-        await last.run(`environment ${Object.keys(change)}`, () => renderer.setEnvironment(change));
+        await renderer.setEnvironment(change);
     },
     /** @param {{ index: number, change: MaterialChange }} data */
     async material({ index, change }) {
-        await last.run(`material ${index} ${Object.keys(change)}`, () => renderer.setMaterial(index, change));
+        await renderer.setMaterial(index, change);
     },
     /** What is at a place of the picture. @param {{ x: number, y: number }} place */
     async pick({ x, y }) {
@@ -266,7 +239,6 @@ const calls = {
     /** @param {number | null} animation */
     async play(animation) {
         await renderer.play(animation);
-        isPlaying = animation !== null;
     },
     /** @param {number} seconds */
     async time(seconds) {
@@ -281,7 +253,6 @@ const calls = {
     },
     /** Lines of the console. @param {string} line @param {OnProgress} onProgress @returns {Promise<Ran>} */
     async run(line, onProgress) {
-        await last.settled();
         const signal = another();
         const before = JSON.stringify(await renderer.camera());
         /** @type {{ text: string, files: File[], opened?: string, failed?: string }} */
@@ -297,9 +268,9 @@ const calls = {
         if (ran.opened !== undefined) number += 1;
         const now = await everything();
         isReady = now.scene !== undefined;
-        const place = /** @type {Camera} */ (await renderer.camera());
-        const moved = ran.opened !== undefined || JSON.stringify(place) !== before;
-        return { ...ran, ...now, number, preset: await renderer.preset(), camera: moved ? place : undefined };
+        const camera = /** @type {Camera} */ (await renderer.camera());
+        const moved = ran.opened !== undefined || JSON.stringify(camera) !== before;
+        return { ...ran, ...now, number, preset: await renderer.preset(), camera: moved ? camera : undefined };
     },
     /** @param {string} line up to the cursor */
     async complete(line) {
@@ -309,7 +280,6 @@ const calls = {
     redo: () => step("redo"),
     /** What comes after is a step of its own. */
     async endGesture() {
-        await last.settled();
         await renderer.endGesture();
     },
     /** The picture as a PNG. */

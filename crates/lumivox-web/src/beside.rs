@@ -1,14 +1,11 @@
 //! What is beside the picture: another view of it, or the path-traced reference as it gets better.
-//!
-//! With another view the two take turns. After a change each gets one frame, so that both halves show the same moment, then
-//! the left is completed, then the right, and both stand until something changes again. Frames that alternated all the
-//! time would start their means anew each time, and neither picture would get better.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
 
 use glam::UVec2;
 use lumivox::gpu::Texture;
+use lumivox_explorer::{Side, SplitSchedule};
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{Exposure, Gpu, Picture, View};
 use web_time::Instant;
@@ -65,22 +62,6 @@ impl Right {
     }
 }
 
-/// Whose turn it is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Turn {
-    /// One frame of the left.
-    #[default]
-    First,
-    /// One frame of the right.
-    FirstRight,
-    /// The rest of the left.
-    Left,
-    /// The rest of the right.
-    Right,
-    /// Nobody's: all is there.
-    Over,
-}
-
 /// A finished picture that stands.
 #[derive(Debug)]
 struct Still {
@@ -121,7 +102,7 @@ pub struct Beside {
     pub right: Right,
     /// Where it begins, from 0 to 1.
     pub at: f32,
-    turn: Turn,
+    schedule: SplitSchedule,
     left_still: Option<Still>,
     right_still: Option<Still>,
     tracer: Option<Box<PathTracer>>,
@@ -130,12 +111,18 @@ pub struct Beside {
 impl Beside {
     /// Nothing of it is there yet.
     pub fn new(right: Right, at: f32) -> Self {
-        Self { right, at, turn: Turn::First, left_still: None, right_still: None, tracer: None }
+        let schedule = SplitSchedule::default();
+        Self { right, at, schedule, left_still: None, right_still: None, tracer: None }
     }
 
     /// The picture has changed.
     pub fn start_again(&mut self) {
-        self.turn = Turn::First;
+        self.schedule.start_again();
+    }
+
+    /// The scene has changed by itself.
+    pub fn scene_changed(&mut self) {
+        self.schedule.scene_changed();
     }
 
     /// The scene has changed, or where it is seen from: a reference would be one of something else.
@@ -174,43 +161,37 @@ impl Beside {
         }
     }
 
-    /// Does what is next; `true` once nothing is left to do.
+    /// Does what is next; `true` once nothing is left to do. Pictures that are changing are not completed.
     ///
     /// # Errors
     /// When a view is refused, or the device fails.
-    pub async fn advance(&mut self, session: &mut Session) -> Result<bool, WebError> {
+    pub async fn advance(
+        &mut self,
+        session: &mut Session,
+        is_changing: bool,
+    ) -> Result<bool, WebError> {
         match self.right {
-            Right::View(view) => self.advance_view(session, view).await,
+            Right::View(view) => self.advance_view(session, view, is_changing).await,
             Right::Reference(samples) => self.advance_reference(session, samples).await,
         }
     }
 
-    async fn advance_view(&mut self, session: &mut Session, view: View) -> Result<bool, WebError> {
-        let is_playing = session.explorer().playback().is_playing;
-        match self.turn {
-            Turn::First => {
+    async fn advance_view(
+        &mut self,
+        session: &mut Session,
+        view: View,
+        is_changing: bool,
+    ) -> Result<bool, WebError> {
+        let has_rendered = match self.schedule.next() {
+            Some(Side::Left) => {
                 self.left_still = None;
-                session.render_view(session.view()).await?;
-                self.turn = Turn::FirstRight;
+                session.render_view(session.view()).await?
             }
-            Turn::FirstRight => {
-                self.render_right(session, view).await?;
-                self.turn = if is_playing { Turn::First } else { Turn::Left };
-            }
-            Turn::Left => {
-                self.left_still = None;
-                if !session.render_view(session.view()).await? {
-                    self.turn = Turn::Right;
-                }
-            }
-            Turn::Right => {
-                if !self.render_right(session, view).await? {
-                    self.turn = Turn::Over;
-                }
-            }
-            Turn::Over => {}
-        }
-        Ok(self.turn == Turn::Over)
+            Some(Side::Right) => self.render_right(session, view).await?,
+            None => return Ok(true),
+        };
+        self.schedule.advance(has_rendered, is_changing);
+        Ok(self.schedule.next().is_none())
     }
 
     /// One frame of the right, after what is on the left was kept.

@@ -29,15 +29,13 @@ impl Session {
     /// As the command has it.
     pub async fn run_line(&mut self, line: &str, listener: &Listener) -> Result<Reply, WebError> {
         self.show_view_of_left()?;
-        let size = self.explorer().size();
+        self.fit(self.full_size(), listener).await?;
+        let size = self.full_size();
         self.console.on_progress(hearer(listener));
         let reply = self.console.run(line).await;
         self.console.on_progress(Box::new(|_| ControlFlow::Continue(())));
         self.view = self.explorer().settings().view;
-        if self.explorer().size() != size {
-            let size = self.explorer().size();
-            self.presenter.resize(self.console.explorer.gpu(), size);
-        }
+        self.follow_size(size);
         self.picker = None;
         self.follow_light();
         self.change();

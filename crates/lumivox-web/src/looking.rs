@@ -50,8 +50,8 @@ impl Session {
 
     /// How bright the picture's pixels were when it was exposed last.
     pub fn histogram(&self) -> Option<HistogramInfo> {
-        let histogram = self.histogram?;
-        Some(HistogramInfo::new(&histogram, self.exposing.stops()))
+        let (histogram, stops) = self.meter.histogram()?;
+        Some(HistogramInfo::new(&histogram, stops))
     }
 }
 

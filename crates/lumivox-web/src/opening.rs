@@ -1,24 +1,17 @@
 //! Another scene in the place of the last: decided how it is seen, shown coarsely at once, then as it was asked for.
 
-use std::cell::OnceCell;
-
-use glam::UVec2;
-use lumivox_console::values::camera::{CameraChoice, resolve_with};
-use lumivox_console::{Opening, Ready, SceneSource};
-use lumivox_explorer::{Opened, first_look};
+use lumivox_console::values::camera::CameraChoice;
+use lumivox_console::{Opening, SceneSource};
+use lumivox_explorer::{ExposureMeter, first_look};
 use lumivox_render::RenderSettings;
-use lumivox_scene::{Scene, SightOptions};
+use lumivox_scene::Scene;
 
 use crate::error::WebError;
-use crate::exposing::Exposing;
 use crate::listener::Listener;
 use crate::load::Loaded;
 use crate::session::{Session, no_scene, tell_of};
 use crate::staged::Staged;
 use crate::types::{Camera, SceneInfo, SceneOptions, of_panorama};
-
-/// The first picture of a scene has so many times fewer pixels along each edge.
-const COARSE_SIZE: u32 = 4;
 
 impl Session {
     /// Shows another scene, unless it is cancelled before the last one has to go.
@@ -62,14 +55,8 @@ impl Session {
         listener: &Listener,
     ) -> Result<(), WebError> {
         let before = (scene.instances.len(), scene.lights.len());
-        let framing = OnceCell::new();
-        let camera = opening.camera.as_ref();
-        let camera =
-            camera.map(|_| resolve_with(camera, &scene, opening.aspect, &framing)).transpose()?;
-        let staging = opening.light.staging();
-        let options = SightOptions { camera, aspect: opening.aspect, staging };
-        let mut tell = tell_of(listener);
-        let opened = Opened::surveyed(scene, &options, &framing, &mut tell)?;
+        let ready = opening.ready(scene, &mut tell_of(listener))?;
+        let opened = &ready.opened;
         let first = opened.camera().clone();
         let place = match place {
             None => None,
@@ -82,25 +69,26 @@ impl Session {
         self.notes.extend(notes);
         self.notes
             .extend(opened.notes().iter().map(|note| format!("{}: {}", note.about, note.text)));
-        self.console.open(Ready { opening, opened });
+        self.console.open(ready);
         if let Some(place) = place {
             self.console.explorer.set_camera(place);
         }
-        self.exposing = Exposing::default();
+        self.meter = ExposureMeter::default();
+        self.pacing.scene_opened();
         self.picker = None;
         self.follow_light();
         self.change();
-        self.preview(listener).await?;
+        let shown = self.preview(listener).await;
+        self.pacing.first_shown();
+        shown?;
         self.update(listener).await
     }
 
     /// A first picture of few pixels and voxels, while what is asked for takes its time.
     async fn preview(&mut self, listener: &Listener) -> Result<(), WebError> {
         let asked = RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
-        let coarse = RenderSettings {
-            size: (asked.size / COARSE_SIZE).max(UVec2::ONE),
-            ..first_look(&asked)
-        };
+        let coarse =
+            RenderSettings { size: self.pacing.size(self.full_size()), ..first_look(&asked) };
         if !self.view.is_light() || self.console.explorer.set_settings(coarse).is_err() {
             return Ok(());
         }
@@ -112,7 +100,6 @@ impl Session {
         };
         let shown = shown.await;
         self.console.explorer.set_settings(asked)?;
-        self.exposing.start_again();
         shown
     }
 }

@@ -144,6 +144,11 @@ impl Presenter {
         &self.canvas
     }
 
+    /// Width and height of the canvas, px.
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
     /// Gives the canvas another size, px.
     pub fn resize(&mut self, gpu: &Gpu, size: UVec2) {
         self.canvas.resize(size);

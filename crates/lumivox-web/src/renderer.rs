@@ -1,10 +1,12 @@
 //! The class and the functions that JavaScript sees.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use async_lock::{Mutex, MutexGuard};
 use glam::{UVec2, Vec2};
+use lumivox_explorer::ChangeQueue;
 use lumivox_render::PresetChoice;
 use tsify::{Ts, Tsify};
 use wasm_bindgen::prelude::*;
@@ -114,14 +116,17 @@ pub async fn create_renderer(
         })?),
     };
     let session = Session::new(canvas).await?;
-    Ok(Renderer { session: Rc::new(Mutex::new(session)) })
+    Ok(Renderer { session: Rc::new(Mutex::new(session)), changes: RefCell::default() })
 }
 
-/// Shows a scene with global illumination on a canvas. Calls may overlap: each waits for those before it.
+/// Shows a scene with global illumination on a canvas. Calls may overlap: each waits for those before it, and one that
+/// sets something is left out where a later one that waits sets the same.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Renderer {
     session: Rc<Mutex<Session>>,
+    /// Calls that wait and only set something.
+    changes: RefCell<ChangeQueue<()>>,
 }
 
 #[wasm_bindgen]
@@ -179,8 +184,10 @@ impl Renderer {
     /// Changes what is around the scene: strength and turn of a panorama, or plain light.
     #[wasm_bindgen(js_name = setEnvironment)]
     pub async fn set_environment(&self, change: Ts<EnvironmentChange>) -> Result<(), JsValue> {
+        let target = format!("environment {}", keys(&change.js_value()));
         let change = from_js(&change, "a change of surroundings")?;
-        Ok(self.session().await.set_environment(&change)?)
+        let Some(mut session) = self.change(target).await else { return Ok(()) };
+        Ok(session.set_environment(&change)?)
     }
 
     /// Does what a line of the console says, or a script of several: see the list of commands. Scenes that it loads are
@@ -247,7 +254,10 @@ impl Renderer {
             tsify::serde_wasm_bindgen::from_value(changes).map_err(|error| {
                 WebError::value(format!("settings are an object of names and values: {error}"))
             })?;
-        Ok(self.session().await.set(&changes, &Listener::new(on_progress)).await?)
+        let names: Vec<&str> = changes.keys().map(String::as_str).collect();
+        let target = format!("settings {}", names.join(" "));
+        let Some(mut session) = self.change(target).await else { return Ok(()) };
+        Ok(session.set(&changes, &Listener::new(on_progress)).await?)
     }
 
     /// The preset that the settings started from.
@@ -271,16 +281,31 @@ impl Renderer {
         to_js(&self.session().await.camera())
     }
 
-    /// Moves the camera; the picture starts anew.
+    /// Moves the camera; the picture starts again. With `moving`, pictures have fewer pixels for a moment if frames are
+    /// slow: what is dragged follows sooner.
     #[wasm_bindgen(js_name = setCamera)]
-    pub async fn set_camera(&self, camera: Ts<Camera>) -> Result<(), JsValue> {
-        Ok(self.session().await.set_camera(&from_js(&camera, "a camera")?)?)
+    pub async fn set_camera(
+        &self,
+        camera: Ts<Camera>,
+        #[wasm_bindgen(unchecked_optional_param_type = "boolean")] moving: Option<bool>,
+    ) -> Result<(), JsValue> {
+        let camera = from_js(&camera, "a camera")?;
+        let Some(mut session) = self.change("camera".to_owned()).await else { return Ok(()) };
+        Ok(session.set_camera(&camera, moving.unwrap_or(false))?)
+    }
+
+    /// Whether pictures may have fewer pixels while the camera is moving. Default: yes.
+    #[wasm_bindgen(js_name = setCoarseMotion)]
+    pub async fn set_coarse_motion(&self, coarse: bool) {
+        self.session().await.pacing.is_allowed = coarse;
     }
 
     /// Changes the light of a number in `scene().lights`.
     #[wasm_bindgen(js_name = setLight)]
     pub async fn set_light(&self, number: usize, light: Ts<Light>) -> Result<(), JsValue> {
-        Ok(self.session().await.set_light(number, &from_js(&light, "a light")?)?)
+        let light = from_js(&light, "a light")?;
+        let Some(mut session) = self.change(format!("light {number}")).await else { return Ok(()) };
+        Ok(session.set_light(number, &light)?)
     }
 
     /// Adds a light; its number.
@@ -312,8 +337,10 @@ impl Renderer {
         number: usize,
         change: Ts<MaterialChange>,
     ) -> Result<(), JsValue> {
+        let target = format!("material {number} {}", keys(&change.js_value()));
         let change = from_js(&change, "a change of a material")?;
-        Ok(self.session().await.set_material(number, &change)?)
+        let Some(mut session) = self.change(target).await else { return Ok(()) };
+        Ok(session.set_material(number, &change)?)
     }
 
     /// What the picture shows at a place, from 0 to 1 from its left edge to its right one and from its top to its
@@ -371,7 +398,8 @@ impl Renderer {
     #[wasm_bindgen(js_name = setSplit)]
     pub async fn set_split(&self, split: Option<Ts<Split>>) -> Result<(), JsValue> {
         let split = split.map(|split| from_js(&split, "a split")).transpose()?;
-        Ok(self.session().await.set_split(split.as_ref())?)
+        let Some(mut session) = self.change("split".to_owned()).await else { return Ok(()) };
+        Ok(session.set_split(split.as_ref())?)
     }
 
     /// Whether reports of frames tell the times of stages; that takes some time itself. Default: no.
@@ -383,7 +411,8 @@ impl Renderer {
     /// Gives canvas and picture another size, in pixels of the device.
     pub async fn resize(&self, width: u32, height: u32) -> Result<(), JsValue> {
         let size = UVec2::new(width, height);
-        Ok(self.session().await.resize(size, &Listener::new(None)).await?)
+        let Some(mut session) = self.change("size".to_owned()).await else { return Ok(()) };
+        Ok(session.resize(size, &Listener::new(None)).await?)
     }
 
     /// Renders one frame more and shows it. Once the report says `complete`, nothing is left to do until something changes.
@@ -445,10 +474,23 @@ impl Renderer {
     pub(crate) async fn session(&self) -> MutexGuard<'_, Session> {
         self.session.lock().await
     }
+
+    /// The same for a call that only sets a target; `None` where a later one has superseded it in the meantime.
+    async fn change(&self, target: String) -> Option<MutexGuard<'_, Session>> {
+        let ticket = self.changes.borrow_mut().push(Some(target), ());
+        let session = self.session().await;
+        self.changes.borrow_mut().take(ticket).map(|()| session)
+    }
 }
 
 fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {
     value.into_ts().map_err(|error| WebError::value(error.to_string()).into())
+}
+
+/// The names of an object's properties.
+fn keys(object: &JsValue) -> String {
+    let object: Option<&js_sys::Object> = object.dyn_ref();
+    object.map_or_else(String::new, |object| js_sys::Object::keys(object).join(" ").into())
 }
 
 /// An object of the page.

@@ -2,17 +2,14 @@
 
 use glam::UVec2;
 use lumivox_console::Console;
-use lumivox_explorer::Explorer;
-use lumivox_render::{
-    ExposureWarning, Gpu, GpuOptions, Histogram, Metering, PresetChoice, RenderSettings, View,
-};
+use lumivox_explorer::{Explorer, ExposureMeter, Pacing};
+use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings, View};
 use lumivox_scene::Picker;
 use web_time::Instant;
 
 use crate::beside::{Beside, Right};
 use crate::browser::{Browser, Written};
 use crate::error::{Code, WebError};
-use crate::exposing::Exposing;
 use crate::listener::Listener;
 use crate::present::{Canvas, Presenter};
 use crate::settings::{self, Settings};
@@ -27,7 +24,12 @@ pub struct Session {
     /// Files that it has written.
     pub(crate) written: Written,
     pub(crate) presenter: Presenter,
-    pub(crate) exposing: Exposing,
+    /// Width and height of the picture when nothing moves, px.
+    full_size: UVec2,
+    pub(crate) pacing: Pacing,
+    pub(crate) meter: ExposureMeter,
+    /// The stops of the picture that was drawn last.
+    stops: f32,
     /// The view on the left; the explorer has that of the right while its turn lasts.
     pub(crate) view: View,
     pub(crate) beside: Option<Beside>,
@@ -36,14 +38,8 @@ pub struct Session {
     pub(crate) staged: Staged,
     /// The triangles as they stand, once something was picked.
     pub(crate) picker: Option<Picker>,
-    /// How bright the picture was when it was measured last.
-    pub(crate) histogram: Option<Histogram>,
     /// Whether the scene's own emission is all its light.
     is_emission_alone: bool,
-    /// Why the picture is not what a camera would make of the scene.
-    warning: Option<ExposureWarning>,
-    /// When time was last let go on.
-    ticked: Instant,
     /// What the last frame took, ms.
     frame_ms: f64,
 }
@@ -62,25 +58,21 @@ impl Session {
         let explorer = Explorer::new(gpu, settings, PresetChoice::default());
         let written = Written::default();
         let console = Console::new(explorer, Box::new(Browser::new(written.clone())));
-        let exposing = Exposing::default();
-        let ticked = Instant::now();
-        let (beside, notes, warning, frame_ms) = (None, Vec::new(), None, 0.0);
-        let (staged, picker) = (Staged::default(), None);
         Ok(Self {
             console,
             written,
             presenter,
-            exposing,
+            full_size: size,
+            pacing: Pacing::default(),
+            meter: ExposureMeter::default(),
+            stops: 0.0,
             view,
-            beside,
-            notes,
-            staged,
-            picker,
-            histogram: None,
+            beside: None,
+            notes: Vec::new(),
+            staged: Staged::default(),
+            picker: None,
             is_emission_alone: false,
-            warning,
-            ticked,
-            frame_ms,
+            frame_ms: 0.0,
         })
     }
 
@@ -190,12 +182,40 @@ impl Session {
     /// # Errors
     /// When it is nothing, or more than the device allows; then nothing has changed.
     pub async fn resize(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
-        let asked =
-            RenderSettings { size, view: self.view, ..self.console.explorer.settings().clone() };
-        self.take(asked, self.console.explorer.preset(), listener).await?;
-        self.presenter.resize(self.console.explorer.gpu(), size);
-        self.forget_truth();
+        let picture = self.pacing.size(size);
+        RenderSettings { size, ..self.console.explorer.settings().clone() }
+            .validate(&self.gpu().device.limits())?;
+        self.fit(picture, listener).await?;
+        self.full_size = size;
         Ok(())
+    }
+
+    /// Gives canvas and picture the size of the next frame, px.
+    pub(crate) async fn fit(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
+        let explorer = &mut self.console.explorer;
+        if explorer.size() != size {
+            explorer.set_settings(RenderSettings { size, ..explorer.settings().clone() })?;
+            explorer.update(&mut tell_of(listener)).await?;
+            self.change();
+        }
+        if self.presenter.size() != size {
+            self.presenter.resize(self.console.explorer.gpu(), size);
+        }
+        Ok(())
+    }
+
+    /// A command has given the picture another size.
+    pub(crate) fn follow_size(&mut self, before: UVec2) {
+        let size = self.console.explorer.size();
+        if size != before {
+            self.full_size = size;
+            self.presenter.resize(self.console.explorer.gpu(), size);
+        }
+    }
+
+    /// Width and height of the picture when nothing moves, px.
+    pub(crate) fn full_size(&self) -> UVec2 {
+        self.full_size
     }
 
     /// Where the picture is taken from.
@@ -203,12 +223,15 @@ impl Session {
         self.console.explorer.camera().into()
     }
 
-    /// Moves the camera.
+    /// Moves the camera. While it `is_moving`, pictures may be coarser.
     ///
     /// # Errors
     /// When it looks nowhere.
-    pub fn set_camera(&mut self, camera: &Camera) -> Result<(), WebError> {
+    pub fn set_camera(&mut self, camera: &Camera, is_moving: bool) -> Result<(), WebError> {
         let camera = camera.to_scene(self.console.explorer.camera())?;
+        if is_moving {
+            self.pacing.camera_moved();
+        }
         if camera != *self.console.explorer.camera() {
             self.console.explorer.set_camera(camera);
             self.change();
@@ -221,7 +244,6 @@ impl Session {
     /// # Errors
     /// When there is none of that number.
     pub fn play(&mut self, animation: Option<usize>) -> Result<(), WebError> {
-        self.ticked = Instant::now();
         let Some(number) = animation else {
             self.console.explorer.play(false);
             return Ok(());
@@ -292,7 +314,7 @@ impl Session {
 
     /// The picture starts anew.
     fn start_again(&mut self) {
-        self.exposing.start_again();
+        self.meter.start_again();
         if let Some(beside) = &mut self.beside {
             beside.start_again();
         }
@@ -316,17 +338,15 @@ impl Session {
     /// When something refuses what was asked for, or the device fails.
     pub async fn render(&mut self) -> Result<FrameReport, WebError> {
         let start = Instant::now();
-        if self.console.explorer.playback().is_playing {
-            let seconds = self.ticked.elapsed().as_secs_f32();
-            self.console.explorer.tick(seconds)?;
-            self.picker = None;
-            self.change();
-        }
-        self.ticked = Instant::now();
+        self.let_time_go()?;
+        let is_coarse = self.pacing.is_coarse();
+        self.fit(self.pacing.size(self.full_size), &Listener::new(None)).await?;
+        let is_changing = is_coarse || self.console.explorer.playback().is_playing;
+        let is_first = self.console.explorer.renderer().is_none();
         let is_complete = match self.beside.take() {
             None => !self.render_view(self.view).await?,
             Some(mut beside) => {
-                let result = beside.advance(self).await;
+                let result = beside.advance(self, is_changing).await;
                 // It stays, unless it cannot be shown any more: then the picture goes on alone.
                 let is_refused = result.as_ref().is_err_and(|error| error.code == Code::Value);
                 self.beside = Some(beside).filter(|_| !is_refused);
@@ -338,13 +358,16 @@ impl Session {
         gpu.finished("showing a picture").await?;
         if !is_complete {
             self.frame_ms = start.elapsed().as_secs_f64() * 1000.0;
+            if !is_coarse && !is_first {
+                self.pacing.note_frame(start.elapsed());
+            }
         }
         let stages = self.stages();
         let renderer = self.console.explorer.renderer();
         Ok(FrameReport {
             frame: renderer.map_or(0, lumivox_render::Renderer::frame_count),
             frames: self.console.explorer.settings().frames,
-            complete: is_complete && !self.console.explorer.playback().is_playing,
+            complete: is_complete && !is_coarse && !self.console.explorer.changes_by_itself(),
             frame_ms: self.frame_ms,
             time_s: self
                 .console
@@ -356,9 +379,24 @@ impl Session {
             emission_alone: self.is_emission_alone,
             undo: self.console.explorer.undoable().map(str::to_owned),
             redo: self.console.explorer.redoable().map(str::to_owned),
-            warning: self.warning.map(|warning| warning.to_string()),
+            warning: self.meter.warning().map(|warning| warning.to_string()),
             reference_samples: self.beside.as_ref().and_then(Beside::samples),
         })
+    }
+
+    /// Lets animations play and voxels follow.
+    fn let_time_go(&mut self) -> Result<(), WebError> {
+        if self.console.explorer.tick_clock()? {
+            self.meter.start_again();
+            if let Some(beside) = &mut self.beside {
+                beside.scene_changed();
+            }
+        }
+        if self.console.explorer.playback().is_playing {
+            self.picker = None;
+            self.forget_truth();
+        }
+        Ok(())
     }
 
     /// One frame more of a view, drawn for the screen; `false` where there was none to render.
@@ -367,16 +405,22 @@ impl Session {
             let asked = RenderSettings { view, ..self.console.explorer.settings().clone() };
             self.console.explorer.set_settings(asked)?;
         }
-        let has_rendered = self.console.explorer.frame(&mut |_| {}).await?;
-        let Some(renderer) = self.console.explorer.renderer() else { return Ok(false) };
-        let (frame, frames) = (renderer.frame_count(), self.console.explorer.settings().frames);
-        if self.exposing.is_due(frame, frame >= frames) {
-            let Metering { stops, warning, histogram } = self.console.explorer.meter().await?;
-            self.exposing.measured(stops);
-            self.histogram = histogram;
-            self.warning = warning;
+        let explorer = &mut self.console.explorer;
+        let has_rendered = explorer.frame(&mut |_| {}).await?;
+        if explorer.renderer().is_none() {
+            return Ok(false);
         }
-        self.console.explorer.draw(self.exposing.stops()).await?;
+        self.stops = if view != self.view {
+            self.meter.beside(explorer, self.view).await?
+        } else if self.pacing.is_first() {
+            self.meter.follow_first(explorer).await?;
+            self.meter.stops()
+        } else {
+            // The page shows the warning of the report.
+            self.meter.follow(explorer).await?;
+            self.meter.stops()
+        };
+        explorer.draw(self.stops).await?;
         Ok(has_rendered)
     }
 
@@ -429,8 +473,7 @@ impl Session {
 
     /// The picture of the view that the explorer has, read back.
     pub(crate) async fn screen(&mut self) -> Result<Vec<[u8; 4]>, WebError> {
-        let stops = self.exposing.stops();
-        self.console.explorer.screen(stops).await?.ok_or_else(no_scene)
+        self.console.explorer.screen(self.stops).await?.ok_or_else(no_scene)
     }
 
     /// The explorer, for what is beside.
@@ -445,7 +488,7 @@ impl Session {
 
     /// The stops that the picture is shown with.
     pub(crate) fn stops(&self) -> f32 {
-        self.exposing.stops()
+        self.meter.stops()
     }
 }
 

@@ -66,6 +66,8 @@ await renderer.setSplit({ right: "direct" });
 await renderer.setSplit(null);
 
 await renderer.resize(640, 360);
+await renderer.setCamera(camera, true);
+await renderer.setCoarseMotion(false);
 await renderer.setTimed(true);
 const report: FrameReport = await renderer.render();
 const moment: number | undefined = report.time_s;
