@@ -2,15 +2,13 @@
 
 use glam::UVec2;
 
+use crate::cones::{TraceResolution, TraceSettings};
+use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{
-    DirectLight, EnvironmentLight, EnvironmentMap, FaceLight, Injection, Light, Lighting, Lights,
-    ShadowMaps, lights_layout,
+    DirectLight, FaceLight, Injection, Light, Lighting, Lights, ShadowMaps, lights_layout,
 };
-use crate::trace::{
-    Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
-    gbuffer_layout,
-};
+use crate::trace::{Bound, GBuffer, GBufferViews, TraceTargets, Tracer, View, gbuffer_layout};
 use crate::volume::changes::Changes;
 use crate::volume::{Cells, Directionality, Lists, OctreeStats, Volume, VolumeKind};
 use crate::voxelize::{KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};

@@ -1,8 +1,9 @@
 //! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
 
+use crate::cones::ConeSettings;
 use crate::gpu::{ShaderLibrary, assert_layout};
 use crate::light::{BounceSettings, LightGlobals, LightRecord, PhotonMap, ShadowLayerRecord};
-use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
+use crate::trace::{ScreenSettings, ViewUniform};
 use crate::volume::changes::{LevelWords, ListParams, MovedParams};
 use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
@@ -95,7 +96,7 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "trace::cone",
+        "cones::cone",
         "ConeSettings",
         ConeSettings {
             voxel_per_diameter,

@@ -23,6 +23,8 @@ const MODULES: &[(&str, &str)] = &[
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::new(MODULES);
     let stages = [
+        crate::cones::MODULES,
+        crate::environment::MODULES,
         crate::light::MODULES,
         crate::light::PHOTON_MODULES,
         crate::trace::MODULES,

@@ -6,7 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
-use super::environment::{EnvironmentLight, EnvironmentMap};
+use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Texture, TextureView,
     uniform_buffer, upload,

@@ -5,7 +5,6 @@
 //! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
 //! With photons (`photons/`) the lights that have shadow maps are inserted from those instead.
 
-mod environment;
 mod lights;
 mod photons;
 #[cfg(test)]
@@ -13,17 +12,16 @@ mod tests;
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::cones::{ConeSettings, TraceSettings};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     storage_buffer, uniform_buffer,
 };
-use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
 use crate::volume::changes::Changes;
 use crate::voxels::VoxelList;
 use crate::{GiConfig, GiError};
 
-pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub(crate) use lights::{
     LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP,
     SHADOW_NONE, lights_layout,
@@ -38,7 +36,6 @@ pub use photons::{Injection, PhotonFates};
 
 /// The shader modules of this folder, but for those of the photons.
 pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("light::environment", include_str!("environment/environment.wgsl")),
     ("light::lights", include_str!("lights.wgsl")),
     ("light::reflected", include_str!("reflected.wgsl")),
     ("light::shadow_map", include_str!("shadow_map.wgsl")),

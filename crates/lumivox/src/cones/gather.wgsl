@@ -1,10 +1,10 @@
 // Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, which have pi / N each, plus
 // the environment through what is left open.
 
-import package::light::environment::environment_radiance;
-import package::trace::cone::{cone_growth, trace_cone, Cone, ConeSettings};
-import package::trace::hemisphere::{basis, cell_cone, cell_jitter, cell_middle};
-import package::trace::start::cone_start;
+import package::environment::environment_radiance;
+import package::cones::cone::{cone_growth, trace_cone, Cone, ConeSettings};
+import package::cones::hemisphere::{basis, cell_cone, cell_jitter, cell_middle};
+import package::cones::start::cone_start;
 
 const PI: f32 = 3.14159265359;
 

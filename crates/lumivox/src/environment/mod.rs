@@ -1,4 +1,4 @@
-//! What cones see that leave the grid: one radiance from everywhere, or a picture of the surroundings.
+//! The surroundings, which cones see that leave the grid: one radiance from everywhere, or a picture.
 //!
 //! A picture becomes a cube map whose mips are means over their solid angle, computed in f32 on the CPU
 //! ([`cube`]). A cone that leaves the grid goes on to infinity as it was marched: it reads the mip whose
@@ -29,6 +29,9 @@ use half::f16;
 
 use crate::{GiError, Light, LightSource, Shadow};
 use cube::Cube;
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[("environment", include_str!("environment.wgsl"))];
 
 /// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 74 MiB.
 const MAX_SHARP_EDGE: u32 = 1024;

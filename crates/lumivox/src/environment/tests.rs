@@ -339,7 +339,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 
 const RADIANCE_WGSL: &str = "
 import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::light::environment::environment_radiance;
+import package::environment::environment_radiance;
 fn answer(question: vec4f, index: u32) -> vec3f {
     return environment_radiance(normalize(question.xyz), question.w);
 }";
@@ -372,8 +372,8 @@ fn samples_of_the_map_are_as_wide_everywhere() {
 const GATHER_WGSL: &str = "
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::random::random_pair;
-import package::trace::cone::ConeSettings;
-import package::trace::gather::gather;
+import package::cones::cone::ConeSettings;
+import package::cones::gather::gather;
 fn answer(question: vec4f, index: u32) -> vec3f {
     let settings = ConeSettings(0.125, 0.3333, 0.5, 1.0, 0.03, 3e38, 0.0, 0.0, 1u, 1u, 0u, 0u);
     let start = random_pair(index, 7u);

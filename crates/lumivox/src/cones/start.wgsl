@@ -14,7 +14,7 @@
 // surface below the start: a floor ends at the wall and goes on where the start is.
 
 import package::grid::grid_from_world;
-import package::trace::cone::ConeSettings;
+import package::cones::cone::ConeSettings;
 import package::volume::wall_coverage;
 
 // The axis of the largest component: walls are in the lobes of that axis.

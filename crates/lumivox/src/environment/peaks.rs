@@ -29,7 +29,7 @@ const MAX_PEAKS: usize = 4;
 const MAX_TRIES: usize = 24;
 /// Diffuse cones of the finest preset.
 const MOST_CONES: f64 = 12.0;
-/// Half angle of the wider of them, the outer ring, rad: acos(1 - sqrt(2/3) / 8), see `trace/hemisphere.wgsl`.
+/// Half angle of the wider of them, the outer ring, rad: acos(1 - sqrt(2/3) / 8), see `cones/hemisphere.wgsl`.
 const CONE_RAD: f64 = 0.456;
 /// The widest cap.
 const CAP_RAD: f64 = 0.5 * CONE_RAD;

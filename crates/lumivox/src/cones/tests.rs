@@ -24,7 +24,7 @@ struct ConeIn {
 
 const CONES_WGSL: &str = "
 import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::trace::cone::{trace_cone, Cone, ConeSettings};
+import package::cones::cone::{trace_cone, Cone, ConeSettings};
 struct ConeIn { origin: vec3f, growth: f32, direction: vec3f, reach: f32, level_offset: f32 }
 @group(1) @binding(0) var<storage, read> cones: array<ConeIn>;
 @group(1) @binding(1) var<storage, read_write> traced: array<vec4f>;
@@ -309,7 +309,7 @@ fn assert_marches_like_its_twin(settings: &TraceSettings) {
 const CELLS_WGSL: &str = "
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::random::random_pair;
-import package::trace::hemisphere::{basis, cell_cone, cell_jitter};
+import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 @group(0) @binding(0) var<storage, read_write> directions: array<vec4f>;
 @group(0) @binding(1) var<uniform> cell_count: vec4u;
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
