@@ -4,12 +4,12 @@ use bytemuck::{Pod, Zeroable};
 
 use super::input::{DrawGroup, PreparedBatch};
 use super::kernels::{Detail, Kernels, Layouts};
-use super::memory::{Memory, Remedy};
 use crate::gpu::pipelines::DrawPipeline;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, ComputePass, Indirect, Kernel, Recorder, RenderPass, Run,
     Texture, TextureView, storage_buffer, uniform_buffer, upload,
 };
+use crate::gpu::{Memory, Remedy};
 use crate::{GeometryBatch, GiError, SurfaceMaterial};
 
 /// `SplitParams` of `split.wgsl`.

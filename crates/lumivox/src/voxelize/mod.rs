@@ -36,10 +36,10 @@ mod input;
 mod kernels;
 #[cfg(test)]
 mod layouts_test;
-mod memory;
 mod method;
 mod part;
 mod raster;
+mod walk;
 mod whole;
 
 use std::mem::offset_of;
@@ -47,7 +47,7 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Pipelines, Recorder, ShaderLibrary, StageTime, Timing, read_buffer,
+    BindGroupBuilder, Memory, Pipelines, Recorder, ShaderLibrary, StageTime, Timing, read_buffer,
     storage_buffer, uniform_buffer,
 };
 use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList};
@@ -55,7 +55,6 @@ use crate::{Geometry, GiError, Grid};
 use batch::{Fallbacks, SplitCounts};
 use input::{PartInput, PartKey};
 use kernels::Kernels;
-pub(crate) use memory::{Memory, Remedy};
 pub use method::VoxelizeMethod;
 use part::{LobedPart, MarkedPart, Part, PartCounts, Work};
 pub(crate) use raster::MODULES as RASTER_MODULES;

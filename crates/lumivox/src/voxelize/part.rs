@@ -3,9 +3,10 @@
 use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::input::PartInput;
 use super::kernels::Kernels;
-use super::method::Step;
-use super::{FRONT_WORDS, Memory, Remedy, VoxelFaces, Voxelizer};
+use super::walk::Step;
+use super::{FRONT_WORDS, VoxelFaces, Voxelizer};
 use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, storage_buffer};
+use crate::gpu::{Memory, Remedy};
 use crate::voxels::{FaceRecord, ListBuilder, Occupied};
 use crate::{Geometry, GiError, Grid};
 

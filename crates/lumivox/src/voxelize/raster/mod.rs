@@ -14,7 +14,7 @@ use crate::{Grid, VoxelizeMethod};
 
 use super::batch::SplitBatch;
 use super::kernels::{Detail, Layouts};
-use super::method::Step;
+use super::walk::Step;
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
