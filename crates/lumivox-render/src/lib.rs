@@ -24,6 +24,7 @@
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
 pub mod accumulate;
+pub mod classics;
 pub mod compare;
 pub mod composite;
 mod develop;

@@ -2,11 +2,10 @@
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{
-    Directionality, GiConfig, Grid, Injection, TraceSettings, VolumeKind, VoxelizeMethod,
-};
+use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind, VoxelizeMethod};
 use lumivox_scene::Bounds;
 
+use crate::classics::InjectionChoice;
 use crate::overlay::LineRecord;
 use crate::{Look, Overlay, RenderError, VxctSettings};
 
@@ -248,7 +247,7 @@ pub struct RenderSettings {
     /// How triangles become voxels. Default: exactly.
     pub voxelizer: VoxelizeMethod,
     /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
-    pub injection: Injection,
+    pub injection: InjectionChoice,
     /// How the picture comes about. Default: by the physics.
     pub look: Look,
     /// The cones.
@@ -292,7 +291,7 @@ impl Default for RenderSettings {
             volume: VolumeKind::default(),
             volume_memory: None,
             voxelizer: VoxelizeMethod::default(),
-            injection: Injection::default(),
+            injection: None,
             look: Look::default(),
             trace: TraceSettings::default(),
             bounces: 8,
@@ -326,7 +325,7 @@ impl RenderSettings {
             volume: self.volume,
             memory_budget: self.volume_memory,
             method: self.voxelizer,
-            injection: self.injection,
+            injection: self.injection.clone(),
         }
     }
 

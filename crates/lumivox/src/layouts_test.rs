@@ -2,7 +2,7 @@
 
 use crate::cones::ConeSettings;
 use crate::gpu::{ShaderLibrary, assert_layout};
-use crate::light::{BounceSettings, LightGlobals, LightRecord, PhotonMap, ShadowLayerRecord};
+use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{ScreenSettings, ViewUniform};
 use crate::volume::changes::{LevelWords, ListParams, MovedParams};
 use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
@@ -87,12 +87,6 @@ fn structs_lie_in_memory_alike() {
         "light::bounce",
         "BounceSettings",
         BounceSettings { cones, cone_count }
-    );
-    assert_layout!(
-        library,
-        "light::photon_map",
-        "PhotonMap",
-        PhotonMap { world_from_clip, light, first_layer, layer_count, counts_per_flux }
     );
     assert_layout!(
         library,

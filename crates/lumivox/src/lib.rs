@@ -20,6 +20,7 @@ mod gi;
 mod gloss;
 pub mod gpu;
 mod grid;
+pub mod hooks;
 #[cfg(test)]
 mod layouts_test;
 mod light;
@@ -44,7 +45,6 @@ pub use geometry::{
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
-pub use light::{FaceLight, Injection, PhotonFates};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 pub use trace::{GBuffer, GBufferViews, TraceTargets, View};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};

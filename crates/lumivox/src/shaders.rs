@@ -26,7 +26,6 @@ pub fn library() -> ShaderLibrary {
         crate::cones::MODULES,
         crate::environment::MODULES,
         crate::light::MODULES,
-        crate::light::PHOTON_MODULES,
         crate::trace::MODULES,
         crate::voxelize::MODULES,
         crate::voxelize::RASTER_MODULES,
@@ -45,9 +44,7 @@ pub fn library() -> ShaderLibrary {
         .constant_u32("LIGHT_ENVIRONMENT", crate::light::LIGHT_ENVIRONMENT)
         .constant_u32("SHADOW_NONE", crate::light::SHADOW_NONE)
         .constant_u32("SHADOW_MAP", crate::light::SHADOW_MAP)
-        .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE)
-        // Whether lights with maps are left to the photons; `Gi` sets it.
-        .constant_u32("INJECT_PHOTONS", 0);
+        .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE);
     library
 }
 

@@ -1,10 +1,9 @@
 //! Choices among a few names, each explained in the help.
 
 use clap::builder::TypedValueParser;
-use lumivox::{
-    Duplication, Injection, Mipmapping, OctreeBuilder, Preset, VolumeKind, VoxelizeMethod,
-};
+use lumivox::{Duplication, Mipmapping, OctreeBuilder, Preset, VolumeKind, VoxelizeMethod};
 use lumivox_console::values::choices::among;
+use lumivox_render::classics::{self, INJECTIONS, InjectionChoice};
 use lumivox_render::{PresetChoice, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 /// What the picture shows.
@@ -97,24 +96,15 @@ pub fn switch() -> impl TypedValueParser<Value = bool> {
 }
 
 /// How light comes into the voxels.
-pub fn injection() -> impl TypedValueParser<Value = Injection> {
-    among(&[Injection::Direct, Injection::Photons], |injection| {
-        let help = match injection {
-            Injection::Direct => "each face of a voxel asks each light",
-            Injection::Photons => {
-                "each texel of a shadow map carries its share of the light's flux"
-            }
+pub fn injection() -> impl TypedValueParser<Value = InjectionChoice> {
+    let names = among(&INJECTIONS, |name| {
+        let help = match name {
+            "photons" => "each texel of a shadow map carries its share of the light's flux",
+            _ => "each face of a voxel asks each light",
         };
-        (injection_name(injection), help)
-    })
-}
-
-/// The name of a way to inject light, as on the command line.
-pub fn injection_name(injection: Injection) -> &'static str {
-    match injection {
-        Injection::Direct => "direct",
-        Injection::Photons => "photons",
-    }
+        (name, help)
+    });
+    names.map(classics::injection)
 }
 
 /// The curve from radiance to the screen.

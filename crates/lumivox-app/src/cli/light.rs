@@ -1,9 +1,9 @@
 //! What shines, and how its light is found.
 
 use clap::Args;
-use lumivox::Injection;
 use lumivox_console::SourceArgs;
 use lumivox_render::ShadowMethod;
+use lumivox_render::classics::InjectionChoice;
 
 use crate::args::{choices, number, size};
 
@@ -41,5 +41,5 @@ pub struct LightArgs {
     /// Both give the same light in the mean. Photons scatter with the texels that a voxel is seen by, and
     /// follow shadows within a voxel. Lights without shadow maps are injected directly.
     #[arg(long, value_name = "HOW", value_parser = choices::injection())]
-    pub injection: Option<Injection>,
+    pub injection: Option<InjectionChoice>,
 }

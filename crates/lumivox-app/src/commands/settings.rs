@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use lumivox::{Directionality, TraceResolution};
-use lumivox_render::{Companions, Look, RenderSettings, vxct_display};
+use lumivox_render::{Companions, Look, RenderSettings, classics, vxct_display};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -65,7 +65,7 @@ pub fn still(
         volume: voxels.volume(VolumeChoice::of(companions.volume)),
         volume_memory: voxels.volume_memory,
         voxelizer: voxels.voxelizer,
-        injection: light.injection.unwrap_or(companions.injection),
+        injection: light.injection.clone().unwrap_or(companions.injection),
         look: cones.look(voxels.resolution),
         trace: cones.settings(),
         bounces: light.bounces.unwrap_or(companions.bounces),
@@ -140,7 +140,7 @@ impl SettingsReport {
             tone_map: settings.tone_map.name(),
             shadows: choices::shadows_name(settings.shadows),
             shadow_resolution: settings.shadow_resolution,
-            injection: choices::injection_name(settings.injection),
+            injection: classics::injection_name(&settings.injection),
             cones: trace.diffuse_cones,
             half: trace.resolution == TraceResolution::Half,
             voxel_per_diameter: trace.voxel_per_diameter,

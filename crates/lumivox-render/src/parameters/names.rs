@@ -1,8 +1,8 @@
 //! Names for the values of the library's types, as on the command line.
 
 use lumivox::{
-    Directionality, Duplication, Injection, Mipmapping, OctreeBuilder, OctreeOptions,
-    TraceResolution, VolumeKind,
+    Directionality, Duplication, Mipmapping, OctreeBuilder, OctreeOptions, TraceResolution,
+    VolumeKind,
 };
 
 use crate::{Look, RenderSettings, ShadowMethod, VxctSettings, Wireframe, Wires};
@@ -23,11 +23,6 @@ pub(super) trait Named: Copy + PartialEq + 'static {
 impl Named for Directionality {
     const NAMED: &'static [(&'static str, Self)] =
         &[("six_lobes", Self::SixLobes), ("isotropic", Self::Isotropic)];
-}
-
-impl Named for Injection {
-    const NAMED: &'static [(&'static str, Self)] =
-        &[("direct", Self::Direct), ("photons", Self::Photons)];
 }
 
 impl Named for ShadowMethod {

@@ -1,12 +1,13 @@
 //! The table.
 
 use lumivox::{
-    Directionality, Duplication, Injection, MAX_RESOLUTION, Mipmapping, OctreeBuilder,
-    OctreeOptions, TraceResolution, VolumeKind, VoxelizeMethod,
+    Directionality, Duplication, MAX_RESOLUTION, Mipmapping, OctreeBuilder, OctreeOptions,
+    TraceResolution, VolumeKind, VoxelizeMethod,
 };
 
 use super::names::{Named, octree};
 use super::{Group, Kind, Parameter, Value, vxct};
+use crate::classics::{INJECTIONS, injection, injection_name};
 use crate::{Exposure, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 /// The word for a reach or a memory without end.
@@ -267,13 +268,18 @@ const OWN: &[Parameter] = &[
         |s| Value::Choice(s.voxelizer.name()),
         |s, v| s.voxelizer = by_name(&VoxelizeMethod::ALL, VoxelizeMethod::name, v, s.voxelizer),
     ),
-    choice!(
+    parameter!(
         "injection",
         Light,
+        "",
         "How light comes into the voxels",
-        &["direct", "photons"],
-        Injection,
-        injection
+        Kind::Choice(&INJECTIONS),
+        |s| Value::Choice(injection_name(&s.injection)),
+        |s, v| {
+            if let Value::Choice(name) = v {
+                s.injection = injection(name);
+            }
+        },
     ),
     whole!(
         "bounces",

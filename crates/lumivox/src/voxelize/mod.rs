@@ -48,7 +48,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
     BindGroupBuilder, Memory, Pipelines, Recorder, ShaderLibrary, StageTime, Timing, read_buffer,
-    storage_buffer, uniform_buffer,
+    storage_buffer,
 };
 use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList};
 use crate::{Geometry, GiError, Grid};
@@ -240,7 +240,7 @@ impl Voxelizer {
 
         let mut recorder = Recorder::with_timing(device, queue, timing);
         recorder.stage("voxelize");
-        let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
+        let grid_uniform = grid.uniform(device);
         let globals = BindGroupBuilder::new(&self.kernels.layouts.grid);
         let mut work = Work {
             voxelizer: self,

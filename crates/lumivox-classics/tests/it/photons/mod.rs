@@ -11,11 +11,29 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
-use super::{Injection, PhotonFates};
-use crate::gpu::{Recorder, Timing};
+use lumivox::gpu::{Recorder, Timing};
+use lumivox::voxels::FaceRecord;
+use lumivox::{
+    Geometry, Gi, GiConfig, Grid, Light, LightSource, Shadow, ShadowLayer, SurfaceMaterial,
+    TraceSettings,
+};
+use lumivox_classics::photons::{PhotonFates, photon_fates, photons};
+
 use crate::testing::{SceneBuilder, device, lambert, read};
-use crate::voxels::FaceRecord;
-use crate::{Geometry, Gi, GiConfig, Grid, Light, LightSource, Shadow, ShadowLayer, TraceSettings};
+
+/// The two ways for light into the voxels.
+#[derive(Clone, Copy, PartialEq)]
+enum Injection {
+    Direct,
+    Photons,
+}
+
+impl Injection {
+    fn config(self, grid: Grid) -> GiConfig {
+        let injection = (self == Self::Photons).then(photons);
+        GiConfig { injection, ..GiConfig::new(grid) }
+    }
+}
 
 const RESOLUTION: u32 = 32;
 const REFLECTANCE: f32 = 0.5;
@@ -61,8 +79,8 @@ fn lit_by_maps(
 ) -> Lit {
     let (device, queue) = device();
     let grid = Grid::fit(bounds.0, bounds.1, RESOLUTION, offset).expect("the grid fits");
-    let config = GiConfig { injection: how, ..GiConfig::new(grid) };
-    let mut gi = Gi::with_pipelines(&device, &queue, config).expect("the device is large enough");
+    let mut gi =
+        Gi::with_pipelines(&device, &queue, how.config(grid)).expect("the device is large enough");
     let geometry: Geometry = scene.build(&device);
     pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let mut recorder = Recorder::new(&device, &queue);
@@ -90,7 +108,7 @@ fn lit_by_maps(
         irradiance: radiance[0] * PI / REFLECTANCE,
         area_m2: Vec3::from(face.vector_area).length() * grid.voxel_size_m.powi(2),
     });
-    let fates = gi.photon_fates().map(|buffer| read(&device, &queue, buffer, 1)[0]);
+    let fates = photon_fates(&gi).map(|buffer| read(&device, &queue, buffer, 1)[0]);
     Lit { faces: faces.collect(), fates, texel_size }
 }
 
@@ -103,7 +121,7 @@ fn sun(direction: Vec3) -> LightSource {
     }
 }
 
-fn white() -> crate::SurfaceMaterial {
+fn white() -> SurfaceMaterial {
     lambert(REFLECTANCE, 0.0)
 }
 
@@ -121,7 +139,7 @@ fn room(has_plate: bool) -> SceneBuilder {
     if !has_plate {
         return room;
     }
-    let plate = crate::SurfaceMaterial { double_sided: true, ..white() };
+    let plate = SurfaceMaterial { double_sided: true, ..white() };
     let (corner, u, v) =
         (Vec3::new(0.3, 0.3, 0.25), Vec3::new(0.3, 0.08, 0.05), Vec3::new(-0.03, 0.05, 0.35));
     room.quad(corner, u, v, plate)
@@ -268,7 +286,7 @@ fn parts_of_a_count_add_up() {
 /// The sun through an open roof: what the plate takes, the floor does not get.
 #[test]
 fn what_a_blocker_takes_is_missing_below_it() {
-    let plate = crate::SurfaceMaterial { double_sided: true, ..white() };
+    let plate = SurfaceMaterial { double_sided: true, ..white() };
     let corner = Vec3::new(0.3, 0.25, 0.35);
     let scene = floor().quad(corner, Vec3::Z * 0.3, Vec3::X * 0.4, plate);
     let direction = Vec3::new(0.3, -1.0, 0.2).normalize();
@@ -329,11 +347,10 @@ fn faces_get_what_the_direct_evaluation_gives_them() {
 #[test]
 fn lights_without_a_map_are_evaluated_directly() {
     let (device, queue) = device();
-    let radiance = |injection| {
+    let radiance = |injection: Injection| {
         let grid = Grid::fit(ROOM_BOUNDS.0, ROOM_BOUNDS.1, RESOLUTION, Vec3::ZERO).expect("fits");
-        let config = GiConfig { injection, ..GiConfig::new(grid) };
-        let mut gi =
-            Gi::with_pipelines(&device, &queue, config).expect("the device is large enough");
+        let mut gi = Gi::with_pipelines(&device, &queue, injection.config(grid))
+            .expect("the device is large enough");
         let geometry = room(true).build(&device);
         pollster::block_on(gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
         let source = lamp(Vec3::new(0.45, 0.55, 0.4));

@@ -11,7 +11,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::light::lights::{incident_light, is_parallel, lights};
-import package::light::photon_map::{photon_map, Taken};
+import package::classics::photons::photon_map::{photon_map, Taken};
 import package::light::reflected::reflected_from;
 import package::light::shadow_map::{shadow_layers, shadow_map_visibility};
 import package::voxels::list::Face;

@@ -8,7 +8,7 @@ import package::constants::LIGHT_POINT;
 import package::gpu::random::hash;
 import package::grid::{grid, grid_from_world};
 import package::light::lights::{incident_light, is_parallel, lights};
-import package::light::photon_map::photon_map;
+import package::classics::photons::photon_map::photon_map;
 import package::light::shadow_map::{cube_face, shadow_layers, shadow_maps, ShadowLayer};
 import package::voxels::list::Face;
 import package::voxels::lookup::bits_below;

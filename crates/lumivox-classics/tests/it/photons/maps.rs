@@ -4,8 +4,8 @@ use glam::camera::rh::proj::directx::{orthographic, perspective_infinite_reverse
 use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec3};
 
-use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, uniform_buffer};
-use crate::{Geometry, LightSource, ShadowLayer, ShadowMaps};
+use lumivox::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, uniform_buffer};
+use lumivox::{Geometry, LightSource, ShadowLayer, ShadowMaps};
 
 const DEPTH_WGSL: &str = "
 @group(0) @binding(0) var<uniform> clip_from_local: mat4x4f;

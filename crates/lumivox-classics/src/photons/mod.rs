@@ -22,39 +22,60 @@
 //!
 //! `counts_per_flux` maps that bound to 2^31, half of what a word holds.
 
-#[cfg(test)]
-mod tests;
-
+use std::any::Any;
 use std::f32::consts::{PI, SQRT_2, TAU};
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-use crate::gpu::{
+use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     storage_buffer, uniform_buffer,
 };
-use crate::light::lights::{Lights, MappedLight};
-use crate::light::{LightSource, ShadowLayer};
-use crate::voxels::VoxelList;
-use crate::{GiError, Grid};
+use lumivox::hooks::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
+use lumivox::voxels::VoxelList;
+use lumivox::{Gi, GiError, Grid, LightSource, ShadowLayer};
 
-/// How the light of lamps and suns comes into the voxels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Injection {
-    /// Each face of a voxel asks each light: exact but for its visibility, taken at the face's middle.
-    #[default]
-    Direct,
-    /// Each texel of a light's shadow map is a bundle of photons that carries its flux to the voxel that it shows.
-    /// Lights without a map, and faces that the map shows in too few texels, are evaluated directly.
-    Photons,
+/// Photons, as [`lumivox::GiConfig::injection`]: each texel of a light's shadow map is a bundle of photons that carries
+/// its flux to the voxel that it shows. Lights without a map, and faces that the map shows in too few texels, are
+/// evaluated directly.
+pub fn photons() -> Arc<dyn Injection> {
+    Arc::new(PhotonInjection)
+}
+
+/// What became of the photons of the last call of [`Gi::light`]: one [`PhotonFates`]. `None` without photons.
+pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
+    let injector: &dyn Any = gi.injector()?;
+    injector.downcast_ref::<Photons>().map(|photons| &photons.fates)
+}
+
+/// The name of the injection.
+pub const NAME: &str = "photons";
+
+#[derive(Debug)]
+struct PhotonInjection;
+
+impl Injection for PhotonInjection {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn bytes_per_face(&self) -> u64 {
+        SUMS_BYTES
+    }
+
+    fn make(&self, parts: &InjectionParts<'_>) -> Result<Box<dyn Injector>, GiError> {
+        Ok(Box::new(Photons::new(parts)?))
+    }
 }
 
 /// The shader modules of this folder.
-pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("light::photon_map", include_str!("photon_map.wgsl")),
-    ("light::photon_insert", include_str!("insert.wgsl")),
-    ("light::photon_reflect", include_str!("reflect.wgsl")),
+const MODULES: &[(&str, &str)] = &[
+    ("classics::photons::direct", include_str!("direct.wgsl")),
+    ("classics::photons::photon_map", include_str!("photon_map.wgsl")),
+    ("classics::photons::insert", include_str!("insert.wgsl")),
+    ("classics::photons::reflect", include_str!("reflect.wgsl")),
 ];
 
 /// `MAX_LAYERS` of `photon_map.wgsl`.
@@ -69,12 +90,12 @@ const LARGEST_SUM: f32 = 2_147_483_648.0;
 /// `PhotonMap` of `photon_map.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct PhotonMap {
-    pub(crate) world_from_clip: [Mat4; MAX_LAYERS],
-    pub(crate) light: u32,
-    pub(crate) first_layer: u32,
-    pub(crate) layer_count: u32,
-    pub(crate) counts_per_flux: f32,
+struct PhotonMap {
+    world_from_clip: [Mat4; MAX_LAYERS],
+    light: u32,
+    first_layer: u32,
+    layer_count: u32,
+    counts_per_flux: f32,
 }
 
 impl PhotonMap {
@@ -134,11 +155,13 @@ pub struct PhotonFates {
 
 /// Inserts photons.
 #[derive(Debug)]
-pub(crate) struct Photons {
+struct Photons {
     grid: Grid,
     grid_group: BindGroup,
+    direct: Kernel,
     insert: Kernel,
     reflect: Kernel,
+    direct_layout: wgpu::BindGroupLayout,
     insert_layout: wgpu::BindGroupLayout,
     reflect_layout: wgpu::BindGroupLayout,
     fates: Buffer,
@@ -156,17 +179,28 @@ struct List {
     sums: Buffer,
 }
 
+/// The library with the modules of this folder.
+fn with_modules(shaders: &ShaderLibrary) -> ShaderLibrary {
+    let mut shaders = shaders.clone();
+    for (path, source) in MODULES {
+        shaders.add(path, *source);
+    }
+    shaders
+}
+
 impl Photons {
-    pub(crate) fn new(
-        device: &Pipelines,
-        shaders: &ShaderLibrary,
-        grid: &Grid,
-        lights: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GiError> {
+    fn new(parts: &InjectionParts<'_>) -> Result<Self, GiError> {
+        let InjectionParts { device, grid, globals, lights, .. } = *parts;
+        let shaders = with_modules(parts.shaders);
         // With the volume there would be more storage buffers than WebGPU allows.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
-        let uniform = uniform_buffer(device, "grid", &grid.to_gpu());
-        let grid_group = BindGroupBuilder::new(&grid_layout).buffer(&uniform).build(device, "grid");
+        let grid_group =
+            BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
+        let direct_layout = LayoutBuilder::compute()
+            .storage()
+            .storage_mut()
+            .storage_mut()
+            .build(device, "light before photons");
         let insert_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
@@ -183,23 +217,26 @@ impl Photons {
             .storage_mut()
             .storage_mut()
             .build(device, "reflect photons");
-        let kernel = |module, layout| {
-            Kernel::new(device, shaders, module, "main", &[&grid_layout, layout, lights])
+        let kernel = |module, group_0, layout| {
+            Kernel::new(device, &shaders, module, "main", &[group_0, layout, lights])
         };
         Ok(Self {
             grid: *grid,
             grid_group,
-            insert: kernel("light::photon_insert", &insert_layout)?,
-            reflect: kernel("light::photon_reflect", &reflect_layout)?,
+            direct: kernel("classics::photons::direct", globals, &direct_layout)?,
+            insert: kernel("classics::photons::insert", &grid_layout, &insert_layout)?,
+            reflect: kernel("classics::photons::reflect", &grid_layout, &reflect_layout)?,
+            direct_layout,
             insert_layout,
             reflect_layout,
             fates: storage_buffer(device, "fates of photons", FATES * 4),
             list: None,
         })
     }
+}
 
-    /// Takes a new voxel list.
-    pub(crate) fn rebuild(&mut self, device: &wgpu::Device, voxels: &VoxelList) {
+impl Injector for Photons {
+    fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
         let face_count = u64::from(voxels.face_count);
         self.list = Some(List {
             occupancy: voxels.occupancy.clone(),
@@ -211,18 +248,18 @@ impl Photons {
         });
     }
 
-    /// Adds the light of all lights that have maps to what the faces send out.
-    pub(crate) fn run(
-        &self,
-        recorder: &mut Recorder,
-        lights: &Lights,
-        direct: &Buffer,
-        radiance: &Buffer,
-    ) {
+    fn run(&self, recorder: &mut Recorder, light: FaceLight<'_>) {
         let Some(list) = &self.list else {
             return;
         };
+        let FaceLight { globals, lights, direct, radiance } = light;
         let device = recorder.device().clone();
+        let direct_group = BindGroupBuilder::new(&self.direct_layout)
+            .buffer(&list.faces)
+            .buffer(direct)
+            .buffer(radiance)
+            .build(&device, "light before photons");
+        self.direct.run_linear(recorder, &[globals, &direct_group, &lights.group], list.face_count);
         recorder.clear(&self.fates);
         let [width, height] = lights.map_size;
         for light in &lights.mapped {
@@ -252,13 +289,36 @@ impl Photons {
         }
     }
 
-    /// [`PhotonFates`] of the last run.
-    pub(crate) fn fates(&self) -> &Buffer {
-        &self.fates
+    fn memory(&self) -> Vec<(&'static str, u64)> {
+        vec![("light: flux of the faces", self.list.as_ref().map_or(0, |list| list.sums.size()))]
     }
+}
 
-    /// Bytes on the GPU, by what they hold.
-    pub(crate) fn memory(&self) -> (&'static str, u64) {
-        ("light: flux of the faces", self.list.as_ref().map_or(0, |list| list.sums.size()))
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use lumivox::{Directionality, VolumeKind, shaders::library_with_volume};
+
+    use super::{MODULES, PhotonMap, with_modules};
+
+    #[test]
+    fn shaders_are_valid_and_structs_lie_in_memory_alike() {
+        let library =
+            with_modules(&library_with_volume(VolumeKind::Dense, Directionality::SixLobes));
+        for (path, _) in MODULES {
+            library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let layout = library.struct_layout(MODULES[1].0, "PhotonMap").expect("it is there");
+        let offsets = [
+            ("world_from_clip", offset_of!(PhotonMap, world_from_clip)),
+            ("light", offset_of!(PhotonMap, light)),
+            ("first_layer", offset_of!(PhotonMap, first_layer)),
+            ("layer_count", offset_of!(PhotonMap, layer_count)),
+            ("counts_per_flux", offset_of!(PhotonMap, counts_per_flux)),
+        ];
+        let offsets = offsets.map(|(name, offset)| (name.to_owned(), offset as u32));
+        assert_eq!(layout.members, offsets);
+        assert_eq!(layout.size as usize, size_of::<PhotonMap>());
     }
 }
