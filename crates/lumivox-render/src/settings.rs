@@ -2,10 +2,10 @@
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind, VoxelizeMethod};
+use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
-use crate::classics::InjectionChoice;
+use crate::classics::{InjectionChoice, VoxelizerChoice};
 use crate::overlay::LineRecord;
 use crate::{Look, Overlay, RenderError, VxctSettings};
 
@@ -245,7 +245,7 @@ pub struct RenderSettings {
     /// The most bytes that the volume may take. Default: `None`, what the device gives.
     pub volume_memory: Option<u64>,
     /// How triangles become voxels. Default: exactly.
-    pub voxelizer: VoxelizeMethod,
+    pub voxelizer: VoxelizerChoice,
     /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
     pub injection: InjectionChoice,
     /// How the picture comes about. Default: by the physics.
@@ -290,7 +290,7 @@ impl Default for RenderSettings {
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
             volume_memory: None,
-            voxelizer: VoxelizeMethod::default(),
+            voxelizer: None,
             injection: None,
             look: Look::default(),
             trace: TraceSettings::default(),
@@ -324,7 +324,7 @@ impl RenderSettings {
             directionality: self.directionality,
             volume: self.volume,
             memory_budget: self.volume_memory,
-            method: self.voxelizer,
+            voxelizer: self.voxelizer.clone(),
             injection: self.injection.clone(),
         }
     }

@@ -11,7 +11,7 @@ use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowMaps, lig
 use crate::trace::{Bound, GBuffer, GBufferViews, TraceTargets, Tracer, View, gbuffer_layout};
 use crate::volume::changes::Changes;
 use crate::volume::{Cells, Directionality, Lists, OctreeStats, Volume, VolumeKind};
-use crate::voxelize::{KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
+use crate::voxelize::{KeptStatic, Voxelization, VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -27,8 +27,8 @@ pub struct GiConfig {
     /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree takes
     /// a new list, the last one's is there besides.
     pub memory_budget: Option<u64>,
-    /// How triangles become voxels. Default: exactly.
-    pub method: VoxelizeMethod,
+    /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact walk.
+    pub voxelizer: Option<Arc<dyn Voxelization>>,
     /// How the light of lamps and suns comes into the voxels; `None` (the default): each face asks each light.
     pub injection: Option<Arc<dyn Injection>>,
 }
@@ -41,7 +41,7 @@ impl GiConfig {
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
             memory_budget: None,
-            method: VoxelizeMethod::default(),
+            voxelizer: None,
             injection: None,
         }
     }
@@ -118,7 +118,7 @@ impl Gi {
             config.memory_budget,
         )?;
         let changes = Changes::new(device, &shaders, &config.grid)?;
-        let voxelizer = Voxelizer::with_method(device, &shaders, config.method)?;
+        let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
         let globals = volume.globals_layout();
@@ -309,11 +309,6 @@ impl Gi {
     /// The grid.
     pub fn grid(&self) -> &Grid {
         &self.config.grid
-    }
-
-    /// How triangles become voxels.
-    pub fn method(&self) -> VoxelizeMethod {
-        self.config.method
     }
 
     /// The list of voxels, once there is one.

@@ -5,3 +5,6 @@
 //! Without hooks nothing of them is compiled for the GPU. `lumivox-classics` stands on them.
 
 pub use crate::light::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
+pub use crate::voxelize::{
+    Detail, Voxelization, VoxelizationParts, Walk, WalkRun, WalkStep, Walker,
+};

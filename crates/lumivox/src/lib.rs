@@ -49,4 +49,4 @@ pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 pub use trace::{GBuffer, GBufferViews, TraceTargets, View};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
-pub use voxelize::{KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
+pub use voxelize::{KeptStatic, VoxelizeStats, Voxelizer};

@@ -28,7 +28,6 @@ pub fn library() -> ShaderLibrary {
         crate::light::MODULES,
         crate::trace::MODULES,
         crate::voxelize::MODULES,
-        crate::voxelize::RASTER_MODULES,
     ];
     for (path, source) in stages.into_iter().flatten().chain(crate::volume::modules()) {
         library.add(path, *source);

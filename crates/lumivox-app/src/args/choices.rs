@@ -1,9 +1,9 @@
 //! Choices among a few names, each explained in the help.
 
 use clap::builder::TypedValueParser;
-use lumivox::{Duplication, Mipmapping, OctreeBuilder, Preset, VolumeKind, VoxelizeMethod};
+use lumivox::{Duplication, Mipmapping, OctreeBuilder, Preset, VolumeKind};
 use lumivox_console::values::choices::among;
-use lumivox_render::classics::{self, INJECTIONS, InjectionChoice};
+use lumivox_render::classics::{self, INJECTIONS, InjectionChoice, VOXELIZERS, VoxelizerChoice};
 use lumivox_render::{PresetChoice, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 /// What the picture shows.
@@ -61,16 +61,17 @@ pub fn wire_voxels() -> impl TypedValueParser<Value = Wires> {
 }
 
 /// How triangles become voxels.
-pub fn voxelizer() -> impl TypedValueParser<Value = VoxelizeMethod> {
-    among(&VoxelizeMethod::ALL, |method| {
-        let help = match method {
-            VoxelizeMethod::Exact => "every voxel that is touched, with the surface in it",
-            VoxelizeMethod::DominantAxis => "rasterized along the normal's largest axis: has gaps",
-            VoxelizeMethod::Conservative => "the same, every pixel touched: some voxels too many",
-            VoxelizeMethod::ThreePlane => "rasterized along all three axes: fewer gaps",
+pub fn voxelizer() -> impl TypedValueParser<Value = VoxelizerChoice> {
+    let names = among(&VOXELIZERS, |name| {
+        let help = match name {
+            "dominant-axis" => "rasterized along the normal's largest axis: has gaps",
+            "conservative" => "the same, every pixel touched: some voxels too many",
+            "three-plane" => "rasterized along all three axes: fewer gaps",
+            _ => "every voxel that is touched, with the surface in it",
         };
-        (method.name(), help)
-    })
+        (name, help)
+    });
+    names.map(|name| classics::voxelizer(name))
 }
 
 /// How much is spent on the cones.
@@ -104,7 +105,7 @@ pub fn injection() -> impl TypedValueParser<Value = InjectionChoice> {
         };
         (name, help)
     });
-    names.map(classics::injection)
+    names.map(|name| classics::injection(name))
 }
 
 /// The curve from radiance to the screen.

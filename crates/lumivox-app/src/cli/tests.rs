@@ -183,7 +183,7 @@ fn arguments_reach_the_settings() {
         resolution: 64,
         grid_offset: Vec3::new(0.0, 0.5, 0.0),
         directionality: Directionality::Isotropic,
-        voxelizer: lumivox::VoxelizeMethod::ThreePlane,
+        voxelizer: lumivox_render::classics::voxelizer("three-plane"),
         volume: VolumeKind::Octree(OctreeOptions::default()),
         volume_memory: Some(1 << 30),
         trace: lumivox::TraceSettings::preset(lumivox::Preset::Fast),

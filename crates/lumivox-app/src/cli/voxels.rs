@@ -6,8 +6,10 @@ use clap::Args;
 use glam::{UVec2, Vec3};
 use lumivox::{
     Directionality, Duplication, GiConfig, Grid, Mipmapping, OctreeBuilder, OctreeOptions,
-    VolumeKind, VoxelizeMethod,
+    VolumeKind,
 };
+
+use lumivox_render::classics::VoxelizerChoice;
 
 use super::{GpuArgs, SceneArg};
 use crate::args::camera::{self, CameraChoice};
@@ -81,7 +83,7 @@ pub struct VoxelArgs {
     /// (`lumivox voxels SCENE --compare-voxelizers`).
     #[arg(long, value_name = "METHOD", value_parser = choices::voxelizer())]
     #[arg(default_value = "exact")]
-    pub voxelizer: VoxelizeMethod,
+    pub voxelizer: VoxelizerChoice,
 }
 
 impl VoxelArgs {
@@ -121,7 +123,7 @@ impl VoxelArgs {
             directionality: self.directionality().unwrap_or_default(),
             volume: self.volume(VolumeChoice::Dense),
             memory_budget: self.volume_memory,
-            method: self.voxelizer,
+            voxelizer: self.voxelizer.clone(),
             ..GiConfig::new(grid)
         }
     }

@@ -30,12 +30,14 @@ use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder,
     storage_buffer, uniform_buffer,
 };
 use lumivox::hooks::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
 use lumivox::voxels::VoxelList;
 use lumivox::{Gi, GiError, Grid, LightSource, ShadowLayer};
+
+use crate::with_modules;
 
 /// Photons, as [`lumivox::GiConfig::injection`]: each texel of a light's shadow map is a bundle of photons that carries
 /// its flux to the voxel that it shows. Lights without a map, and faces that the map shows in too few texels, are
@@ -179,19 +181,10 @@ struct List {
     sums: Buffer,
 }
 
-/// The library with the modules of this folder.
-fn with_modules(shaders: &ShaderLibrary) -> ShaderLibrary {
-    let mut shaders = shaders.clone();
-    for (path, source) in MODULES {
-        shaders.add(path, *source);
-    }
-    shaders
-}
-
 impl Photons {
     fn new(parts: &InjectionParts<'_>) -> Result<Self, GiError> {
         let InjectionParts { device, grid, globals, lights, .. } = *parts;
-        let shaders = with_modules(parts.shaders);
+        let shaders = with_modules(parts.shaders, MODULES);
         // With the volume there would be more storage buffers than WebGPU allows.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
@@ -300,12 +293,15 @@ mod tests {
 
     use lumivox::{Directionality, VolumeKind, shaders::library_with_volume};
 
-    use super::{MODULES, PhotonMap, with_modules};
+    use super::{MODULES, PhotonMap};
+    use crate::with_modules;
 
     #[test]
     fn shaders_are_valid_and_structs_lie_in_memory_alike() {
-        let library =
-            with_modules(&library_with_volume(VolumeKind::Dense, Directionality::SixLobes));
+        let library = with_modules(
+            &library_with_volume(VolumeKind::Dense, Directionality::SixLobes),
+            MODULES,
+        );
         for (path, _) in MODULES {
             library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
         }

@@ -2,12 +2,14 @@
 
 use lumivox::{
     Directionality, Duplication, MAX_RESOLUTION, Mipmapping, OctreeBuilder, OctreeOptions,
-    TraceResolution, VolumeKind, VoxelizeMethod,
+    TraceResolution, VolumeKind,
 };
 
 use super::names::{Named, octree};
 use super::{Group, Kind, Parameter, Value, vxct};
-use crate::classics::{INJECTIONS, injection, injection_name};
+use crate::classics::{
+    INJECTIONS, VOXELIZERS, injection, injection_name, voxelizer, voxelizer_name,
+};
 use crate::{Exposure, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 /// The word for a reach or a memory without end.
@@ -265,8 +267,12 @@ const OWN: &[Parameter] = &[
         "",
         "How triangles become voxels",
         Kind::Choice(&VOXELIZERS),
-        |s| Value::Choice(s.voxelizer.name()),
-        |s, v| s.voxelizer = by_name(&VoxelizeMethod::ALL, VoxelizeMethod::name, v, s.voxelizer),
+        |s| Value::Choice(voxelizer_name(&s.voxelizer)),
+        |s, v| {
+            if let Value::Choice(name) = v {
+                s.voxelizer = voxelizer(name);
+            }
+        },
     ),
     parameter!(
         "injection",
@@ -434,7 +440,6 @@ macro_rules! names {
 
 const VIEWS: [&str; View::ALL.len()] = names!(View);
 const TONE_MAPS: [&str; ToneMap::ALL.len()] = names!(ToneMap);
-const VOXELIZERS: [&str; VoxelizeMethod::ALL.len()] = names!(VoxelizeMethod);
 
 fn by_name<T: Copy>(all: &[T], name: fn(T) -> &'static str, value: Value, otherwise: T) -> T {
     let Value::Choice(wanted) = value else { return otherwise };

@@ -8,7 +8,7 @@ fn voxels() -> VoxelArgs {
         grid_offset: Vec3::ZERO,
         isotropic: false,
         six_lobes: false,
-        voxelizer: lumivox::VoxelizeMethod::Exact,
+        voxelizer: None,
         volume: None,
         octree_builder: None,
         octree_duplication: None,

@@ -8,7 +8,7 @@ import package::constants::{RASTER_CONSERVATIVE, RASTER_METHOD, RASTER_THREE_PLA
 import package::grid::grid;
 import package::voxelize::footprint::{footprint, turn};
 import package::voxelize::items::run;
-import package::voxelize::raster::widen::widened;
+import package::classics::raster::widen::widened;
 import package::voxelize::triangles::load_triangle;
 
 struct Corner {

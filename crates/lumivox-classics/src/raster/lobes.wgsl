@@ -1,11 +1,17 @@
-// Marks the voxels of fragments: a bit each, in Morton order.
+// Which lobes the fragments give to each voxel, and how much surface.
 
-import package::voxelize::mark::mark;
-import package::voxelize::overlap::side_tests;
-import package::voxelize::raster::fragment::{fragment_begin, fragment_on, is_touched, piece_of};
+import package::voxelize::lobes::{add_piece, lobe_bits, pieces};
+import package::classics::raster::fragment::{fragment_begin, fragment_on, piece_of};
 import package::voxelize::surface::{surface_at, surface_map, PIERCED};
 import package::voxelize::triangles::SMALLEST_COVERAGE;
 import package::voxelize::walk::Walk;
+
+fn count_piece() {
+    let before = atomicAdd(&pieces.low, 1u);
+    if before == 0xffffffffu {
+        atomicAdd(&pieces.high, 1u);
+    }
+}
 
 // Surfaces that let no light through.
 @fragment
@@ -16,11 +22,13 @@ fn opaque(
 ) {
     var walk: Walk;
     let fragment = fragment_begin(&walk, position.xy, triangle, axis);
-    let tests = side_tests(&walk);
+    let lobes = lobe_bits(&walk);
     var is_there = fragment.is_there;
     loop {
-        if is_there && is_touched(&walk, tests) {
-            mark(&walk);
+        let piece = piece_of(&walk, fragment);
+        if is_there && piece.area > 0.0 {
+            add_piece(&walk, lobes, piece.area);
+            count_piece();
         }
         continuing {
             is_there = is_there && fragment_on(&walk);
@@ -29,7 +37,7 @@ fn opaque(
     }
 }
 
-// Surfaces that let light through: voxels in which nothing is left of them stay free.
+// Surfaces that let light through.
 @fragment
 fn covered(
     @builtin(position) position: vec4f,
@@ -38,15 +46,15 @@ fn covered(
 ) {
     var walk: Walk;
     let fragment = fragment_begin(&walk, position.xy, triangle, axis);
+    let lobes = lobe_bits(&walk);
     let map = surface_map(&walk);
-    let tests = side_tests(&walk);
     var is_there = fragment.is_there;
     loop {
         let piece = piece_of(&walk, fragment);
         let surface = surface_at(&walk, map, piece.centroid, PIERCED);
-        let is_left = piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE;
-        if is_there && is_left && is_touched(&walk, tests) {
-            mark(&walk);
+        if is_there && piece.area > 0.0 && surface.coverage >= SMALLEST_COVERAGE {
+            add_piece(&walk, lobes, piece.area);
+            count_piece();
         }
         continuing {
             is_there = is_there && fragment_on(&walk);

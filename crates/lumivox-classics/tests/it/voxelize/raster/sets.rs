@@ -3,11 +3,13 @@
 use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3, UVec3, Vec3};
-use lumivox::{Grid, VoxelizeMethod};
+use lumivox::Grid;
 
-use super::{RASTER, axes_of, depth_inside, dominant, turn, turn_back, voxelize};
-use crate::voxelize::overlap::unit_grid;
+use lumivox_classics::raster::Raster;
+
+use super::{EXACT, RASTER, axes_of, depth_inside, dominant, turn, turn_back, voxelize};
 use crate::voxelize::scenes::Random;
+use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::twin::{self, Separator, Triangle, in_grid};
 
 /// By how much a rasterizer with 8 bits below the pixel, which all desktop drivers have, may put an edge off.
@@ -77,7 +79,7 @@ fn is_between(found: &Cells, certain: &Cells, possible: &Cells) {
 fn centres_of_pixels_decide() {
     let grid = unit_grid(64);
     let triangles = triangles_of_all_sizes();
-    for method in [VoxelizeMethod::DominantAxis, VoxelizeMethod::ThreePlane] {
+    for method in [Some(Raster::DominantAxis), Some(Raster::ThreePlane)] {
         let (mut certain, mut possible) = (Cells::new(), Cells::new());
         for t in triangles.iter().map(|t| in_grid(&grid, t)) {
             for axis in axes_of(method, &t) {
@@ -93,9 +95,8 @@ fn centres_of_pixels_decide() {
 fn centres_are_a_part_of_the_exact_set() {
     let grid = unit_grid(64);
     let triangles = triangles_of_all_sizes();
-    let [exact, dominant, three] =
-        [VoxelizeMethod::Exact, VoxelizeMethod::DominantAxis, VoxelizeMethod::ThreePlane]
-            .map(|method| voxelize(method, &grid, &triangles).voxels());
+    let [exact, dominant, three] = [EXACT, Some(Raster::DominantAxis), Some(Raster::ThreePlane)]
+        .map(|method| voxelize(method, &grid, &triangles).voxels());
     let twins: Vec<_> = triangles.iter().map(|t| in_grid(&grid, t)).collect();
     // A corner that moves by u and v takes the plane along, by the slopes, which are at most 1.
     let near = twin::separations(&grid, &twins, 2.0 * SUBPIXEL);
@@ -118,8 +119,8 @@ fn conservative_is_as_defined(
     epsilon: f64,
     axes: fn(&Triangle) -> Vec<usize>,
 ) -> (usize, usize) {
-    let found = voxelize(VoxelizeMethod::Conservative, grid, triangles).voxels();
-    let exact = voxelize(VoxelizeMethod::Exact, grid, triangles).voxels();
+    let found = voxelize(Some(Raster::Conservative), grid, triangles).voxels();
+    let exact = voxelize(EXACT, grid, triangles).voxels();
     let mut possible = Cells::new();
     for t in triangles.iter().map(|t| in_grid(grid, t)) {
         let columns = axes(&t).into_iter().map(|axis| Separator::in_column(&t, axis));
@@ -195,11 +196,11 @@ fn the_picture_holds_every_axis() {
             [[1.0, 2.0, 12.5], [46.0, 2.0, 12.5], [47.0, 15.0, 12.5]],
         ]
         .map(|t| t.map(turned));
-        let exact = voxelize(VoxelizeMethod::Exact, &grid, &triangles).voxels();
+        let exact = voxelize(EXACT, &grid, &triangles).voxels();
         for method in RASTER {
             let found = voxelize(method, &grid, &triangles).voxels();
             let missing = exact.difference(&found).count();
-            let most = if method == VoxelizeMethod::Conservative { 0 } else { exact.len() / 3 };
+            let most = if method == Some(Raster::Conservative) { 0 } else { exact.len() / 3 };
             assert!(missing <= most, "{method:?}, axis {axis}: {missing} of {}", exact.len());
             assert!(found.difference(&exact).count() * 100 <= exact.len(), "{method:?}");
         }

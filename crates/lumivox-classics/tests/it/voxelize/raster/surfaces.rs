@@ -1,11 +1,13 @@
 //! How much surface the rasterizer's methods find in each voxel, and of what colour.
 
 use glam::{UVec3, Vec3, Vec4};
-use lumivox::{Draw, Geometry, Grid, SurfaceMaterial, VoxelizeMethod};
+use lumivox::{Draw, Geometry, Grid, SurfaceMaterial};
 
-use super::{RASTER, depth_inside, dominant, turn, voxelize};
-use crate::voxelize::overlap::unit_grid;
+use lumivox_classics::raster::Raster;
+
+use super::{ALL, EXACT, RASTER, depth_inside, dominant, lab, turn, voxelize};
 use crate::voxelize::read::{Lab, along};
+use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::scenes::{Mesh, Random};
 use crate::voxelize::twin::in_grid;
 
@@ -30,8 +32,8 @@ fn a_plane_of_two_colours() {
         }
     }
     let area = p(44.0, 5.0, 18.0).cross(p(-4.0, 42.0, 11.0)).as_dvec3();
-    for (method, allowed) in VoxelizeMethod::ALL.into_iter().zip([1e-4, 0.01, 1e-4, 0.01]) {
-        let lab = Lab::with_method(method);
+    for (method, allowed) in ALL.into_iter().zip([1e-4, 0.01, 1e-4, 0.01]) {
+        let lab = lab(method);
         let mut batch = mesh.batch(&lab.device, 0);
         let whole = batch.draws[0];
         let half = whole.index_count / 2;
@@ -60,7 +62,7 @@ fn a_plane_of_two_colours() {
             }
             let apart = (position - at(0.5, 0.5)).dot(normal);
             // A conservative pixel that an edge crosses is an estimate.
-            let most = if method == VoxelizeMethod::Conservative { 0.3 } else { 1e-3 };
+            let most = if method == Some(Raster::Conservative) { 0.3 } else { 1e-3 };
             assert!(apart.abs() < most, "{method:?}: {face:?} is off its plane by {apart}");
             sum += along(face) * reflectance;
             weight += along(face);
@@ -90,8 +92,8 @@ fn conservative_shares_are_exact_within_a_plane() {
         let turned = in_grid(&grid, &t);
         let axis = dominant(&turned)[0];
         let turned = turned.map(|p| turn(p, axis));
-        let exact = voxelize(VoxelizeMethod::Exact, &grid, &[t]);
-        let own = voxelize(VoxelizeMethod::Conservative, &grid, &[t]);
+        let exact = voxelize(EXACT, &grid, &[t]);
+        let own = voxelize(Some(Raster::Conservative), &grid, &[t]);
         let mut compared = 0;
         for face in &exact.faces {
             let voxel = UVec3::from(exact.voxel(face.voxel)).as_dvec3() + 0.5;
@@ -119,14 +121,14 @@ fn conservative_shares_are_exact_within_a_plane() {
 fn small_triangles_keep_their_area_in_the_mean() {
     let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 64, Vec3::ZERO).unwrap();
     let along_of = |method| {
-        let lab = Lab::with_method(method);
+        let lab = lab(method);
         let sphere = Mesh::sphere(Vec3::ZERO, 1.0, 300);
         let list = lab.voxelize(&grid, &sphere.geometry(&lab.device, SurfaceMaterial::default()));
         let closed = list.total_area().length() / list.total_along();
         assert!(closed < 0.01, "{method:?}: a closed surface has a sum of {closed}");
         list.total_along()
     };
-    let exact = along_of(VoxelizeMethod::Exact);
+    let exact = along_of(EXACT);
     for (method, allowed) in RASTER.into_iter().zip([0.02, 1e-3, 0.02]) {
         let share = along_of(method) / exact;
         println!("{method:?}: {share:.4} of the area");
@@ -149,7 +151,7 @@ fn lonely_triangles_keep_their_area_in_the_mean() {
         .collect();
     let grid = unit_grid(64);
     let along_of = |method| voxelize(method, &grid, &triangles).total_along();
-    let exact = along_of(VoxelizeMethod::Exact);
+    let exact = along_of(EXACT);
     // A thousand points scatter by 3 %. What is conservative is exact here.
     for (method, allowed) in RASTER.into_iter().zip([0.06, 0.01, 0.06]) {
         let share = along_of(method) / exact;
@@ -171,7 +173,7 @@ fn crowded_voxels_average() {
         })
         .collect();
     for method in RASTER {
-        let lab = Lab::with_method(method);
+        let lab = lab(method);
         let mut batch = Mesh::from_triangles(&triangles).batch(&lab.device, 0);
         let whole = batch.draws[0];
         batch.draws = (0..COUNT / 1000)
@@ -197,9 +199,9 @@ fn crowded_voxels_average() {
 /// Textures, holes and colours on a wall whose pixels are whole voxels: as of the exact method.
 #[test]
 fn surfaces_are_those_of_the_exact_method() {
-    use crate::voxelize::materials::{columns, texture, textured, wall};
+    use crate::voxelize::textures::{columns, texture, textured, wall};
     for method in RASTER {
-        let lab = Lab::with_method(method);
+        let lab = lab(method);
         let exact = Lab::new();
         let material = |lab: &Lab, alpha_is_coverage, transmission| {
             let shade = |x: u32, y: u32| [(x * 30) as u8, 200, 30, (255 - y * 30) as u8];

@@ -1,7 +1,7 @@
 // Sums up what the fragments bring to their faces, as the exact walk does (voxelize/accumulate.wgsl).
 
 import package::voxelize::accumulate::{add_piece, summing_begin};
-import package::voxelize::raster::fragment::{fragment_begin, fragment_on, piece_of};
+import package::classics::raster::fragment::{fragment_begin, fragment_on, piece_of};
 import package::voxelize::surface::{PIERCED, UNIFORM, VARIED};
 import package::voxelize::walk::Walk;
 

@@ -6,7 +6,7 @@ import package::voxelize::footprint::{footprint, tile_counts, turn, turn_back};
 import package::voxelize::items::{Item, run};
 import package::voxelize::overlap::{SideTests, touches};
 import package::voxelize::piece::Piece;
-import package::voxelize::raster::share::share_of_pixel;
+import package::classics::raster::share::share_of_pixel;
 import package::voxelize::reproducible::dot_fused;
 import package::voxelize::triangles::{Triangle, load_triangle};
 import package::voxelize::walk::{Walk, walk_begin, walk_on};

@@ -3,20 +3,36 @@
 mod sets;
 mod surfaces;
 
-use glam::{DVec2, DVec3, Vec3};
-use lumivox::{Grid, SurfaceMaterial, VoxelizeMethod};
+use std::sync::Arc;
 
-use crate::voxelize::overlap::unit_grid;
-use crate::voxelize::promises::triangle_soup;
+use glam::{DVec2, DVec3, Vec3};
+use lumivox::gpu::Pipelines;
+use lumivox::hooks::Voxelization;
+use lumivox::{Gi, GiConfig, Grid, SurfaceMaterial};
+use lumivox_classics::raster::Raster;
+
+use crate::voxelize::panels::assert_hides;
+
 use crate::voxelize::read::{Lab, ReadList};
+use crate::voxelize::scenes::triangle_soup;
+use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::scenes::{Mesh, Random};
 use crate::voxelize::twin::{self, Triangle};
 
-const RASTER: [VoxelizeMethod; 3] =
-    [VoxelizeMethod::DominantAxis, VoxelizeMethod::Conservative, VoxelizeMethod::ThreePlane];
+/// A way to find voxels; `None` is the exact one.
+type Method = Option<Raster>;
 
-fn voxelize(method: VoxelizeMethod, grid: &Grid, triangles: &[[Vec3; 3]]) -> ReadList {
-    let lab = Lab::with_method(method);
+const EXACT: Method = None;
+const RASTER: [Method; 3] =
+    [Some(Raster::DominantAxis), Some(Raster::Conservative), Some(Raster::ThreePlane)];
+const ALL: [Method; 4] = [EXACT, RASTER[0], RASTER[1], RASTER[2]];
+
+fn lab(method: Method) -> Lab {
+    Lab::by(method.as_ref().map(|raster| raster as &dyn Voxelization))
+}
+
+fn voxelize(method: Method, grid: &Grid, triangles: &[[Vec3; 3]]) -> ReadList {
+    let lab = lab(method);
     let material = SurfaceMaterial::default();
     lab.voxelize(grid, &Mesh::from_triangles(triangles).geometry(&lab.device, material))
 }
@@ -38,21 +54,21 @@ fn depth_inside(t: &Triangle, p: DVec2) -> f64 {
         least.min(edge.perp_dot(p - start) * area.signum() / edge.length())
     })
 }
-fn axes_of(method: VoxelizeMethod, t: &Triangle) -> Vec<usize> {
+fn axes_of(method: Method, t: &Triangle) -> Vec<usize> {
     match method {
-        VoxelizeMethod::ThreePlane => vec![0, 1, 2],
+        Some(Raster::ThreePlane) => vec![0, 1, 2],
         _ => vec![twin::lobe_of((t[1] - t[0]).cross(t[2] - t[0])) / 2],
     }
 }
 fn dominant(t: &Triangle) -> Vec<usize> {
-    axes_of(VoxelizeMethod::DominantAxis, t)
+    axes_of(Some(Raster::DominantAxis), t)
 }
 #[test]
 fn runs_and_orders_give_the_same_bits() {
     let grid = unit_grid(32);
     let material = SurfaceMaterial { double_sided: true, ..Default::default() };
     for method in RASTER {
-        let lab = Lab::with_method(method);
+        let lab = lab(method);
         let mut triangles = triangle_soup();
         let geometry = |triangles: &[[Vec3; 3]]| {
             Mesh::from_triangles(triangles).geometry(&lab.device, material.clone())
@@ -88,4 +104,32 @@ fn what_cannot_be_drawn_is_counted() {
         assert_eq!((stats.triangles, stats.skipped, stats.outside), (7, 4, 2), "{method:?}");
         assert_eq!(list.bits(), voxelize(method, &unit_grid(16), &[good]).bits(), "{method:?}");
     }
+}
+
+#[test]
+fn a_panel_hides_the_wall_behind_it() {
+    for method in Raster::ALL {
+        assert_hides(&lab(Some(method)), method.name());
+    }
+}
+
+/// Pipelines that draw are compiled ahead and found again like all others.
+#[test]
+fn all_that_is_pending_is_compiled_and_counted() {
+    let (device, queue) = crate::common::device();
+    let pipelines = Pipelines::new(&device);
+    let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO).expect("a grid");
+    let voxelizer: Option<Arc<dyn Voxelization>> = Some(Arc::new(Raster::Conservative));
+    let config = GiConfig { voxelizer, ..GiConfig::new(grid) };
+    let gi = Gi::with_pipelines(&pipelines, &queue, config.clone()).expect("a device");
+    let counts = pipelines.counts();
+    assert_eq!(counts.made, 0, "{counts:?}");
+    let mut told = Vec::new();
+    pollster::block_on(pipelines.compile(&mut |done, total| told.push((done, total))));
+    let total = counts.pipelines as u32;
+    assert_eq!(told, (0..=total).map(|done| (done, total)).collect::<Vec<_>>());
+    drop(gi);
+    Gi::with_pipelines(&pipelines, &queue, config).expect("a device");
+    let made = counts.pipelines;
+    assert_eq!(pipelines.counts(), lumivox::gpu::pipelines::PipelineCounts { made, ..counts });
 }
