@@ -22,11 +22,13 @@ import sys
 MAY_DEPEND_ON = {
     "lumivox-scene": set(),
     "lumivox": set(),
-    "lumivox-render": {"lumivox", "lumivox-scene"},
+    "lumivox-classics": {"lumivox"},
+    "lumivox-render": {"lumivox", "lumivox-classics", "lumivox-scene"},
     "lumivox-explorer": {"lumivox", "lumivox-render", "lumivox-scene"},
     "lumivox-console": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
     "lumivox-app": {
         "lumivox",
+        "lumivox-classics",
         "lumivox-console",
         "lumivox-explorer",
         "lumivox-render",
@@ -34,6 +36,7 @@ MAY_DEPEND_ON = {
     },
     "lumivox-web": {
         "lumivox",
+        "lumivox-classics",
         "lumivox-console",
         "lumivox-explorer",
         "lumivox-render",
@@ -165,7 +168,8 @@ def self_test_cases():
             graph(
                 lumivox_scene="glam gltf image dev:proptest",
                 lumivox="wgpu naga dev:image dev:pollster",
-                lumivox_render="lumivox lumivox-scene wgpu image",
+                lumivox_classics="lumivox wgpu",
+                lumivox_render="lumivox lumivox-classics lumivox-scene wgpu image",
                 lumivox_explorer="lumivox lumivox-render lumivox-scene dev:pollster",
                 lumivox_app="lumivox lumivox-explorer lumivox-render lumivox-scene winit egui",
                 lumivox_web="lumivox lumivox-explorer lumivox-render lumivox-scene",
@@ -176,6 +180,14 @@ def self_test_cases():
             "the library may not know the scene",
             graph(lumivox_scene="", lumivox="lumivox-scene"),
             [f"lumivox -> lumivox-scene (normal dependency) {wrong_way}"],
+        ),
+        (
+            "nor the classics, which stand on its hooks",
+            graph(lumivox="lumivox-classics", lumivox_classics="lumivox lumivox-render"),
+            [
+                f"lumivox -> lumivox-classics (normal dependency) {wrong_way}",
+                f"lumivox-classics -> lumivox-render (normal dependency) {wrong_way}",
+            ],
         ),
         (
             "nor may its tests or its build script",

@@ -267,7 +267,7 @@ impl Console {
     async fn confirm(&mut self, before: Asked) -> anyhow::Result<()> {
         let of_voxels = |s: &RenderSettings| {
             let grid = (s.resolution, s.grid_offset, s.grid_bounds);
-            (grid, s.directionality, s.volume, s.volume_memory, s.injection)
+            (grid, s.directionality, s.volume, s.volume_memory, s.injection.clone())
         };
         let Self { explorer, hear, .. } = self;
         if of_voxels(explorer.settings()) != of_voxels(&before.settings) {

@@ -27,6 +27,7 @@
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
+pub mod classics;
 pub mod compare;
 mod error;
 mod gpu;

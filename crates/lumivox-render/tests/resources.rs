@@ -11,13 +11,11 @@ use std::ops::ControlFlow;
 use common::{builtin, gpu, picture, renderer};
 use glam::{UVec2, Vec3};
 use lumivox::gpu::{LiveResources, Timing};
-use lumivox::{
-    Directionality, Injection, OctreeBuilder, OctreeOptions, VolumeKind, VoxelizeMethod,
-};
+use lumivox::{Directionality, OctreeBuilder, OctreeOptions, VolumeKind};
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{
     Gpu, Look, Overlay, RenderSettings, Renderer, ShadowMethod, View, VxctSettings, Wireframe,
-    Wires,
+    Wires, classics,
 };
 use lumivox_scene::{Instance, Scene};
 
@@ -54,8 +52,11 @@ fn variants() -> Vec<(&'static str, RenderSettings)> {
             "isotropic voxels",
             RenderSettings { directionality: Directionality::Isotropic, ..small() },
         ),
-        ("a rasterizer", RenderSettings { voxelizer: VoxelizeMethod::Conservative, ..small() }),
-        ("photons", RenderSettings { injection: Injection::Photons, ..small() }),
+        (
+            "a rasterizer",
+            RenderSettings { voxelizer: classics::voxelizer("conservative"), ..small() },
+        ),
+        ("photons", RenderSettings { injection: classics::injection("photons"), ..small() }),
         ("three bounces", RenderSettings { bounces: 3, ..small() }),
         ("cone shadows", RenderSettings { shadows: ShadowMethod::Cone, ..small() }),
         ("finer shadows", RenderSettings { shadow_resolution: 256, ..small() }),

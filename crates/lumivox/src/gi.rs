@@ -1,24 +1,22 @@
 //! The library's face: global illumination in four calls.
 
+use std::sync::Arc;
+
 use glam::UVec2;
 
+use crate::cones::{TraceResolution, TraceSettings};
+use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
-use crate::light::{
-    DirectLight, EnvironmentLight, EnvironmentMap, FaceLight, Injection, Light, Lighting, Lights,
-    ShadowMaps, lights_layout,
-};
-use crate::trace::{
-    Bound, GBuffer, GBufferViews, TraceResolution, TraceSettings, TraceTargets, Tracer, View,
-    gbuffer_layout,
-};
+use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowMaps, lights_layout};
+use crate::trace::{Bound, GBuffer, GBufferViews, TraceTargets, Tracer, View, gbuffer_layout};
 use crate::volume::changes::Changes;
 use crate::volume::{Cells, Directionality, Lists, OctreeStats, Volume, VolumeKind};
-use crate::voxelize::{KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
+use crate::voxelize::{KeptStatic, Voxelization, VoxelizeStats, Voxelizer};
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
 /// What a [`Gi`] is made for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GiConfig {
     /// Where the voxels are.
     pub grid: Grid,
@@ -29,10 +27,10 @@ pub struct GiConfig {
     /// The most bytes that the volume may take; `None` (the default): as much as the device gives. While an octree takes
     /// a new list, the last one's is there besides.
     pub memory_budget: Option<u64>,
-    /// How triangles become voxels. Default: exactly.
-    pub method: VoxelizeMethod,
-    /// How the light of lamps and suns comes into the voxels: face by face (the default) or by photons.
-    pub injection: Injection,
+    /// How triangles become voxels; `None` (the default): every voxel that they touch, by the exact walk.
+    pub voxelizer: Option<Arc<dyn Voxelization>>,
+    /// How the light of lamps and suns comes into the voxels; `None` (the default): each face asks each light.
+    pub injection: Option<Arc<dyn Injection>>,
 }
 
 impl GiConfig {
@@ -43,8 +41,8 @@ impl GiConfig {
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
             memory_budget: None,
-            method: VoxelizeMethod::default(),
-            injection: Injection::default(),
+            voxelizer: None,
+            injection: None,
         }
     }
 }
@@ -112,8 +110,6 @@ impl Gi {
         config: GiConfig,
     ) -> Result<Self, GiError> {
         let mut shaders = crate::shaders::library();
-        let has_photons = config.injection == Injection::Photons;
-        shaders.constant_u32("INJECT_PHOTONS", u32::from(has_photons));
         let volume = Volume::new(
             device,
             &mut shaders,
@@ -122,7 +118,7 @@ impl Gi {
             config.memory_budget,
         )?;
         let changes = Changes::new(device, &shaders, &config.grid)?;
-        let voxelizer = Voxelizer::with_method(device, &shaders, config.method)?;
+        let voxelizer = Voxelizer::with(device, &shaders, config.voxelizer.as_deref())?;
         let lights_layout = lights_layout(device);
         let gbuffer_layout = gbuffer_layout(device);
         let globals = volume.globals_layout();
@@ -231,38 +227,11 @@ impl Gi {
         bounces: u32,
         settings: &TraceSettings,
     ) -> Result<(), GiError> {
-        self.light_by(recorder, lights, bounces, settings, None)
-    }
-
-    /// As [`Self::light`], with a direct light of the caller's own, which need not be physical: `direct` records what
-    /// writes it, face by face. Bounces and the surroundings are as ever; photons are left out.
-    ///
-    /// # Errors
-    /// [`GiError::Setting`] when a setting is out of range.
-    pub fn light_with(
-        &mut self,
-        recorder: &mut Recorder,
-        lights: &Lights,
-        bounces: u32,
-        settings: &TraceSettings,
-        direct: &mut dyn FnMut(&mut Recorder, FaceLight<'_>),
-    ) -> Result<(), GiError> {
-        self.light_by(recorder, lights, bounces, settings, Some(direct))
-    }
-
-    fn light_by(
-        &mut self,
-        recorder: &mut Recorder,
-        lights: &Lights,
-        bounces: u32,
-        settings: &TraceSettings,
-        direct: Option<DirectLight<'_>>,
-    ) -> Result<(), GiError> {
         settings.validate()?;
         self.bounces = bounces;
         let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
-        self.lighting.run(recorder, volume, lights, gathers, settings, direct);
+        self.lighting.run(recorder, volume, lights, gathers, settings);
         Ok(())
     }
 
@@ -342,11 +311,6 @@ impl Gi {
         &self.config.grid
     }
 
-    /// How triangles become voxels.
-    pub fn method(&self) -> VoxelizeMethod {
-        self.config.method
-    }
-
     /// The list of voxels, once there is one.
     pub fn voxels(&self) -> Option<&VoxelList> {
         self.voxels.as_ref()
@@ -367,10 +331,9 @@ impl Gi {
         self.lighting.radiance()
     }
 
-    /// With [`Injection::Photons`], what became of the photons of the last call of [`Self::light`]: one
-    /// [`crate::PhotonFates`].
-    pub fn photon_fates(&self) -> Option<&Buffer> {
-        self.lighting.photon_fates()
+    /// What [`GiConfig::injection`] has made, to be asked for what it knows.
+    pub fn injector(&self) -> Option<&dyn Injector> {
+        self.lighting.injector()
     }
 
     /// Group 0: the grid and the volume. Ask again after each voxelization: an octree has another one then.

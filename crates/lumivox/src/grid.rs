@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
 
 use crate::GiError;
+use crate::gpu::{Buffer, uniform_buffer};
 
 /// The smallest resolution of the longest axis.
 pub const MIN_RESOLUTION: u32 = 16;
@@ -112,7 +113,12 @@ impl Grid {
     }
 
     /// The grid as the shaders see it.
-    pub(crate) fn to_gpu(self) -> GridUniform {
+    /// The uniform that `package::grid` declares, for kernels that do without the volume of group 0.
+    pub fn uniform(&self, device: &wgpu::Device) -> Buffer {
+        uniform_buffer(device, "grid", &self.to_gpu())
+    }
+
+    fn to_gpu(self) -> GridUniform {
         GridUniform {
             origin_in_world: self.origin_in_world.to_array(),
             voxel_size_m: self.voxel_size_m,

@@ -1,8 +1,9 @@
 //! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
 
+use crate::cones::ConeSettings;
 use crate::gpu::{ShaderLibrary, assert_layout};
-use crate::light::{BounceSettings, LightGlobals, LightRecord, PhotonMap, ShadowLayerRecord};
-use crate::trace::{ConeSettings, ScreenSettings, ViewUniform};
+use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
+use crate::trace::{ScreenSettings, ViewUniform};
 use crate::volume::changes::{LevelWords, ListParams, MovedParams};
 use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
@@ -89,13 +90,7 @@ fn structs_lie_in_memory_alike() {
     );
     assert_layout!(
         library,
-        "light::photon_map",
-        "PhotonMap",
-        PhotonMap { world_from_clip, light, first_layer, layer_count, counts_per_flux }
-    );
-    assert_layout!(
-        library,
-        "trace::cone",
+        "cones::cone",
         "ConeSettings",
         ConeSettings {
             voxel_per_diameter,

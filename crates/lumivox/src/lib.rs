@@ -12,12 +12,15 @@
 //! The order of calls is that of [`Gi`]'s methods; `examples/own_engine` shows them with triangles, lights
 //! and a G-buffer of its own.
 
+mod cones;
+mod environment;
 mod error;
 mod geometry;
 mod gi;
 mod gloss;
 pub mod gpu;
 mod grid;
+pub mod hooks;
 #[cfg(test)]
 mod layouts_test;
 mod light;
@@ -34,6 +37,8 @@ pub mod voxels;
 #[cfg(test)]
 extern crate self as lumivox;
 
+pub use cones::{Preset, TraceResolution, TraceSettings};
+pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub use error::GiError;
 pub use geometry::{
     Draw, Geometry, GeometryBatch, SurfaceMaterial, SurfaceTexture, VertexAttributes,
@@ -41,12 +46,8 @@ pub use geometry::{
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
-pub use light::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
-pub use light::{FaceLight, Injection, PhotonFates};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
-pub use trace::{
-    GBuffer, GBufferViews, Preset, TraceResolution, TraceSettings, TraceTargets, View,
-};
+pub use trace::{GBuffer, GBufferViews, TraceTargets, View};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
-pub use voxelize::{KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
+pub use voxelize::{KeptStatic, VoxelizeStats, Voxelizer};

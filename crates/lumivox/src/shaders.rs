@@ -23,11 +23,11 @@ const MODULES: &[(&str, &str)] = &[
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::new(MODULES);
     let stages = [
+        crate::cones::MODULES,
+        crate::environment::MODULES,
         crate::light::MODULES,
-        crate::light::PHOTON_MODULES,
         crate::trace::MODULES,
         crate::voxelize::MODULES,
-        crate::voxelize::RASTER_MODULES,
     ];
     for (path, source) in stages.into_iter().flatten().chain(crate::volume::modules()) {
         library.add(path, *source);
@@ -43,9 +43,7 @@ pub fn library() -> ShaderLibrary {
         .constant_u32("LIGHT_ENVIRONMENT", crate::light::LIGHT_ENVIRONMENT)
         .constant_u32("SHADOW_NONE", crate::light::SHADOW_NONE)
         .constant_u32("SHADOW_MAP", crate::light::SHADOW_MAP)
-        .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE)
-        // Whether lights with maps are left to the photons; `Gi` sets it.
-        .constant_u32("INJECT_PHOTONS", 0);
+        .constant_u32("SHADOW_CONE", crate::light::SHADOW_CONE);
     library
 }
 

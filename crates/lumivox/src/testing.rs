@@ -7,8 +7,8 @@ use bytemuck::Pod;
 use glam::{Mat4, Vec3};
 use wgpu::util::DeviceExt as _;
 
-use crate::gpu::read_buffer;
-use crate::{Draw, Geometry, GeometryBatch, SurfaceMaterial};
+use lumivox::gpu::{read_buffer, storage_buffer};
+use lumivox::{Draw, Geometry, GeometryBatch, SurfaceMaterial};
 
 pub(crate) use common::device;
 
@@ -151,7 +151,7 @@ pub(crate) fn read_level<T: Pod>(
     let row = width * size_of::<T>() as u32;
     let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let bytes = u64::from(padded_row) * u64::from(height) * u64::from(depth);
-    let staging = crate::gpu::storage_buffer(device, "texture read-back", bytes);
+    let staging = storage_buffer(device, "texture read-back", bytes);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_texture_to_buffer(
         wgpu::TexelCopyTextureInfo {

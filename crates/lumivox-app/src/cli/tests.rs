@@ -1,6 +1,6 @@
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use glam::{UVec2, Vec3};
-use lumivox::{Directionality, Injection, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, OctreeOptions, VolumeKind};
 use lumivox_render::{
     Exposure, Look, Overlay, RenderSettings, ShadowMethod, ToneMap, View, VxctSettings, Wireframe,
     Wires,
@@ -183,7 +183,7 @@ fn arguments_reach_the_settings() {
         resolution: 64,
         grid_offset: Vec3::new(0.0, 0.5, 0.0),
         directionality: Directionality::Isotropic,
-        voxelizer: lumivox::VoxelizeMethod::ThreePlane,
+        voxelizer: lumivox_render::classics::voxelizer("three-plane"),
         volume: VolumeKind::Octree(OctreeOptions::default()),
         volume_memory: Some(1 << 30),
         trace: lumivox::TraceSettings::preset(lumivox::Preset::Fast),
@@ -202,7 +202,7 @@ fn arguments_reach_the_settings() {
         tone_map: ToneMap::Aces,
         shadows: ShadowMethod::Cone,
         shadow_resolution: 64,
-        injection: Injection::Photons,
+        injection: lumivox_render::classics::injection("photons"),
         ..RenderSettings::default()
     };
     assert_eq!(settings(&args), expected);
@@ -219,7 +219,7 @@ fn a_preset_brings_its_companions_unless_told_otherwise() {
     let report = RenderSettings {
         directionality: Directionality::Isotropic,
         volume: VolumeKind::Octree(OctreeOptions::default()),
-        injection: Injection::Photons,
+        injection: lumivox_render::classics::injection("photons"),
         trace: lumivox::TraceSettings::preset(lumivox::Preset::Report),
         bounces: 1,
         ..RenderSettings::default()
@@ -228,7 +228,7 @@ fn a_preset_brings_its_companions_unless_told_otherwise() {
     let explicit = RenderSettings {
         directionality: Directionality::SixLobes,
         volume: VolumeKind::Dense,
-        injection: Injection::Direct,
+        injection: None,
         bounces: 3,
         ..report
     };

@@ -5,7 +5,7 @@ import package::constants::{
     VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_NORMAL,
     VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR,
 };
-import package::light::environment::environment_background;
+import package::environment::environment_background;
 import package::trace::brdf::{fresnel_schlick, PI};
 import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{

@@ -1,6 +1,6 @@
 // Light that reaches the visible surfaces straight from the lamps and the sun.
 
-import package::light::environment::glossy_share;
+import package::environment::glossy_share;
 import package::light::lights::{incident_light, light_globals, lights};
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{

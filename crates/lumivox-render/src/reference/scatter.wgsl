@@ -10,7 +10,7 @@ import package::trace::brdf::{
     fresnel_schlick, ggx_distribution, ggx_visibility, mirrored_density, sample_visible_normal, PI,
 };
 import package::trace::coat::{below_coat, coat_fresnel, Coat};
-import package::trace::hemisphere::basis;
+import package::cones::hemisphere::basis;
 
 // A point where a path meets a surface; normals are on the side that it comes from.
 struct Surface {

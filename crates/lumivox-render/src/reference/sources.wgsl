@@ -15,7 +15,7 @@ import package::render::reference::world::{
 };
 import package::trace::brdf::PI;
 import package::trace::coat::below_coat;
-import package::trace::hemisphere::basis;
+import package::cones::hemisphere::basis;
 
 // A question to the scene: does light come along a ray?
 struct Question {

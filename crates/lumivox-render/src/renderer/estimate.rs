@@ -8,7 +8,7 @@
 use std::collections::HashSet;
 
 use glam::Vec3;
-use lumivox::{Directionality, Grid, Injection, VolumeKind, dense_volume_bytes};
+use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
 use lumivox_scene::{Instance, LightKind, Material, Scene, Shading, Texture};
 
 use crate::gpu::memory::available_memory;
@@ -22,8 +22,6 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 const FACES_PER_VOXEL: f64 = 1.25;
 /// The record of the list (80 bytes), and its light: two colours in full floats.
 const FACE_BYTES: u64 = 80 + 32;
-/// What photons sum up.
-const FLUX_BYTES: u64 = 8;
 const NODE_BYTES: u64 = 8;
 /// 160 to 430 on the scenes of docs/octree.md, from 128 voxels on.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
@@ -72,7 +70,7 @@ impl MemoryEstimate {
             ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
-            ("voxel list (about)", list_bytes(&grid, voxels, settings.injection) + kept + held),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept + held),
             ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
@@ -172,15 +170,13 @@ fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool)
 }
 
 /// Bits and ranks, of what is occupied and of what has changed; nodes of all levels, twice; faces and their light.
-fn list_bytes(grid: &Grid, voxels: u64, injection: Injection) -> u64 {
+fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // A surface of the next level has a quarter of the cells.
     let nodes = voxels + voxels / 3;
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
-    let face_bytes = match injection {
-        Injection::Direct => FACE_BYTES,
-        Injection::Photons => FACE_BYTES + FLUX_BYTES,
-    };
+    let own_bytes = settings.injection.as_ref().map_or(0, |injection| injection.bytes_per_face());
+    let face_bytes = FACE_BYTES + own_bytes;
     // The ranks: a word for each word of bits.
     4 * cells.div_ceil(8) + 2 * nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
 }
@@ -247,9 +243,9 @@ mod tests {
         let gpu = gpu();
         let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());
         for (name, resolution, bounces, moving, volume, injection) in [
-            ("spheres", 64, 8, 0, VolumeKind::Dense, Injection::Direct),
-            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense, Injection::Photons),
-            ("atrium", 96, 8, 0, octree, Injection::Direct),
+            ("spheres", 64, 8, 0, VolumeKind::Dense, "direct"),
+            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense, "photons"),
+            ("atrium", 96, 8, 0, octree, "direct"),
         ] {
             let mut scene = lumivox_scene::builtin::scene(name).expect("a scene");
             for instance in &mut scene.instances[..moving] {
@@ -260,7 +256,7 @@ mod tests {
                 size,
                 resolution,
                 volume,
-                injection,
+                injection: crate::classics::injection(injection),
                 bounces,
                 ..Default::default()
             };

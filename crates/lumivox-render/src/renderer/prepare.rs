@@ -2,13 +2,14 @@
 
 use lumivox::gpu::{Recorder, Timing};
 use lumivox::{
-    EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Injection, Light,
-    LightSource, Lights, Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats,
-    Voxelized, dense_volume_bytes,
+    EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Light, LightSource, Lights,
+    Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats, Voxelized,
+    dense_volume_bytes,
 };
 use lumivox_scene::{Bounds, Scene};
 
 use super::Progress;
+use crate::classics::is_by_photons;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::renderer::estimate::MemoryEstimate;
 use crate::scene::{GpuScene, Lighting, corners};
@@ -57,7 +58,7 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     // What is done with a texture that could not be made is refused in turn.
     let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config);
+    let gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config.clone());
     let is_short = scope.pop().await.is_some();
     let refused = followers.pop().await;
     if is_short {
@@ -129,7 +130,7 @@ pub(super) fn bind_lights(
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");
         maps = pass.record(gpu, recorder, scene, &mut lights, shadow_resolution);
-        if settings.injection == Injection::Photons {
+        if is_by_photons(settings) {
             let texel_m = maps
                 .as_ref()
                 .map_or(0.0, |maps| largest_texel_m(&lights, &maps.layers, scene.bounds));

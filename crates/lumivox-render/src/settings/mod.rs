@@ -7,11 +7,10 @@ mod view;
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{
-    Directionality, GiConfig, Grid, Injection, TraceSettings, VolumeKind, VoxelizeMethod,
-};
+use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
+use crate::classics::{InjectionChoice, VoxelizerChoice};
 use crate::passes::overlay::LineRecord;
 use crate::{Look, Overlay, RenderError, VxctSettings};
 
@@ -102,9 +101,9 @@ pub struct RenderSettings {
     /// The most bytes that the volume may take. Default: `None`, what the device gives.
     pub volume_memory: Option<u64>,
     /// How triangles become voxels. Default: exactly.
-    pub voxelizer: VoxelizeMethod,
+    pub voxelizer: VoxelizerChoice,
     /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
-    pub injection: Injection,
+    pub injection: InjectionChoice,
     /// How the picture comes about. Default: by the physics.
     pub look: Look,
     /// The cones.
@@ -147,8 +146,8 @@ impl Default for RenderSettings {
             directionality: Directionality::default(),
             volume: VolumeKind::default(),
             volume_memory: None,
-            voxelizer: VoxelizeMethod::default(),
-            injection: Injection::default(),
+            voxelizer: None,
+            injection: None,
             look: Look::default(),
             trace: TraceSettings::default(),
             bounces: 8,
@@ -173,8 +172,8 @@ impl RenderSettings {
             directionality: self.directionality,
             volume: self.volume,
             memory_budget: self.volume_memory,
-            method: self.voxelizer,
-            injection: self.injection,
+            voxelizer: self.voxelizer.clone(),
+            injection: self.injection.clone(),
         }
     }
 

@@ -4,9 +4,10 @@
 //! ([`Companions`]). Front ends list [`PresetChoice::ALL`] by name and summary and take
 //! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
 
-use lumivox::{Directionality, Injection, OctreeOptions, Preset, TraceSettings, VolumeKind};
+use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
+use crate::classics::{self, InjectionChoice};
 use crate::{Exposure, Look, RenderSettings, ToneMap, VxctDisplay, VxctSettings, vxct_display};
 
 /// What a picture starts from: presets of the cones, or a look with cones of its own. Default: the default [`Preset`].
@@ -85,14 +86,14 @@ impl PresetChoice {
 }
 
 /// What a preset brings along besides its cones, where nobody says otherwise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Companions {
     /// Light by direction, or one for all.
     pub directionality: Directionality,
     /// Where cells are stored.
     pub volume: VolumeKind,
     /// How light comes into the voxels.
-    pub injection: Injection,
+    pub injection: InjectionChoice,
     /// Reflections of indirect light.
     pub bounces: u32,
     /// How radiance becomes brightness. In VXCT's look a scene in physical units has one of its own: [`vxct_display`].
@@ -114,7 +115,7 @@ impl Companions {
             PresetChoice::Cones(Preset::Report) => Self {
                 directionality: Directionality::Isotropic,
                 volume: VolumeKind::Octree(OctreeOptions::default()),
-                injection: Injection::Photons,
+                injection: classics::injection("photons"),
                 bounces: 1,
                 ..usual
             },

@@ -4,7 +4,7 @@
 import package::constants::{
     VIEW_DIFFUSE, VIEW_DIRECT, VIEW_FINAL, VIEW_INDIRECT, VIEW_LOD, VIEW_SPECULAR,
 };
-import package::light::environment::environment_background;
+import package::environment::environment_background;
 import package::render::vxct::uniform::settings;
 import package::trace::gbuffer::{ray_direction, view};
 

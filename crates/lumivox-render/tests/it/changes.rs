@@ -4,9 +4,9 @@
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, Injection, OctreeOptions, Preset, TraceSettings, VolumeKind};
+use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_render::{
-    Exposure, Look, RenderSettings, Renderer, ShadowMethod, ToneMap, View, VxctSettings,
+    Exposure, Look, RenderSettings, Renderer, ShadowMethod, ToneMap, View, VxctSettings, classics,
 };
 use lumivox_scene::{LightKind, Scene, Shading};
 
@@ -46,7 +46,7 @@ fn settings_may_change_in_any_order() {
         |s, _| s.size = UVec2::new(33, 21),
         |s, octree| s.volume = octree,
         |s, _| s.directionality = Directionality::Isotropic,
-        |s, _| s.injection = Injection::Photons,
+        |s, _| s.injection = classics::injection("photons"),
         |s, _| s.trace = TraceSettings::preset(Preset::Fast),
         |s, _| s.bounces = 1,
         |s, _| s.shadows = ShadowMethod::Cone,

@@ -5,8 +5,8 @@
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
 use glam::UVec2;
-use lumivox::{Directionality, Injection, Preset, TraceResolution, TraceSettings};
-use lumivox_render::{Picture, RenderSettings, ShadowMethod};
+use lumivox::{Directionality, Preset, TraceResolution, TraceSettings};
+use lumivox_render::{Picture, RenderSettings, ShadowMethod, classics};
 
 use crate::common::{builtin, gpu, picture, renderer};
 
@@ -48,7 +48,7 @@ fn isotropic_voxels_repeat_to_the_bit() {
 #[test]
 fn photons_repeat_to_the_bit() {
     let trace = TraceSettings::preset(Preset::Report);
-    let (directionality, injection) = (Directionality::Isotropic, Injection::Photons);
+    let (directionality, injection) = (Directionality::Isotropic, classics::injection("photons"));
     let settings = RenderSettings { trace, directionality, injection, ..RenderSettings::default() };
     assert_two_runs_agree(&settings);
 }

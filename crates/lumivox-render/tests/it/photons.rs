@@ -7,8 +7,8 @@
 use glam::{UVec2, Vec3};
 use lumivox::gpu::read_buffer;
 use lumivox::voxels::FaceRecord;
-use lumivox::{Injection, PhotonFates};
-use lumivox_render::{Gpu, RenderSettings, Renderer, View};
+use lumivox_classics::photons::{PhotonFates, photon_fates};
+use lumivox_render::{Gpu, RenderSettings, Renderer, View, classics};
 use lumivox_scene::{Light, LightKind, Scene};
 
 use crate::common::{builtin, gpu, mean_luminance, picture, renderer};
@@ -56,24 +56,24 @@ fn photons_bring_the_light_that_the_direct_evaluation_finds() {
         (builtin("cornell-rotated"), "cornell, turned"),
         (with_spot(builtin("cornell")), "spot"),
     ] {
-        let light = |injection| {
+        let light = |injection: &str| {
             let settings = RenderSettings {
                 size: UVec2::new(64, 48),
                 resolution: 64,
                 bounces: 1,
                 frames: 4,
                 view: View::Diffuse,
-                injection,
+                injection: classics::injection(injection),
                 ..RenderSettings::default()
             };
             let mut renderer = renderer(&gpu, &scene, settings);
             let reflected = reflected(&gpu, &renderer);
-            let fates = renderer.gi().photon_fates();
+            let fates = photon_fates(renderer.gi());
             let fates = fates.map(|buffer| read::<PhotonFates>(&gpu, buffer, 1)[0]);
             (reflected, mean_luminance(&picture(&mut renderer)), fates)
         };
-        let (direct, direct_picture, none) = light(Injection::Direct);
-        let (photons, photon_picture, fates) = light(Injection::Photons);
+        let (direct, direct_picture, none) = light("direct");
+        let (photons, photon_picture, fates) = light("photons");
         let fates = fates.expect("there are photons");
         let (in_voxels, in_picture) =
             (photons / direct - 1.0, photon_picture / direct_picture - 1.0);

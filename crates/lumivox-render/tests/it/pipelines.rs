@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use glam::UVec2;
-use lumivox::{Directionality, Injection, OctreeOptions, VolumeKind, VoxelizeMethod};
-use lumivox_render::{Progress, RenderSettings, Renderer, ShadowMethod};
+use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox_render::{Progress, RenderSettings, Renderer, ShadowMethod, classics};
 
 use crate::common::{builtin, own_gpu, picture};
 
@@ -80,8 +80,8 @@ fn a_second_renderer_asks_for_nothing_new() {
     let round = [
         RenderSettings { volume, ..settings.clone() },
         RenderSettings { directionality, ..settings.clone() },
-        RenderSettings { voxelizer: VoxelizeMethod::Conservative, ..settings.clone() },
-        RenderSettings { injection: Injection::Photons, ..settings.clone() },
+        RenderSettings { voxelizer: classics::voxelizer("conservative"), ..settings.clone() },
+        RenderSettings { injection: classics::injection("photons"), ..settings.clone() },
         RenderSettings { shadows: ShadowMethod::Cone, ..settings.clone() },
         settings.clone(),
     ];

@@ -1,7 +1,7 @@
 // The engine's own shading: it links against Lumivox's modules for its lights, their shadows and the G-buffer,
 // adds the traced irradiance, and keeps a running mean over frames.
 
-import package::light::environment::environment_background;
+import package::environment::environment_background;
 import package::light::lights::{incident_light, light_globals, lights};
 import package::light::visibility::light_visibility;
 import package::trace::gbuffer::{gbuffer_diffuse, load_surface, ray_direction, view};

@@ -7,6 +7,7 @@ mod indirect;
 mod kernel;
 #[cfg(test)]
 mod layouts;
+mod memory;
 mod passes;
 pub mod pipelines;
 mod recorder;
@@ -21,6 +22,7 @@ pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 #[cfg(test)]
 pub(crate) use layouts::assert_layout;
+pub(crate) use memory::{Memory, Remedy};
 pub use passes::{ComputePass, RenderPass};
 pub use pipelines::Pipelines;
 pub use recorder::{Recorder, StageTime, Timing};

@@ -1,7 +1,7 @@
 //! Shader modules, linked at run time.
 //!
 //! Shaders are WGSL with WESL's `import` statements, so that stages share code without copies. A library of
-//! modules is a map from paths (`package::trace::cone`) to sources; linking one of them pulls in what it
+//! modules is a map from paths (`package::cones::cone`) to sources; linking one of them pulls in what it
 //! imports and yields plain WGSL. Constants that Rust and WGSL share are defined once in Rust and injected as
 //! the module `package::constants`. The module `package::volume` is the interface behind which the volumes
 //! (dense, octree) differ: a library is made for one of them.

@@ -5,8 +5,8 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
 import package::light::reflected::reflected_from_all_around;
-import package::trace::cone::ConeSettings;
-import package::trace::gather::gather;
+import package::cones::cone::ConeSettings;
+import package::cones::gather::gather;
 import package::voxels::list::{Face, Node};
 
 struct BounceSettings {

@@ -1,11 +1,10 @@
 // Direct light and emission into the voxels: the radiance that each face sends out before any bounce.
 //
 // A face looks the same from all sides: L = Le + sum of irradiances times what leaves of them (reflected.wgsl) / pi.
-// Lights whose maps are inserted as photons come later (photons/).
 
-import package::constants::{INJECT_PHOTONS, LINEAR_WORKGROUP_SIZE, SHADOW_MAP};
+import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::light::lights::{incident_light, light_globals, lights};
+import package::light::lights::{incident_light, light_globals, lights, Light};
 import package::light::reflected::reflected_from;
 import package::light::visibility::light_visibility;
 import package::voxels::list::Face;
@@ -15,6 +14,18 @@ import package::voxels::list::Face;
 @group(1) @binding(2) var<storage, read_write> radiance: array<vec4f>;
 
 const PI: f32 = 3.14159265359;
+
+// What a face sends out of the light that a lamp or sun brings to its middle.
+fn leaving_of(light: Light, face: Face, normal: vec3f) -> vec3f {
+    let incident = incident_light(light, face.position_in_world);
+    let cosine = dot(normal, incident.direction);
+    if cosine <= 0.0 || all(incident.irradiance <= vec3f(0.0)) {
+        return vec3f(0.0);
+    }
+    let irradiance = incident.irradiance * cosine
+        * light_visibility(light, incident, face.position_in_world, normal);
+    return reflected_from(face, cosine) / PI * irradiance;
+}
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
@@ -29,17 +40,7 @@ fn main(
     let normal = normalize(face.vector_area);
     var leaving = face.emission;
     for (var i = 0u; i < light_globals.light_count; i++) {
-        let light = lights[i];
-        if INJECT_PHOTONS != 0u && light.shadow == SHADOW_MAP {
-            continue;
-        }
-        let incident = incident_light(light, face.position_in_world);
-        let cosine = dot(normal, incident.direction);
-        if cosine > 0.0 && any(incident.irradiance > vec3f(0.0)) {
-            let irradiance = incident.irradiance * cosine
-                * light_visibility(light, incident, face.position_in_world, normal);
-            leaving += reflected_from(face, cosine) / PI * irradiance;
-        }
+        leaving += leaving_of(lights[i], face, normal);
     }
     direct[index] = vec4f(leaving, 1.0);
     radiance[index] = vec4f(leaving, 1.0);

@@ -6,7 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
-use super::environment::{EnvironmentLight, EnvironmentMap};
+use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Texture, TextureView,
     uniform_buffer, upload,
@@ -244,19 +244,22 @@ pub struct Lights {
     /// Whether any of them gets its shadows by cones.
     pub(crate) has_cone_shadows: bool,
     /// Those that have shadow maps.
-    pub(crate) mapped: Vec<MappedLight>,
-    /// Width and height of the maps, texels.
-    pub(crate) map_size: [u32; 2],
+    pub mapped: Vec<MappedLight>,
+    /// Width and height of the maps, texels; zeros without any.
+    pub map_size: [u32; 2],
 }
 
 /// A light with the layers of the shadow maps that are its own.
 #[derive(Clone, Debug)]
-pub(crate) struct MappedLight {
+pub struct MappedLight {
     /// Its place among the lights.
-    pub(crate) index: u32,
-    pub(crate) source: LightSource,
-    pub(crate) first_layer: u32,
-    pub(crate) layers: Vec<ShadowLayer>,
+    pub index: u32,
+    /// Where it stands and how it spreads.
+    pub source: LightSource,
+    /// Its first layer among all of the maps.
+    pub first_layer: u32,
+    /// Its layers.
+    pub layers: Vec<ShadowLayer>,
 }
 
 impl Lights {

@@ -3,42 +3,36 @@
 //! Everything here runs over the faces of the voxel list alone. A face sends out `Le + reflectance / pi * E`;
 //! `E` is the irradiance from the analytic lights (`direct.wgsl`) and, for each bounce, what cones gather from
 //! the volume (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives through gathers.
-//! With photons (`photons/`) the lights that have shadow maps are inserted from those instead.
+//! A caller's own [`Injection`] takes the place of the direct evaluation.
 
-mod environment;
+mod injection;
 mod lights;
-mod photons;
 #[cfg(test)]
 mod tests;
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::cones::{ConeSettings, TraceSettings};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     storage_buffer, uniform_buffer,
 };
-use crate::trace::{ConeSettings, TraceSettings};
 use crate::volume::Volume;
 use crate::volume::changes::Changes;
 use crate::voxels::VoxelList;
 use crate::{GiConfig, GiError};
 
-pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
+pub use injection::{FaceLight, Injection, InjectionParts, Injector};
 pub(crate) use lights::{
     LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP,
     SHADOW_NONE, lights_layout,
 };
-pub use lights::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
+pub use lights::{Light, LightSource, Lights, MappedLight, Shadow, ShadowLayer, ShadowMaps};
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
-#[cfg(test)]
-pub(crate) use photons::PhotonMap;
-use photons::Photons;
-pub use photons::{Injection, PhotonFates};
 
-/// The shader modules of this folder, but for those of the photons.
+/// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
-    ("light::environment", include_str!("environment/environment.wgsl")),
     ("light::lights", include_str!("lights.wgsl")),
     ("light::reflected", include_str!("reflected.wgsl")),
     ("light::shadow_map", include_str!("shadow_map.wgsl")),
@@ -47,24 +41,6 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("light::bounce", include_str!("bounce.wgsl")),
     ("light::cover", include_str!("cover.wgsl")),
 ];
-
-pub(crate) use photons::MODULES as PHOTON_MODULES;
-
-/// Where the light of the voxels is written, for a caller whose direct light is not [`Lights`]' (`Gi::light_with`).
-#[derive(Clone, Copy, Debug)]
-pub struct FaceLight<'a> {
-    /// The faces: `array<Face>` of `package::voxels::list`.
-    pub faces: &'a Buffer,
-    /// How many there are.
-    pub count: u64,
-    /// To be written for each: the radiance that it sends out before any bounce (`array<vec4f>`, 1 in w).
-    pub direct: &'a Buffer,
-    /// The same again, where bounces are added.
-    pub radiance: &'a Buffer,
-}
-
-/// A caller's own direct light.
-pub(crate) type DirectLight<'a> = &'a mut dyn FnMut(&mut Recorder, FaceLight<'_>);
 
 /// `BounceSettings` of `bounce.wgsl`.
 #[repr(C)]
@@ -78,7 +54,7 @@ pub(crate) struct BounceSettings {
 /// Lights the faces of a voxel list.
 #[derive(Debug)]
 pub(crate) struct Lighting {
-    direct: Kernel,
+    direct: Direct,
     bounce: Kernel,
     cover: Kernel,
     /// The grid alone.
@@ -87,17 +63,22 @@ pub(crate) struct Lighting {
     bounce_layout: wgpu::BindGroupLayout,
     cover_layout: wgpu::BindGroupLayout,
     settings: Buffer,
-    /// If that is how light comes in.
-    photons: Option<Photons>,
     faces: Option<Faces>,
+}
+
+/// How the light of lamps comes in.
+#[derive(Debug)]
+enum Direct {
+    /// Each face asks each light (`direct.wgsl`).
+    Faces(Kernel),
+    /// The caller's way.
+    Own(Box<dyn Injector>),
 }
 
 /// What belongs to a voxel list.
 #[derive(Debug)]
 pub(crate) struct Faces {
     count: u64,
-    /// The faces (`array<Face>`).
-    list: Buffer,
     /// Radiance without bounces (`array<vec4f>`).
     direct: Buffer,
     /// Radiance with the bounces so far (`array<vec4f>`).
@@ -124,10 +105,6 @@ impl Lighting {
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
-        let photons = match config.injection {
-            Injection::Direct => None,
-            Injection::Photons => Some(Photons::new(device, shaders, &config.grid, lights)?),
-        };
         let direct_layout = LayoutBuilder::compute()
             .storage()
             .storage_mut()
@@ -147,13 +124,21 @@ impl Lighting {
         // Without the volume, whose buffers would be too many beside its own.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid = BindGroupBuilder::new(&grid_layout)
-            .buffer(&uniform_buffer(device, "grid", &config.grid.to_gpu()))
+            .buffer(&config.grid.uniform(device))
             .build(device, "grid");
         let kernel = |module, layout| {
             Kernel::new(device, shaders, module, "main", &[globals, layout, lights])
         };
+        let direct = match &config.injection {
+            None => Direct::Faces(kernel("light::direct", &direct_layout)?),
+            Some(injection) => {
+                let grid = &config.grid;
+                let parts = InjectionParts { device, shaders, grid, globals, lights };
+                Direct::Own(injection.make(&parts)?)
+            }
+        };
         Ok(Self {
-            direct: kernel("light::direct", &direct_layout)?,
+            direct,
             bounce: kernel("light::bounce", &bounce_layout)?,
             cover: Kernel::new(
                 device,
@@ -167,7 +152,6 @@ impl Lighting {
             bounce_layout,
             cover_layout,
             settings: uniform_buffer(device, "bounce settings", &BounceSettings::zeroed()),
-            photons,
             faces: None,
         })
     }
@@ -199,14 +183,13 @@ impl Lighting {
             .buffer(&radiance)
             .buffer(&shown)
             .build(device, "cover");
-        let list = voxels.faces.clone();
-        Faces { count, list, direct, radiance, shown, direct_group, bounce_group, cover_group }
+        Faces { count, direct, radiance, shown, direct_group, bounce_group, cover_group }
     }
 
     /// Lights this list from now on.
-    pub(crate) fn take(&mut self, device: &wgpu::Device, voxels: &VoxelList, faces: Faces) {
-        if let Some(photons) = &mut self.photons {
-            photons.rebuild(device, voxels);
+    pub(crate) fn take(&mut self, device: &Pipelines, voxels: &VoxelList, faces: Faces) {
+        if let Direct::Own(injector) = &mut self.direct {
+            injector.take(device, voxels);
         }
         self.faces = Some(faces);
     }
@@ -222,7 +205,6 @@ impl Lighting {
         lights: &Lights,
         gathers: u32,
         settings: &TraceSettings,
-        own: Option<DirectLight<'_>>,
     ) {
         let Some(faces) = &self.faces else {
             return;
@@ -245,14 +227,15 @@ impl Lighting {
             }
             recorder.stage("light");
         }
-        if let Some(own) = own {
-            let Faces { count, list, direct, radiance, .. } = faces;
-            own(recorder, FaceLight { faces: list, count: *count, direct, radiance });
-        } else {
-            let groups = [volume.globals(), &faces.direct_group, &lights.group];
-            self.direct.run_linear(recorder, &groups, faces.count);
-            if let Some(photons) = &self.photons {
-                photons.run(recorder, lights, &faces.direct, &faces.radiance);
+        let globals = volume.globals();
+        match &self.direct {
+            Direct::Faces(kernel) => {
+                let groups = [globals, &faces.direct_group, &lights.group];
+                kernel.run_linear(recorder, &groups, faces.count);
+            }
+            Direct::Own(injector) => {
+                let Faces { direct, radiance, .. } = faces;
+                injector.run(recorder, FaceLight { globals, lights, direct, radiance });
             }
         }
         let cover = |recorder: &mut Recorder| {
@@ -283,13 +266,16 @@ impl Lighting {
             ("light: radiance of the faces", size(|faces| &faces.radiance)),
             ("light: shown radiance of the faces", size(|faces| &faces.shown)),
         ];
-        memory.extend(self.photons.as_ref().map(Photons::memory));
+        memory.extend(self.injector().into_iter().flat_map(Injector::memory));
         memory
     }
 
-    /// What became of the photons of the last run ([`PhotonFates`]), if there are any.
-    pub(crate) fn photon_fates(&self) -> Option<&Buffer> {
-        self.photons.as_ref().map(Photons::fates)
+    /// The caller's way for the direct light, if it is one.
+    pub(crate) fn injector(&self) -> Option<&dyn Injector> {
+        match &self.direct {
+            Direct::Faces(_) => None,
+            Direct::Own(injector) => Some(injector.as_ref()),
+        }
     }
 
     /// The radiance of each face (`array<vec4f>`), for tests and views.

@@ -1,10 +1,7 @@
 //! Names for the values of the library's types.
 
 use super::{Choice, Value};
-use crate::{
-    Directionality, Duplication, Injection, Mipmapping, OctreeBuilder, TraceResolution,
-    VoxelizeMethod,
-};
+use crate::{Directionality, Duplication, Mipmapping, OctreeBuilder, TraceResolution};
 
 /// A type with a few values, each of which has a name and a line of help.
 pub trait Choices: Copy + PartialEq + 'static {
@@ -39,14 +36,6 @@ impl Choices for Directionality {
     ];
 }
 
-impl Choices for Injection {
-    const VALUES: &'static [Self] = &[Self::Direct, Self::Photons];
-    const CHOICES: &'static [Choice] = &[
-        Choice::new("direct", "each face of a voxel asks each light"),
-        Choice::new("photons", "each texel of a shadow map carries its share of the light's flux"),
-    ];
-}
-
 impl Choices for TraceResolution {
     const VALUES: &'static [Self] = &[Self::Full, Self::Half];
     const CHOICES: &'static [Choice] = &[
@@ -77,15 +66,5 @@ impl Choices for Mipmapping {
     const CHOICES: &'static [Choice] = &[
         Choice::new("occupied", "those that there are"),
         Choice::new("every", "all that there could be, most of them empty"),
-    ];
-}
-
-impl Choices for VoxelizeMethod {
-    const VALUES: &'static [Self] = &Self::ALL;
-    const CHOICES: &'static [Choice] = &[
-        Choice::new("exact", "every voxel that is touched, with the surface in it"),
-        Choice::new("dominant-axis", "rasterized along the normal's largest axis: has gaps"),
-        Choice::new("conservative", "the same, every pixel touched: some voxels too many"),
-        Choice::new("three-plane", "rasterized along all three axes: fewer gaps"),
     ];
 }

@@ -1,7 +1,7 @@
 // Diffuse cones from the pixels of the G-buffer: irradiance in rgb, openness in a.
 
 import package::gpu::random::{hash, random_pair};
-import package::trace::gather::gather;
+import package::cones::gather::gather;
 import package::trace::gbuffer::{load_surface, view};
 import package::trace::screen::{settings, traced_pixel, traced_size};
 

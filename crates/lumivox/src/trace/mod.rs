@@ -5,9 +5,6 @@
 //! accumulate, reproject or filter as it likes.
 
 mod gbuffer;
-mod settings;
-#[cfg(test)]
-mod tests;
 
 use std::sync::OnceLock;
 
@@ -15,6 +12,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 
 use crate::GiError;
+use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     Texture, TextureView, storage_buffer, uniform_buffer,
@@ -24,22 +22,17 @@ use crate::gpu::{
 pub(crate) use gbuffer::ViewUniform;
 pub(crate) use gbuffer::gbuffer_layout;
 pub use gbuffer::{GBuffer, GBufferViews, View};
-pub use settings::{Preset, TraceResolution, TraceSettings};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
     ("trace::brdf", include_str!("brdf.wgsl")),
     ("trace::coat", include_str!("coat.wgsl")),
-    ("trace::cone", include_str!("cone.wgsl")),
     ("trace::diffuse", include_str!("diffuse.wgsl")),
     ("trace::edge_count", include_str!("edge_count.wgsl")),
     ("trace::edges", include_str!("edges.wgsl")),
-    ("trace::gather", include_str!("gather.wgsl")),
     ("trace::gbuffer", include_str!("gbuffer.wgsl")),
-    ("trace::hemisphere", include_str!("hemisphere.wgsl")),
     ("trace::screen", include_str!("screen.wgsl")),
     ("trace::specular", include_str!("specular.wgsl")),
-    ("trace::start", include_str!("start.wgsl")),
     ("trace::upsample", include_str!("upsample.wgsl")),
 ];
 
@@ -47,23 +40,6 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
 const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Format of the counts of samples.
 const SAMPLES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
-
-/// `ConeSettings` of `cone.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct ConeSettings {
-    pub(crate) voxel_per_diameter: f32,
-    pub(crate) clearance: f32,
-    pub(crate) normal_offset: f32,
-    pub(crate) step_per_voxel: f32,
-    pub(crate) min_transmittance: f32,
-    pub(crate) occlusion_distance: f32,
-    pub(crate) width_attenuation: f32,
-    pub(crate) level_gain_stops: f32,
-    pub(crate) has_jitter: u32,
-    pub(crate) is_clear_of_walls: u32,
-    pub(crate) padding: [u32; 2],
-}
 
 /// `ScreenSettings` of `screen.wgsl`.
 #[repr(C)]
@@ -74,25 +50,6 @@ pub(crate) struct ScreenSettings {
     pub(crate) scale: u32,
     pub(crate) specular_share: f32,
     pub(crate) gathers: u32,
-}
-
-impl TraceSettings {
-    /// The part that single cones need, in voxels of the given size.
-    pub(crate) fn cones(&self, voxel_size_m: f32) -> ConeSettings {
-        ConeSettings {
-            voxel_per_diameter: self.voxel_per_diameter,
-            clearance: self.clearance,
-            normal_offset: self.normal_offset_voxels,
-            step_per_voxel: self.step_per_voxel,
-            min_transmittance: self.min_transmittance,
-            occlusion_distance: (self.occlusion_distance_m / voxel_size_m).min(3e38),
-            width_attenuation: self.width_attenuation,
-            level_gain_stops: self.level_gain.log2(),
-            has_jitter: u32::from(self.jitter),
-            is_clear_of_walls: u32::from(self.clear_of_walls),
-            padding: [0; 2],
-        }
-    }
 }
 
 /// Traces cones from a G-buffer.

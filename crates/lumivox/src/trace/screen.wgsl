@@ -1,6 +1,6 @@
 // What the passes over the screen share: the settings, and the pixel that an invocation stands for.
 
-import package::trace::cone::ConeSettings;
+import package::cones::cone::ConeSettings;
 import package::trace::gbuffer::view;
 
 struct ScreenSettings {

@@ -11,16 +11,16 @@
 // Without jitter it is the lobe's middle that is drawn, always, which is not the integral any more.
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
-import package::light::environment::environment_reflection;
+import package::environment::environment_reflection;
 import package::trace::brdf::{
     alpha_from_roughness, fresnel_schlick, ggx_masking, ggx_visibility, mirrored_density,
     sample_visible_normal,
 };
 import package::trace::coat::{below_coat, coat_fresnel, load_coat};
-import package::trace::cone::{cone_growth, trace_cone, Cone};
+import package::cones::cone::{cone_growth, trace_cone, Cone};
 import package::trace::gbuffer::{gbuffer_specular, load_surface, view};
-import package::trace::hemisphere::basis;
-import package::trace::start::cone_start;
+import package::cones::hemisphere::basis;
+import package::cones::start::cone_start;
 import package::trace::screen::{settings, traced_pixel, traced_size};
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;

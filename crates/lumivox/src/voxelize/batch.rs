@@ -2,14 +2,14 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::hook::{Detail, WalkRun};
 use super::input::{DrawGroup, PreparedBatch};
-use super::kernels::{Detail, Kernels, Layouts};
-use super::memory::{Memory, Remedy};
-use crate::gpu::pipelines::DrawPipeline;
+use super::kernels::{Kernels, Layouts};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, ComputePass, Indirect, Kernel, Recorder, RenderPass, Run,
-    Texture, TextureView, storage_buffer, uniform_buffer, upload,
+    BindGroup, BindGroupBuilder, Buffer, ComputePass, Indirect, Kernel, Recorder, Run, Texture,
+    TextureView, storage_buffer, uniform_buffer, upload,
 };
+use crate::gpu::{Memory, Remedy};
 use crate::{GeometryBatch, GiError, SurfaceMaterial};
 
 /// `SplitParams` of `split.wgsl`.
@@ -174,24 +174,17 @@ impl SplitBatch {
 }
 
 impl SplitBatch {
-    /// Draws the triangles of all groups, each with the pipeline that is chosen for it, as often as there are
-    /// planes; `pass_group` is bind group 2.
-    pub fn draw<'p>(
-        &self,
-        pass: &mut RenderPass<'_>,
-        grid: &BindGroup,
-        pass_group: &BindGroup,
-        planes: u32,
-        choose: impl Fn(Detail) -> &'p DrawPipeline,
-    ) {
-        for group in &self.groups {
-            pass.set_pipeline(choose(group.detail));
-            let bound = [grid, &self.triangles, pass_group, &group.run];
-            for (index, bind_group) in (0..).zip(bound) {
-                pass.bind(index, bind_group);
-            }
-            pass.draw(3 * group.triangles.start..3 * group.triangles.end, 0..planes);
-        }
+    /// The runs of triangles that share textures, for a walk of the caller's own; `own` is bind group 2.
+    pub fn runs<'a>(
+        &'a self,
+        globals: &'a BindGroup,
+        own: &'a BindGroup,
+    ) -> impl Iterator<Item = WalkRun<'a>> {
+        self.groups.iter().map(move |group| WalkRun {
+            detail: group.detail,
+            triangles: group.triangles.clone(),
+            groups: [globals, &self.triangles, own, &group.run],
+        })
     }
 }
 

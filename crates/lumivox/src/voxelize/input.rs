@@ -8,8 +8,7 @@ use std::collections::BTreeSet;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Mat4, Vec3};
 
-use super::kernels::Detail;
-use super::method::VoxelizeMethod;
+use super::hook::Detail;
 use crate::geometry::{Draw, GeometryBatch};
 use crate::{Geometry, GiError, Gloss, Grid, SurfaceMaterial, SurfaceTexture, VertexAttributes};
 
@@ -89,7 +88,8 @@ pub(crate) struct PartInput<'a> {
 /// were. It holds what the caller gave, and not what is made of it, so that what has not changed is only compared.
 #[derive(Clone, Debug)]
 pub(crate) struct PartKey {
-    method: VoxelizeMethod,
+    /// The name of the voxelization.
+    method: &'static str,
     grid: Grid,
     batches: Vec<BatchKey>,
     /// Those that the draws have, with their numbers.
@@ -112,7 +112,7 @@ fn static_draws(batch: &GeometryBatch) -> impl Iterator<Item = &Draw> {
 
 impl PartKey {
     /// Of the static draws.
-    pub(crate) fn new(method: VoxelizeMethod, geometry: &Geometry, grid: &Grid) -> Self {
+    pub(crate) fn new(method: &'static str, geometry: &Geometry, grid: &Grid) -> Self {
         let key = |batch: &GeometryBatch| BatchKey {
             positions: batch.positions.clone(),
             attributes: batch.attributes.clone(),
@@ -136,7 +136,7 @@ impl PartKey {
     }
 
     /// Whether it is that of these static draws.
-    pub(crate) fn is_of(&self, method: VoxelizeMethod, geometry: &Geometry, grid: &Grid) -> bool {
+    pub(crate) fn is_of(&self, method: &str, geometry: &Geometry, grid: &Grid) -> bool {
         let mut known = self.batches.iter();
         let is_same_batch = |batch: &GeometryBatch| {
             let mut draws = static_draws(batch).peekable();

@@ -1,6 +1,6 @@
 //! The kernels of the voxelizer and the layouts of their bind groups.
 
-use super::method::VoxelizeMethod;
+use super::hook::{Detail, Voxelization};
 use crate::gpu::{Indirect, Kernel, LayoutBuilder, Pipelines, Scan, ShaderError, ShaderLibrary};
 use crate::voxels::ListBuilder;
 
@@ -23,14 +23,12 @@ pub(super) struct Layouts {
 }
 
 impl Layouts {
-    fn new(device: &Pipelines, method: VoxelizeMethod) -> Self {
+    fn new(device: &Pipelines, voxelization: Option<&dyn Voxelization>) -> Self {
         use wgpu::ShaderStages;
         let compute = LayoutBuilder::compute;
-        // The rasterizer walks in other stages; what walks exactly asks nothing of them.
-        let (drawn, written) = match method {
-            VoxelizeMethod::Exact => (ShaderStages::NONE, ShaderStages::NONE),
-            _ => (ShaderStages::VERTEX_FRAGMENT, ShaderStages::FRAGMENT),
-        };
+        // What walks exactly asks nothing of other stages.
+        let drawn = voxelization.map_or(ShaderStages::NONE, Voxelization::stages);
+        let written = drawn & ShaderStages::FRAGMENT;
         let walk = || LayoutBuilder::new(ShaderStages::COMPUTE | drawn);
         let pass = || LayoutBuilder::new(ShaderStages::COMPUTE | written);
         let triangles = walk().storage().storage().storage().storage();
@@ -60,17 +58,6 @@ impl Layouts {
             resolve_parts: resolve_parts.build(device, "voxelize::resolve_parts"),
         }
     }
-}
-
-/// What there is to sample of a group of draws: `UNIFORM`, `VARIED` and `PIERCED` of `surface.wgsl`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Detail {
-    /// One look all over.
-    Uniform,
-    /// Textures or colours.
-    Varied,
-    /// Light passes, by holes or by transmission; textures and colours as well.
-    Pierced,
 }
 
 /// The kernels of a walk over items, one for each [`Detail`].
@@ -107,9 +94,9 @@ impl Kernels {
     pub fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
-        method: VoxelizeMethod,
+        voxelization: Option<&dyn Voxelization>,
     ) -> Result<Self, ShaderError> {
-        let layouts = Layouts::new(device, method);
+        let layouts = Layouts::new(device, voxelization);
         let kernel = |module: &str, entry: &str, own: &[&wgpu::BindGroupLayout]| {
             let mut groups = vec![&layouts.grid];
             groups.extend(own);

@@ -22,8 +22,7 @@
 //! Walking again costs less memory than storing the pieces, of which a fine mesh has millions, and every
 //! buffer is sized from counts: of items on the GPU, of voxels and faces by two read-backs.
 //!
-//! That is [`VoxelizeMethod::Exact`]. The other methods walk over the fragments of the hardware rasterizer
-//! (`raster`) instead of the items, and share all else.
+//! A caller's own [`Voxelization`] may walk in another way than over the items, and shares all else.
 //!
 //! # Sums
 //! All that many threads write at once is a bit set or an integer sum, so that neither scheduling nor the order
@@ -32,14 +31,13 @@
 //! million parts below the unit still add up.
 
 mod batch;
+mod hook;
 mod input;
 mod kernels;
 #[cfg(test)]
 mod layouts_test;
-mod memory;
-mod method;
 mod part;
-mod raster;
+mod walk;
 mod whole;
 
 use std::mem::offset_of;
@@ -47,19 +45,16 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::{
-    BindGroupBuilder, Pipelines, Recorder, ShaderLibrary, StageTime, Timing, read_buffer,
-    storage_buffer, uniform_buffer,
+    BindGroupBuilder, Memory, Pipelines, Recorder, ShaderLibrary, StageTime, Timing, read_buffer,
+    storage_buffer,
 };
 use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList};
 use crate::{Geometry, GiError, Grid};
 use batch::{Fallbacks, SplitCounts};
+pub use hook::{Detail, Voxelization, VoxelizationParts, Walk, WalkRun, WalkStep, Walker};
 use input::{PartInput, PartKey};
 use kernels::Kernels;
-pub(crate) use memory::{Memory, Remedy};
-pub use method::VoxelizeMethod;
 use part::{LobedPart, MarkedPart, Part, PartCounts, Work};
-pub(crate) use raster::MODULES as RASTER_MODULES;
-use raster::Raster;
 use whole::United;
 
 /// Columns of voxels along the side of a work item's tile.
@@ -110,7 +105,6 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE)
         .constant_u32("HAS_COLORS", input::HAS_COLORS);
-    raster::add_constants(library);
 }
 
 /// `VoxelFaces` of `faces.wgsl`.
@@ -145,9 +139,9 @@ pub struct VoxelizeStats {
     pub skipped: u64,
     /// Of the triangles given, the ones that lie wholly outside the grid.
     pub outside: u64,
-    /// Tiles of triangles: the threads of each walk of [`VoxelizeMethod::Exact`].
+    /// Tiles of triangles: the threads of each exact walk.
     pub work_items: u64,
-    /// Pieces of triangles in voxels; those that a rasterizer finds more than once count as often.
+    /// Pieces of triangles in voxels; those that a walk finds more than once count as often.
     pub fragments: u64,
     /// Occupied voxels.
     pub voxels: u32,
@@ -160,33 +154,36 @@ pub struct VoxelizeStats {
 /// The kernels that turn triangles into voxels.
 #[derive(Debug)]
 pub struct Voxelizer {
-    method: VoxelizeMethod,
+    /// The name of the way to find voxels.
+    method: &'static str,
     kernels: Kernels,
-    /// The pipelines that take the place of the kernels' walks.
-    raster: Option<Raster>,
+    /// The caller's way, which takes the place of the kernels' walks.
+    walker: Option<Box<dyn Walker>>,
 }
 
 impl Voxelizer {
-    /// Compiles the kernels of the exact method.
+    /// Links the kernels, which walk exactly.
     ///
     /// # Errors
     /// [`GiError::Shader`] when a shader does not link, which is a defect of this crate.
     pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, GiError> {
-        Self::with_method(device, shaders, VoxelizeMethod::Exact)
+        Self::with(device, shaders, None)
     }
 
-    /// As [`Self::new`], with any method.
+    /// As [`Self::new`], with the caller's own way to find voxels, if there is one.
     ///
     /// # Errors
-    /// As [`Self::new`].
-    pub fn with_method(
+    /// As [`Self::new`], and those of that way.
+    pub fn with(
         device: &Pipelines,
         shaders: &ShaderLibrary,
-        method: VoxelizeMethod,
+        voxelization: Option<&dyn Voxelization>,
     ) -> Result<Self, GiError> {
-        let kernels = Kernels::new(device, shaders, method)?;
-        let raster = Raster::new(device, shaders, &kernels.layouts, method)?;
-        Ok(Self { method, kernels, raster })
+        let kernels = Kernels::new(device, shaders, voxelization)?;
+        let parts = VoxelizationParts { device, shaders, layouts: &kernels.layouts };
+        let walker = voxelization.map(|own| own.make(&parts)).transpose()?;
+        let method = voxelization.map_or("exact", Voxelization::name);
+        Ok(Self { method, kernels, walker })
     }
 
     /// Voxelizes triangles: the list of voxels, what was found, and the time of each pass if asked for.
@@ -241,7 +238,7 @@ impl Voxelizer {
 
         let mut recorder = Recorder::with_timing(device, queue, timing);
         recorder.stage("voxelize");
-        let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
+        let grid_uniform = grid.uniform(device);
         let globals = BindGroupBuilder::new(&self.kernels.layouts.grid);
         let mut work = Work {
             voxelizer: self,

@@ -1,11 +1,12 @@
 //! A part of the surface, static or dynamic, on its way through the three walks.
 
 use super::batch::{Fallbacks, SplitBatch, SplitCounts};
+use super::hook::{Walk, WalkStep};
 use super::input::PartInput;
 use super::kernels::Kernels;
-use super::method::Step;
-use super::{FRONT_WORDS, Memory, Remedy, VoxelFaces, Voxelizer};
+use super::{FRONT_WORDS, VoxelFaces, Voxelizer};
 use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, storage_buffer};
+use crate::gpu::{Memory, Remedy};
 use crate::voxels::{FaceRecord, ListBuilder, Occupied};
 use crate::{Geometry, GiError, Grid};
 
@@ -107,7 +108,7 @@ impl MarkedPart {
     fn mark(work: &mut Work<'_>, batches: &[SplitBatch], occupied: &Occupied) {
         let kernels = work.kernels;
         let buffers = [&occupied.occupancy];
-        walk(work, batches, (&kernels.layouts.mark, &buffers), Step::Mark);
+        walk(work, batches, (&kernels.layouts.mark, &buffers), WalkStep::Mark);
     }
 
     /// The buffers of the batches' [`SplitCounts`].
@@ -170,7 +171,7 @@ impl MarkedPart {
     /// The second walk: which lobes the voxels have, and how much surface.
     fn lobes(work: &mut Work<'_>, batches: &[SplitBatch], buffers: [&Buffer; 3]) {
         let kernels = work.kernels;
-        walk(work, batches, (&kernels.layouts.lobes, &buffers), Step::Lobes);
+        walk(work, batches, (&kernels.layouts.lobes, &buffers), WalkStep::Lobes);
     }
 }
 
@@ -210,14 +211,14 @@ impl LobedPart {
         part.sums = work.memory.buffer("faces", faces + fronts, stride, work.remedy())?;
         let buffers = [&part.cells, &part.voxels, &part.sums];
         if fronts > 0 {
-            Self::walk(work, &batches, &buffers, Step::Fronts);
+            Self::walk(work, &batches, &buffers, WalkStep::Fronts);
         }
-        Self::walk(work, &batches, &buffers, Step::Accumulate);
+        Self::walk(work, &batches, &buffers, WalkStep::Accumulate);
         Ok(part)
     }
 
     /// The last walks: which surface is in front, and what is in the faces.
-    fn walk(work: &mut Work<'_>, batches: &[SplitBatch], buffers: &[&Buffer], step: Step) {
+    fn walk(work: &mut Work<'_>, batches: &[SplitBatch], buffers: &[&Buffer], step: WalkStep) {
         let kernels = work.kernels;
         walk(work, batches, (&kernels.layouts.accumulate, buffers), step);
     }
@@ -228,7 +229,7 @@ fn walk(
     work: &mut Work<'_>,
     batches: &[SplitBatch],
     (layout, buffers): (&wgpu::BindGroupLayout, &[&Buffer]),
-    step: Step,
+    step: WalkStep,
 ) {
     let groups: Vec<_> = batches
         .iter()
@@ -239,5 +240,6 @@ fn walk(
         })
         .collect();
     let Work { voxelizer, recorder, globals, grid, .. } = work;
-    voxelizer.walk(recorder, (grid, globals), batches, &groups, step);
+    let walk = Walk { grid, label: step.label(), globals, batches, pass_groups: &groups };
+    voxelizer.walk(recorder, step, &walk);
 }

@@ -6,7 +6,7 @@ use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
     ShaderError, ShaderLibrary, uniform_buffer,
 };
-use crate::voxelize::{Memory, Remedy};
+use crate::gpu::{Memory, Remedy};
 use crate::voxels::NodeRecord;
 use crate::voxels::pyramid::{Pyramid, level_first_word, level_words};
 use crate::{GiError, Grid};

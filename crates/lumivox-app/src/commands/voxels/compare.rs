@@ -3,9 +3,10 @@
 use std::time::Instant;
 
 use lumivox::gpu::Timing;
-use lumivox::{Geometry, GiError, Grid, VoxelizeMethod, Voxelizer};
+use lumivox::{Geometry, GiError, Grid, Voxelizer};
 use lumivox_console::report::{AdapterReport, GridReport, SceneCounts, Table, count};
 use lumivox_console::shown;
+use lumivox_render::classics::{self, VOXELIZERS};
 use lumivox_render::{Gpu, GpuScene, Lighting, VoxelSet, radiance_unit};
 use serde::Serialize;
 
@@ -53,11 +54,11 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
     gpu.wait("uploading the scene")?;
 
-    let total = VoxelizeMethod::ALL.len() as u32;
+    let total = VOXELIZERS.len() as u32;
     let mut found = Vec::new();
-    for (done, method) in (0..).zip(VoxelizeMethod::ALL) {
+    for (done, method) in (0..).zip(VOXELIZERS) {
         progress.set("voxelizing", done, total);
-        found.push(Found::new(&gpu, &grid, &uploaded.geometry, method)?);
+        found.push(Found::new(&gpu, &grid, &uploaded.geometry, method.name)?);
     }
     let (exact, _) = found.split_first().unwrap_or_else(|| unreachable!("there are methods"));
     let exact = &exact.set;
@@ -88,7 +89,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
 
 /// What one method finds, and how fast.
 struct Found {
-    method: VoxelizeMethod,
+    method: &'static str,
     set: VoxelSet,
     fragments: u64,
     faces: u32,
@@ -100,10 +101,11 @@ impl Found {
         gpu: &Gpu,
         grid: &Grid,
         geometry: &Geometry,
-        method: VoxelizeMethod,
+        method: &'static str,
     ) -> anyhow::Result<Self> {
         let library = lumivox::shaders::library();
-        let voxelizer = Voxelizer::with_method(&gpu.pipelines, &library, method)?;
+        let voxelizer =
+            Voxelizer::with(&gpu.pipelines, &library, classics::voxelizer(method).as_deref())?;
         let once = || {
             let work = voxelizer.voxelize(&gpu.device, &gpu.queue, grid, geometry, Timing::Off);
             match pollster::block_on(work) {
@@ -172,7 +174,7 @@ impl MethodReport {
     fn new(found: &Found, exact: &VoxelSet) -> Self {
         let difference = found.set.difference(exact);
         Self {
-            name: found.method.name(),
+            name: found.method,
             voxels: difference.voxels,
             missing: difference.missing,
             missing_touched: difference.missing_touched,

@@ -162,7 +162,7 @@ pub fn measure(
     let lights = Lighting::of(scene).to_gpu(uploaded.radiance_unit);
     let environment = scene.environment.radiance / uploaded.radiance_unit;
     let way = |keeps_static: bool| -> anyhow::Result<Way> {
-        let gi = pollster::block_on(global_illumination(gpu, config))?;
+        let gi = pollster::block_on(global_illumination(gpu, config.clone()))?;
         let lights = gi.bind_lights(&lights, environment, None);
         let (voxelize_ms, light_ms, times) = (0.0, 0.0, Vec::new());
         Ok(Way { gi, lights, keeps_static, steps: 0, voxelize_ms, light_ms, times })

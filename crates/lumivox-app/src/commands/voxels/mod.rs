@@ -13,7 +13,9 @@ use lumivox_console::report::{
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
-use lumivox_render::{GpuScene, Lighting, RenderError, global_illumination, radiance_unit};
+use lumivox_render::{
+    GpuScene, Lighting, RenderError, classics, global_illumination, radiance_unit,
+};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -143,7 +145,7 @@ impl Report {
         Self {
             scene: SceneCounts::new(scene),
             grid: GridReport::new(grid),
-            voxelizer: gi.method().name(),
+            voxelizer: classics::voxelizer_name(&gi.config().voxelizer),
             triangles: stats.triangles,
             skipped: stats.skipped,
             outside: stats.outside,

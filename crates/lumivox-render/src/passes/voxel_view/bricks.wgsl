@@ -6,7 +6,7 @@
 
 import package::constants::ISOTROPIC;
 import package::grid::grid;
-import package::light::environment::environment_background;
+import package::environment::environment_background;
 import package::volume::octree::search::{brick_of, find_node, node_parts};
 import package::volume::octree::tree::brick_origin;
 import package::render::passes::voxel_view::cell_walk::{longest_walk, walk_into, walked_on};

@@ -1,6 +1,6 @@
 // The cells of one level as cubes.
 
-import package::light::environment::environment_background;
+import package::environment::environment_background;
 import package::render::passes::voxel_view::first_cube::first_cube;
 import package::render::passes::voxel_view::view::{outline, picture, pixel_ray, voxel_view_settings};
 import package::trace::gbuffer::view;

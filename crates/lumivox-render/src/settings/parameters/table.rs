@@ -1,11 +1,14 @@
 //! The rows of the table, but for those of the cones and of VXCT's look.
 
 use lumivox::{
-    Directionality, Duplication, Injection, MAX_RESOLUTION, MIN_RESOLUTION, Mipmapping,
-    OctreeBuilder, OctreeOptions, VolumeKind, VoxelizeMethod,
+    Directionality, Duplication, MAX_RESOLUTION, MIN_RESOLUTION, Mipmapping, OctreeBuilder,
+    OctreeOptions, VolumeKind,
 };
 
 use super::{Choice, Choices as _, Kind, Redoes, Setting, Value, vxct};
+use crate::classics::{
+    INJECTIONS, VOXELIZERS, injection, injection_name, voxelizer, voxelizer_name,
+};
 use crate::{Exposure, Look, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 type Row = Setting<RenderSettings>;
@@ -229,10 +232,10 @@ pub(super) const VOLUME: &[Row] = &[
         summary: "How triangles become voxels",
         help: "All but the exact way use the GPU's rasterizer, and are there to be compared with it (`lumivox voxels SCENE \
                --compare-voxelizers`).",
-        kind: Kind::Choice(VoxelizeMethod::CHOICES),
+        kind: Kind::Choice(VOXELIZERS),
         redoes: Redoes::Voxels,
-        get: |s| Value::Choice(s.voxelizer.choice()),
-        set: |s, v| s.voxelizer.choose(v),
+        get: |s| Value::Choice(voxelizer_name(&s.voxelizer)),
+        set: |s, v| s.voxelizer = voxelizer(v.name()),
         ..Row::ROW
     },
 ];
@@ -244,10 +247,10 @@ pub(super) const LIGHT: &[Row] = &[
         summary: "How light comes into the voxels",
         help: "Both ways give the same light in the mean. Photons scatter with the texels that a voxel is seen by, and \
                follow shadows within a voxel. Lights without shadow maps are injected directly.",
-        kind: Kind::Choice(Injection::CHOICES),
+        kind: Kind::Choice(INJECTIONS),
         redoes: Redoes::Voxels,
-        get: |s| Value::Choice(s.injection.choice()),
-        set: |s, v| s.injection.choose(v),
+        get: |s| Value::Choice(injection_name(&s.injection)),
+        set: |s, v| s.injection = injection(v.name()),
         ..Row::ROW
     },
     Row {

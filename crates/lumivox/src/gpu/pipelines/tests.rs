@@ -73,9 +73,7 @@ fn all_that_is_pending_is_compiled_and_counted() {
     let pipelines = Pipelines::new(&device);
     let grid = crate::Grid::fit(glam::Vec3::ZERO, glam::Vec3::ONE, 16, glam::Vec3::ZERO);
     let config = crate::GiConfig::new(grid.expect("a grid"));
-    let method = crate::VoxelizeMethod::Conservative;
-    let config = crate::GiConfig { method, ..config };
-    let gi = crate::Gi::with_pipelines(&pipelines, &queue, config).expect("a device");
+    let gi = crate::Gi::with_pipelines(&pipelines, &queue, config.clone()).expect("a device");
     let counts = pipelines.counts();
     assert_eq!(counts.made, 0, "{counts:?}");
     let mut heard = Vec::new();

@@ -97,7 +97,7 @@ impl Changes {
         shaders: &ShaderLibrary,
         grid: &Grid,
     ) -> Result<Self, GiError> {
-        let uniform = uniform_buffer(device, "grid", &grid.to_gpu());
+        let uniform = grid.uniform(device);
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let globals = BindGroupBuilder::new(&grid_layout).buffer(&uniform).build(device, "grid");
         let layout = |reads: u32, writes: u32, label: &str| {

@@ -50,7 +50,7 @@ impl Stage {
     }
 
     fn gi(&self) -> Gi {
-        Gi::with_pipelines(&self.device, &self.queue, self.config).expect("a device")
+        Gi::with_pipelines(&self.device, &self.queue, self.config.clone()).expect("a device")
     }
 
     fn voxelize(&self, gi: &mut Gi, place: Mat4) {

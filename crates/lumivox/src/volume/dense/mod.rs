@@ -16,7 +16,7 @@ use glam::UVec3;
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, Texture,
-    TextureView, uniform_buffer,
+    TextureView,
 };
 use crate::volume::changes::ChangedCells;
 use crate::volume::{CELL_FORMAT, Cells, Directionality, Lists, budget};
@@ -108,7 +108,7 @@ impl DenseVolume {
                 })
             })
             .collect();
-        let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
+        let grid_uniform = grid.uniform(device);
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let masks = Masks::new(device, shaders, grid, &grid_layout)?;
         let globals_layout = super::globals_layout(device);

@@ -10,12 +10,12 @@ use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
     ShaderLibrary, Texture, TextureView, read_buffer, storage_buffer, uniform_buffer,
 };
+use crate::gpu::{Memory, Remedy};
 use crate::volume::CELL_FORMAT;
 use crate::volume::budget;
 use crate::volume::changes::{ChangedCells, LevelWords};
 use crate::volume::level_range::NodeRange;
 use crate::volume::{Cells, Lists};
-use crate::voxelize::{Memory, Remedy};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 

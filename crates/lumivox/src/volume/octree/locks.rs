@@ -6,7 +6,7 @@ use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Indirect, Kernel, LayoutBuilder, Pipelines, Recorder, Run,
     ShaderLibrary, read_buffer, storage_buffer, uniform_buffer,
 };
-use crate::voxelize::{Memory, Remedy};
+use crate::gpu::{Memory, Remedy};
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 

@@ -179,7 +179,7 @@ impl OctreeVolume {
         options: OctreeOptions,
         memory_budget: Option<u64>,
     ) -> Result<Self, GiError> {
-        let grid_uniform = uniform_buffer(device, "grid", &grid.to_gpu());
+        let grid_uniform = grid.uniform(device);
         let globals_layout = super::globals_layout(device);
         let sampler = super::sampler(device);
         // Before there are voxels: a table without nodes.

@@ -8,9 +8,9 @@ use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Scan,
     ShaderLibrary, read_buffer, uniform_buffer,
 };
+use crate::gpu::{Memory, Remedy};
 use crate::volume::budget;
 use crate::volume::level_range::NodeRange;
-use crate::voxelize::{Memory, Remedy};
 use crate::voxels::{BitLevel, Pyramid, VoxelList};
 use crate::{GiError, Grid};
 

@@ -4,11 +4,12 @@
 mod layers;
 mod materials;
 mod overlap;
+mod panels;
 mod parts;
 mod promises;
-mod raster;
 mod read;
 mod scenes;
 mod speed;
 mod sums;
+mod textures;
 mod twin;

@@ -4,18 +4,8 @@ use glam::{Mat4, Vec3};
 use lumivox::{Draw, Geometry, Grid, SurfaceMaterial};
 
 use crate::voxelize::read::Lab;
-use crate::voxelize::scenes::{Mesh, Random};
+use crate::voxelize::scenes::{Mesh, Random, unit_grid};
 use crate::voxelize::twin::{self, in_grid};
-
-/// A grid with a voxel of 1 m, its corner at the origin: coordinates are exact in f32.
-pub fn unit_grid(edge: u32) -> Grid {
-    Grid {
-        origin_in_world: Vec3::ZERO,
-        voxel_size_m: 1.0,
-        dimensions: glam::UVec3::splat(edge),
-        levels: (edge / 4).ilog2() + 1,
-    }
-}
 
 /// Compares the occupied voxels with the twin's: those nearer than `epsilon` to touching may differ.
 fn compare(lab: &Lab, grid: &Grid, geometry: &Geometry, triangles: &[[Vec3; 3]], epsilon: f64) {

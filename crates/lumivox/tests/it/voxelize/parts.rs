@@ -1,7 +1,9 @@
 //! Static and dynamic parts: what is kept and what is walked again give the bits of a whole voxelization.
 
 use glam::{Mat4, Vec3, Vec4};
-use lumivox::{Draw, Geometry, Grid, KeptStatic, SurfaceMaterial, VoxelizeMethod};
+use lumivox::gpu::Recorder;
+use lumivox::hooks::{Voxelization, VoxelizationParts, Walk, WalkStep, Walker};
+use lumivox::{Draw, Geometry, GiError, Grid, KeptStatic, SurfaceMaterial};
 
 use crate::voxelize::read::{Lab, ReadList};
 use crate::voxelize::scenes::{Mesh, Random, cornell_box};
@@ -175,9 +177,39 @@ fn a_change_of_static_draws_is_noticed() {
     assert_same(&partly, &lab.voxelize(&shifted, &geometry), "another grid");
     let mut kept = KeptStatic::default();
     lab.voxelize_dynamic(&grid, &geometry, &mut kept);
-    let other = lab.switched_to(VoxelizeMethod::DominantAxis);
+    let other = Lab::by(Some(&AsItIs));
     let partly = other.voxelize_dynamic(&grid, &geometry, &mut kept);
     assert_same(&partly, &other.voxelize(&grid, &geometry), "another method");
+}
+
+/// A way to find voxels that leaves all walks to the exact one.
+#[derive(Debug)]
+struct AsItIs;
+
+impl Voxelization for AsItIs {
+    fn name(&self) -> &'static str {
+        "as it is"
+    }
+
+    fn make(&self, _: &VoxelizationParts<'_>) -> Result<Box<dyn Walker>, GiError> {
+        Ok(Box::new(Self))
+    }
+}
+
+impl Walker for AsItIs {
+    fn walk(&self, _: &mut Recorder, _: WalkStep, walk: &Walk<'_>) -> bool {
+        assert!(walk.runs().count() > 0, "there are triangles");
+        false
+    }
+}
+
+/// A caller's own way sees every walk, and may leave it.
+#[test]
+fn what_is_left_is_walked_exactly() {
+    let lab = Lab::new();
+    let (grid, geometry) = (room(), stage(&lab));
+    let own = Lab::by(Some(&AsItIs)).voxelize(&grid, &geometry);
+    assert_same(&own, &lab.voxelize(&grid, &geometry), "the exact walk");
 }
 
 /// Two parts hold what one part would: the same voxels, and faces that differ by rounding alone, but where there may

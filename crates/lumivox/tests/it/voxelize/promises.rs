@@ -4,22 +4,8 @@ use glam::{Mat4, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::{Draw, Geometry, GiError, Grid, SurfaceMaterial};
 
-use crate::voxelize::overlap::unit_grid;
 use crate::voxelize::read::Lab;
-use crate::voxelize::scenes::{Mesh, Random, cornell_box};
-
-pub fn triangle_soup() -> Vec<[Vec3; 3]> {
-    let mut random = Random(21);
-    let mut triangles: Vec<_> = (0..3000)
-        .map(|i| {
-            let size = [0.01, 0.5, 3.0][i % 3];
-            let centre = random.vector(0.0, 32.0);
-            [(); 3].map(|()| centre + random.vector(-size, size))
-        })
-        .collect();
-    triangles.extend(cornell_box().triangles().iter().map(|t| t.map(|p| p * 12.0 + 3.0)));
-    triangles
-}
+use crate::voxelize::scenes::{Mesh, Random, cornell_box, triangle_soup, unit_grid};
 
 #[test]
 fn two_runs_give_the_same_bits() {

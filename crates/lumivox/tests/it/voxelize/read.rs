@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use bytemuck::Pod;
 use glam::{UVec3, Vec3};
 use lumivox::gpu::{Pipelines, Timing, read_buffer};
+use lumivox::hooks::Voxelization;
 use lumivox::voxels::{FaceRecord, NodeRecord};
-use lumivox::{Geometry, Grid, KeptStatic, VoxelizeMethod, VoxelizeStats, Voxelizer};
+use lumivox::{Geometry, Grid, KeptStatic, VoxelizeStats, Voxelizer};
 
 /// All of a list.
 #[derive(Debug)]
@@ -30,23 +31,15 @@ pub struct Lab {
 
 impl Lab {
     pub fn new() -> Self {
-        Self::with_method(VoxelizeMethod::Exact)
+        Self::by(None)
     }
 
-    pub fn with_method(method: VoxelizeMethod) -> Self {
+    /// With another way to find voxels, or the exact one.
+    pub fn by(voxelization: Option<&dyn Voxelization>) -> Self {
         let (device, queue) = crate::common::device();
-        Self::on_device(device, queue, method)
-    }
-
-    fn on_device(device: Pipelines, queue: wgpu::Queue, method: VoxelizeMethod) -> Self {
         let library = lumivox::shaders::library();
-        let voxelizer = Voxelizer::with_method(&device, &library, method).expect("kernels");
+        let voxelizer = Voxelizer::with(&device, &library, voxelization).expect("kernels");
         Self { device, queue, voxelizer }
-    }
-
-    /// Another method on the same device.
-    pub fn switched_to(&self, method: VoxelizeMethod) -> Self {
-        Self::on_device(self.device.clone(), self.queue.clone(), method)
     }
 
     /// Voxelizes, reads everything back and checks what holds for every list.

@@ -1,7 +1,7 @@
 //! Geometry for tests: triangles in plain vectors, uploaded on request.
 
 use glam::{Mat4, Vec2, Vec3};
-use lumivox::{Draw, Geometry, GeometryBatch, SurfaceMaterial, VertexAttributes};
+use lumivox::{Draw, Geometry, GeometryBatch, Grid, SurfaceMaterial, VertexAttributes};
 use wgpu::util::DeviceExt as _;
 
 /// A buffer as an engine makes its own.
@@ -160,4 +160,27 @@ pub fn cornell_box() -> Mesh {
     mesh.cuboid(block(0.3, 0.5, 0.3, 1.2));
     mesh.cuboid(block(1.1, 1.2, -0.3, 0.6));
     mesh
+}
+
+/// A grid with a voxel of 1 m, its corner at the origin: coordinates are exact in f32.
+pub fn unit_grid(edge: u32) -> Grid {
+    Grid {
+        origin_in_world: Vec3::ZERO,
+        voxel_size_m: 1.0,
+        dimensions: glam::UVec3::splat(edge),
+        levels: (edge / 4).ilog2() + 1,
+    }
+}
+
+pub fn triangle_soup() -> Vec<[Vec3; 3]> {
+    let mut random = Random(21);
+    let mut triangles: Vec<_> = (0..3000)
+        .map(|i| {
+            let size = [0.01, 0.5, 3.0][i % 3];
+            let centre = random.vector(0.0, 32.0);
+            [(); 3].map(|()| centre + random.vector(-size, size))
+        })
+        .collect();
+    triangles.extend(cornell_box().triangles().iter().map(|t| t.map(|p| p * 12.0 + 3.0)));
+    triangles
 }

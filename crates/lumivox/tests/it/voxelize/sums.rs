@@ -3,8 +3,8 @@
 use glam::{DVec3, Mat4, Vec3, Vec4};
 use lumivox::{Draw, Geometry, Grid, SurfaceMaterial};
 
-use crate::voxelize::overlap::unit_grid;
 use crate::voxelize::read::{Lab, ReadList, along};
+use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::scenes::{Mesh, Random};
 use crate::voxelize::twin::{self, in_grid};
 

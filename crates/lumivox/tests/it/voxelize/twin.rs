@@ -39,6 +39,7 @@ impl Separator {
 
     /// Without the edges as seen along two of the axes: what a conservative rasterizer along the third one and the
     /// plane's range of depth over the pixel can tell.
+    #[allow(dead_code)] // The tests of lumivox-classics use it.
     pub fn in_column(t: &Triangle, axis: usize) -> Self {
         let edges = edges(t);
         let across = edges.map(|edge| edge.cross(DVec3::AXES[axis]));

@@ -138,7 +138,7 @@ fn another_list_leaves_nothing_of_the_last_one() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
     let config = config(octree(OctreeOptions::default()), Directionality::SixLobes);
-    let mut reused = voxelize(&gpu, config, &busy_room().build(&gpu.0)).expect("it fits");
+    let mut reused = voxelize(&gpu, config.clone(), &busy_room().build(&gpu.0)).expect("it fits");
     light(&gpu, &mut reused, 2);
     pollster::block_on(reused.voxelize(&geometry, Timing::Off)).expect("it fits");
     light(&gpu, &mut reused, 2);

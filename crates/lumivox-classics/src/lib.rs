@@ -1,0 +1,16 @@
+//! Renderers of the literature, standing on Lumivox's public hooks ([`lumivox::hooks`]): here to be compared with it,
+//! and as examples of what the hooks can do. Lumivox knows nothing of this crate.
+
+pub mod photons;
+pub mod raster;
+
+use lumivox::gpu::ShaderLibrary;
+
+/// A library with more modules.
+fn with_modules(shaders: &ShaderLibrary, modules: &[(&str, &'static str)]) -> ShaderLibrary {
+    let mut shaders = shaders.clone();
+    for (path, source) in modules {
+        shaders.add(path, *source);
+    }
+    shaders
+}

@@ -1,0 +1,320 @@
+//! Photon insertion: direct light into the voxels from the texels of the lights' depth maps.
+//!
+//! Crassin et al. 2011 ("Interactive indirect illumination using voxel cone tracing", section 5) light their octree
+//! so. Each texel of a map is a bundle of photons that carries its flux to the voxel that it shows
+//! (`insert.wgsl`); a face then reflects what came, over its area (`reflect.wgsl`). In expectation that is the
+//! irradiance that the direct evaluation computes face by face; it scatters with the number of texels that a face
+//! is seen by, so maps must be fine enough: a texel of at most half a voxel.
+//!
+//! A face that is seen in less than four texels is evaluated directly, since it would get all or nothing.
+//! A voxel does not tell layers behind each other apart (a ceiling, and a lamp's black panel below it). Where light
+//! arrives in front of a face's middle it is evaluated directly (`reflect.wgsl`).
+//!
+//! What it has over the direct evaluation: a face in half shadow gets what reaches its lit part, to the texel, and
+//! time goes with the texels, whatever the number of faces.
+//!
+//! Fluxes are summed up as integers, light after light. The sum of a face is bounded:
+//!
+//! - by the light's solid angle, 4 pi for a point light: `incident_light` only takes away from there;
+//! - for parallel light by what a voxel shows of the beam, at most sqrt(3) of its sides (a cube across its diagonal),
+//!   and by the texels at the outline: those whose centre falls into an area A of perimeter P are at most
+//!   `A + P d + pi d^2`, d half a texel's diagonal (Steiner's formula), all in texels.
+//!
+//! `counts_per_flux` maps that bound to 2^31, half of what a word holds.
+
+use std::any::Any;
+use std::f32::consts::{PI, SQRT_2, TAU};
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Mat4;
+
+use lumivox::gpu::{
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder,
+    storage_buffer, uniform_buffer,
+};
+use lumivox::hooks::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
+use lumivox::voxels::VoxelList;
+use lumivox::{Gi, GiError, Grid, LightSource, ShadowLayer};
+
+use crate::with_modules;
+
+/// Photons, as [`lumivox::GiConfig::injection`]: each texel of a light's shadow map is a bundle of photons that carries
+/// its flux to the voxel that it shows. Lights without a map, and faces that the map shows in too few texels, are
+/// evaluated directly.
+pub fn photons() -> Arc<dyn Injection> {
+    Arc::new(PhotonInjection)
+}
+
+/// What became of the photons of the last call of [`Gi::light`]: one [`PhotonFates`]. `None` without photons.
+pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
+    let injector: &dyn Any = gi.injector()?;
+    injector.downcast_ref::<Photons>().map(|photons| &photons.fates)
+}
+
+/// The name of the injection.
+pub const NAME: &str = "photons";
+
+#[derive(Debug)]
+struct PhotonInjection;
+
+impl Injection for PhotonInjection {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn bytes_per_face(&self) -> u64 {
+        SUMS_BYTES
+    }
+
+    fn make(&self, parts: &InjectionParts<'_>) -> Result<Box<dyn Injector>, GiError> {
+        Ok(Box::new(Photons::new(parts)?))
+    }
+}
+
+/// The shader modules of this folder.
+const MODULES: &[(&str, &str)] = &[
+    ("classics::photons::direct", include_str!("direct.wgsl")),
+    ("classics::photons::photon_map", include_str!("photon_map.wgsl")),
+    ("classics::photons::insert", include_str!("insert.wgsl")),
+    ("classics::photons::reflect", include_str!("reflect.wgsl")),
+];
+
+/// `MAX_LAYERS` of `photon_map.wgsl`.
+const MAX_LAYERS: usize = 6;
+/// `FATES` of `insert.wgsl`.
+const FATES: u64 = 4;
+/// `Taken` of `photon_map.wgsl`, for each face.
+const SUMS_BYTES: u64 = 8;
+/// The largest sum that can be: half of what a word holds.
+const LARGEST_SUM: f32 = 2_147_483_648.0;
+
+/// `PhotonMap` of `photon_map.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct PhotonMap {
+    world_from_clip: [Mat4; MAX_LAYERS],
+    light: u32,
+    first_layer: u32,
+    layer_count: u32,
+    counts_per_flux: f32,
+}
+
+impl PhotonMap {
+    fn new(light: &MappedLight, grid: &Grid) -> Self {
+        let mut world_from_clip = [Mat4::IDENTITY; MAX_LAYERS];
+        for (inverse, layer) in world_from_clip.iter_mut().zip(&light.layers) {
+            // In f64: projections from far away lose digits.
+            *inverse = layer.clip_from_world.as_dmat4().inverse().as_mat4();
+        }
+        Self {
+            world_from_clip,
+            light: light.index,
+            first_layer: light.first_layer,
+            layer_count: light.layers.len() as u32,
+            counts_per_flux: LARGEST_SUM / largest_flux(light, grid),
+        }
+    }
+}
+
+/// The most flux that can come together in a voxel, for an intensity of one.
+fn largest_flux(light: &MappedLight, grid: &Grid) -> f32 {
+    let texel = light.layers.first().map_or(0.0, |layer: &ShadowLayer| layer.texel_size);
+    // The area and outline that are seen, and the texels at the outline.
+    let with_outline = |area: f32, perimeter: f32| {
+        let reach = texel / SQRT_2;
+        area + perimeter * reach + PI * reach * reach
+    };
+    match light.source {
+        LightSource::Directional { .. } | LightSource::Environment { .. } => {
+            let side = grid.voxel_size_m;
+            // A hexagon: the outline of a cube along its diagonal.
+            with_outline(3.0_f32.sqrt() * side * side, 24.0_f32.sqrt() * side)
+        }
+        // The texels of six faces tile the sphere.
+        LightSource::Point { .. } => 2.0 * TAU,
+        LightSource::Spot { outer_angle_rad, .. } => {
+            let (sine, cosine) = outer_angle_rad.sin_cos();
+            with_outline(TAU * (1.0 - cosine), TAU * sine)
+        }
+    }
+}
+
+/// What became of the bundles of all lights, in texels of their maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PhotonFates {
+    /// Texels that show nothing, or a direction that belongs to another face of a cube.
+    pub none: u32,
+    /// Came into a voxel.
+    pub kept: u32,
+    /// Met a side without a face, such as the back of a single-sided wall, which reflects nothing.
+    pub absorbed: u32,
+    /// Met a surface where no voxel is, or one that a surface only touches: at edges that rounding moves over the
+    /// border of a voxel, where masks let through in voxels and not in maps, or beyond the grid.
+    pub lost: u32,
+}
+
+/// Inserts photons.
+#[derive(Debug)]
+struct Photons {
+    grid: Grid,
+    grid_group: BindGroup,
+    direct: Kernel,
+    insert: Kernel,
+    reflect: Kernel,
+    direct_layout: wgpu::BindGroupLayout,
+    insert_layout: wgpu::BindGroupLayout,
+    reflect_layout: wgpu::BindGroupLayout,
+    fates: Buffer,
+    list: Option<List>,
+}
+
+/// What belongs to the current voxel list.
+#[derive(Debug)]
+struct List {
+    occupancy: Buffer,
+    ranks: Buffer,
+    first_faces: Buffer,
+    faces: Buffer,
+    face_count: u64,
+    sums: Buffer,
+}
+
+impl Photons {
+    fn new(parts: &InjectionParts<'_>) -> Result<Self, GiError> {
+        let InjectionParts { device, grid, globals, lights, .. } = *parts;
+        let shaders = with_modules(parts.shaders, MODULES);
+        // With the volume there would be more storage buffers than WebGPU allows.
+        let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
+        let grid_group =
+            BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
+        let direct_layout = LayoutBuilder::compute()
+            .storage()
+            .storage_mut()
+            .storage_mut()
+            .build(device, "light before photons");
+        let insert_layout = LayoutBuilder::compute()
+            .uniform()
+            .storage()
+            .storage()
+            .storage()
+            .storage()
+            .storage_mut()
+            .storage_mut()
+            .build(device, "insert photons");
+        let reflect_layout = LayoutBuilder::compute()
+            .uniform()
+            .storage()
+            .storage_mut()
+            .storage_mut()
+            .storage_mut()
+            .build(device, "reflect photons");
+        let kernel = |module, group_0, layout| {
+            Kernel::new(device, &shaders, module, "main", &[group_0, layout, lights])
+        };
+        Ok(Self {
+            grid: *grid,
+            grid_group,
+            direct: kernel("classics::photons::direct", globals, &direct_layout)?,
+            insert: kernel("classics::photons::insert", &grid_layout, &insert_layout)?,
+            reflect: kernel("classics::photons::reflect", &grid_layout, &reflect_layout)?,
+            direct_layout,
+            insert_layout,
+            reflect_layout,
+            fates: storage_buffer(device, "fates of photons", FATES * 4),
+            list: None,
+        })
+    }
+}
+
+impl Injector for Photons {
+    fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
+        let face_count = u64::from(voxels.face_count);
+        self.list = Some(List {
+            occupancy: voxels.occupancy.clone(),
+            ranks: voxels.ranks.clone(),
+            first_faces: voxels.first_faces.clone(),
+            faces: voxels.faces.clone(),
+            face_count,
+            sums: storage_buffer(device, "flux of the faces", face_count * SUMS_BYTES),
+        });
+    }
+
+    fn run(&self, recorder: &mut Recorder, light: FaceLight<'_>) {
+        let Some(list) = &self.list else {
+            return;
+        };
+        let FaceLight { globals, lights, direct, radiance } = light;
+        let device = recorder.device().clone();
+        let direct_group = BindGroupBuilder::new(&self.direct_layout)
+            .buffer(&list.faces)
+            .buffer(direct)
+            .buffer(radiance)
+            .build(&device, "light before photons");
+        self.direct.run_linear(recorder, &[globals, &direct_group, &lights.group], list.face_count);
+        recorder.clear(&self.fates);
+        let [width, height] = lights.map_size;
+        for light in &lights.mapped {
+            let map = PhotonMap::new(light, &self.grid);
+            let layers = map.layer_count;
+            let map = uniform_buffer(&device, "photon map", &map);
+            let insert_group = BindGroupBuilder::new(&self.insert_layout)
+                .buffer(&map)
+                .buffer(&list.occupancy)
+                .buffer(&list.ranks)
+                .buffer(&list.first_faces)
+                .buffer(&list.faces)
+                .buffer(&list.sums)
+                .buffer(&self.fates)
+                .build(&device, "insert photons");
+            let reflect_group = BindGroupBuilder::new(&self.reflect_layout)
+                .buffer(&map)
+                .buffer(&list.faces)
+                .buffer(&list.sums)
+                .buffer(direct)
+                .buffer(radiance)
+                .build(&device, "reflect photons");
+            let groups = [&self.grid_group, &insert_group, &lights.group];
+            self.insert.run(recorder, &groups, [width, height, layers]);
+            let groups = [&self.grid_group, &reflect_group, &lights.group];
+            self.reflect.run_linear(recorder, &groups, list.face_count);
+        }
+    }
+
+    fn memory(&self) -> Vec<(&'static str, u64)> {
+        vec![("light: flux of the faces", self.list.as_ref().map_or(0, |list| list.sums.size()))]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use lumivox::{Directionality, VolumeKind, shaders::library_with_volume};
+
+    use super::{MODULES, PhotonMap};
+    use crate::with_modules;
+
+    #[test]
+    fn shaders_are_valid_and_structs_lie_in_memory_alike() {
+        let library = with_modules(
+            &library_with_volume(VolumeKind::Dense, Directionality::SixLobes),
+            MODULES,
+        );
+        for (path, _) in MODULES {
+            library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let layout = library.struct_layout(MODULES[1].0, "PhotonMap").expect("it is there");
+        let offsets = [
+            ("world_from_clip", offset_of!(PhotonMap, world_from_clip)),
+            ("light", offset_of!(PhotonMap, light)),
+            ("first_layer", offset_of!(PhotonMap, first_layer)),
+            ("layer_count", offset_of!(PhotonMap, layer_count)),
+            ("counts_per_flux", offset_of!(PhotonMap, counts_per_flux)),
+        ];
+        let offsets = offsets.map(|(name, offset)| (name.to_owned(), offset as u32));
+        assert_eq!(layout.members, offsets);
+        assert_eq!(layout.size as usize, size_of::<PhotonMap>());
+    }
+}

@@ -1,0 +1,63 @@
+// The light that faces reflect of the flux that was inserted into them: the share that leaves / pi * flux / area, on top
+// of what they sent out before. The sums are left at zero for the next light.
+//
+// A face may be made of layers behind each other, such as a ceiling and a lamp's black panel below it. What the panel
+// takes up must not be reflected by the ceiling's share of the face: a turned Cornell box was 29 % too bright. Such
+// light gives itself away by arriving in front of the face's middle, where on a plane it arrives level with it. Faces
+// on which it leads by more than LEAD are evaluated directly, by what reaches their middle. So are those that the map
+// shows in less than LEAST_TEXELS: slivers at the corners of voxels, which get a texel or none.
+
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
+import package::grid::grid;
+import package::light::lights::{incident_light, is_parallel, lights};
+import package::classics::photons::photon_map::{photon_map, Taken};
+import package::light::reflected::reflected_from;
+import package::light::shadow_map::{shadow_layers, shadow_map_visibility};
+import package::voxels::list::Face;
+
+@group(1) @binding(1) var<storage, read> faces: array<Face>;
+@group(1) @binding(2) var<storage, read_write> sums: array<Taken>;
+@group(1) @binding(3) var<storage, read_write> direct: array<vec4f>;
+@group(1) @binding(4) var<storage, read_write> radiance: array<vec4f>;
+
+const PI: f32 = 3.14159265359;
+
+// A 32nd of a voxel, as `Taken` counts it: a hidden layer half a voxel behind that makes up a sixteenth of the face.
+const LEAD: f32 = 0.015625;
+
+// Two along an edge, as a whole side has of the coarsest map that does.
+const LEAST_TEXELS: f32 = 4.0;
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index >= arrayLength(&direct) {
+        return;
+    }
+    let face = faces[index];
+    let area_m2 = length(face.vector_area) * grid.voxel_size_m * grid.voxel_size_m;
+    let light = lights[photon_map.light];
+    let taken = sums[index];
+    sums[index] = Taken(0u, 0u);
+    let flux = light.intensity * (f32(taken.flux) / photon_map.counts_per_flux);
+    var irradiance = flux / area_m2;
+    let normal = normalize(face.vector_area);
+    let incident = incident_light(light, face.position_in_world);
+    let cosine = max(dot(normal, incident.direction), 0.0);
+    var texel_m = shadow_layers[photon_map.first_layer].texel_size;
+    if !is_parallel(light) {
+        texel_m *= incident.distance_m;
+    }
+    let is_small = area_m2 * cosine < LEAST_TEXELS * texel_m * texel_m;
+    if is_small || f32(bitcast<i32>(taken.lead)) > LEAD * f32(taken.flux) {
+        irradiance = incident.irradiance * cosine
+            * shadow_map_visibility(light, face.position_in_world, normal);
+    }
+    let leaving = direct[index].rgb + reflected_from(face, cosine) / PI * irradiance;
+    direct[index] = vec4f(leaving, 1.0);
+    radiance[index] = vec4f(leaving, 1.0);
+}

@@ -1,0 +1,211 @@
+//! Voxelization by the hardware rasterizer: each fragment stands for a voxel, or for the few of its column.
+//!
+//! This is how voxel cone tracing was done at first (Crassin and Green 2012, OpenGL Insights, chapter 22). It is
+//! here to be compared with the exact walk, and shares all with it but the way to the voxels: the same three
+//! walks, the same bits and integer sums, the same list. Corners are pulled from storage buffers, since there is
+//! no geometry shader that could choose the plane or widen a triangle; the picture has a pixel for each column
+//! of voxels, and nothing is drawn into it.
+
+use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
+use lumivox::gpu::{Kept, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture, TextureView};
+use lumivox::hooks::{Voxelization, VoxelizationParts, Walk, WalkStep, Walker};
+use lumivox::{GiError, Grid};
+
+use crate::with_modules;
+
+/// The shader modules of this folder.
+const MODULES: &[(&str, &str)] = &[
+    ("classics::raster::accumulate", include_str!("accumulate.wgsl")),
+    ("classics::raster::corners", include_str!("corners.wgsl")),
+    ("classics::raster::fragment", include_str!("fragment.wgsl")),
+    ("classics::raster::lobes", include_str!("lobes.wgsl")),
+    ("classics::raster::mark", include_str!("mark.wgsl")),
+    ("classics::raster::share", include_str!("share.wgsl")),
+    ("classics::raster::widen", include_str!("widen.wgsl")),
+];
+
+/// The picture that WebGPU wants to have; one byte a pixel, and never written.
+const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+
+/// The rasterizer's ways from triangles to voxels, as [`lumivox::GiConfig::voxelizer`].
+///
+/// They miss voxels or find too many, and the surface in a voxel is an estimate. Only the grid, never the viewer,
+/// decides in any of them. See `docs/voxelizers.md`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Raster {
+    /// The triangle is drawn along its normal's dominant axis, and each pixel's centre that it covers is the
+    /// voxel at its depth there: an area of 1. Thin parts fall between the centres.
+    DominantAxis,
+    /// As before, but every pixel that the triangle touches, with all voxels that its plane passes there within
+    /// the triangle's box (Hasselgren, Akenine-Möller and Ohlsson 2005; Crassin and Green 2012). Misses nothing;
+    /// the area covered in a pixel is exact, its distribution along the depth an estimate.
+    Conservative,
+    /// The triangle is drawn along all three axes, pixels' centres alone: less falls between them. The three
+    /// share out one area.
+    ThreePlane,
+}
+
+impl Raster {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::DominantAxis, Self::Conservative, Self::ThreePlane];
+
+    /// The name in lower case, as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::DominantAxis => "dominant-axis",
+            Self::Conservative => "conservative",
+            Self::ThreePlane => "three-plane",
+        }
+    }
+
+    /// How often each triangle is drawn.
+    const fn planes(self) -> u32 {
+        match self {
+            Self::ThreePlane => 3,
+            Self::DominantAxis | Self::Conservative => 1,
+        }
+    }
+
+    /// The library with the modules of this folder.
+    fn library(self, shaders: &ShaderLibrary) -> ShaderLibrary {
+        let mut library = with_modules(shaders, MODULES);
+        library
+            .constant_u32("RASTER_CONSERVATIVE", Self::Conservative as u32)
+            .constant_u32("RASTER_THREE_PLANE", Self::ThreePlane as u32)
+            .constant_u32("RASTER_METHOD", self as u32);
+        library
+    }
+}
+
+impl Voxelization for Raster {
+    fn name(&self) -> &'static str {
+        Self::name(*self)
+    }
+
+    fn stages(&self) -> wgpu::ShaderStages {
+        wgpu::ShaderStages::VERTEX_FRAGMENT
+    }
+
+    fn make(&self, parts: &VoxelizationParts<'_>) -> Result<Box<dyn Walker>, GiError> {
+        let device = parts.device;
+        let shaders = self.library(parts.shaders);
+        let corners = device.shader(&shaders, "classics::raster::corners")?;
+        let pipelines = |module: &str, entries: [&str; 3], step: WalkStep| {
+            let fragments = device.shader(&shaders, module)?;
+            let groups = parts.layouts(step);
+            let [uniform, varied, pierced] =
+                entries.map(|entry| pipeline(device, groups, &corners, &fragments, entry));
+            Ok::<_, ShaderError>([uniform?, varied?, pierced?])
+        };
+        // Where the surface itself does not matter, what is not pierced is all alike.
+        let by_holes = ["opaque", "opaque", "covered"];
+        let by_detail = ["plain", "varied", "pierced"];
+        Ok(Box::new(RasterWalker {
+            mark: pipelines("classics::raster::mark", by_holes, WalkStep::Mark)?,
+            lobes: pipelines("classics::raster::lobes", by_holes, WalkStep::Lobes)?,
+            accumulate: pipelines("classics::raster::accumulate", by_detail, WalkStep::Accumulate)?,
+            planes: self.planes(),
+        }))
+    }
+}
+
+/// The pipelines of a walk, one for each [`lumivox::hooks::Detail`].
+type Variants = [DrawPipeline; 3];
+
+/// The pipelines of one way.
+#[derive(Debug)]
+struct RasterWalker {
+    mark: Variants,
+    lobes: Variants,
+    accumulate: Variants,
+    planes: u32,
+}
+
+impl Walker for RasterWalker {
+    /// Draws all batches in one pass. Fronts are left to the exact walk.
+    fn walk(&self, recorder: &mut Recorder, step: WalkStep, walk: &Walk<'_>) -> bool {
+        let variants = match step {
+            WalkStep::Mark => &self.mark,
+            WalkStep::Lobes => &self.lobes,
+            WalkStep::Fronts => return false,
+            WalkStep::Accumulate => &self.accumulate,
+        };
+        let picture = picture(recorder.device(), walk.grid);
+        let attachment = wgpu::RenderPassColorAttachment {
+            view: &picture.1,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                store: wgpu::StoreOp::Discard,
+            },
+        };
+        recorder.render(walk.label, &[Some(attachment)], None, |pass| {
+            for run in walk.runs() {
+                pass.set_pipeline(&variants[run.detail as usize]);
+                for (index, group) in (0..).zip(run.groups) {
+                    pass.bind(index, group);
+                }
+                pass.draw(3 * run.triangles.start..3 * run.triangles.end, 0..self.planes);
+            }
+        });
+        recorder.keep(Kept::Texture(picture.0));
+        true
+    }
+}
+
+/// The picture: a pixel for each column of voxels, whichever axis they stand along.
+fn picture(device: &wgpu::Device, grid: &Grid) -> (Texture, TextureView) {
+    let edge = grid.dimensions.max_element();
+    let texture = Texture::new(
+        device,
+        &wgpu::TextureDescriptor {
+            label: Some("columns of voxels"),
+            size: wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: PICTURE_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        },
+    );
+    let view = texture.view();
+    (texture, view)
+}
+
+fn pipeline(
+    pipelines: &Pipelines,
+    groups: [&wgpu::BindGroupLayout; 4],
+    corners: &Shader,
+    fragments: &Shader,
+    entry: &str,
+) -> Result<DrawPipeline, ShaderError> {
+    let target = wgpu::ColorTargetState {
+        format: PICTURE_FORMAT,
+        blend: None,
+        write_mask: wgpu::ColorWrites::empty(),
+    };
+    // Both sides of a triangle are surface.
+    Ok(pipelines.draw(DrawPlan {
+        fragment: Some(fragments.entry(entry)?),
+        targets: vec![Some(target)],
+        groups: groups.map(Clone::clone).to_vec(),
+        ..DrawPlan::new(corners, "main")?
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MODULES, Raster};
+
+    #[test]
+    fn shaders_are_valid() {
+        for way in Raster::ALL {
+            let library = way.library(&lumivox::shaders::library());
+            for (path, _) in MODULES {
+                library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
+            }
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! The classics against closed forms, definitions and Lumivox's own ways.
+
+mod photons;
+#[allow(dead_code)] // Lumivox's own tests use the rest, here and below.
+#[path = "../../../lumivox/src/testing.rs"]
+mod testing;
+#[allow(dead_code)]
+mod voxelize;
+
+use testing as common;

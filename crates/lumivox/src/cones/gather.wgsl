@@ -1,0 +1,53 @@
+// Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, which have pi / N each, plus
+// the environment through what is left open.
+
+import package::environment::environment_radiance;
+import package::cones::cone::{cone_growth, trace_cone, Cone, ConeSettings};
+import package::cones::hemisphere::{basis, cell_cone, cell_jitter, cell_middle};
+import package::cones::start::cone_start;
+
+const PI: f32 = 3.14159265359;
+
+struct Gathered {
+    irradiance: vec3f,
+    // The share of the hemisphere, weighted by the cosine, that is open up to the occlusion distance.
+    openness: f32,
+    samples: u32,
+}
+
+// `start` in [0, 1)^2 is the point's own place in the jitter's sequence.
+fn gather(
+    position_in_world: vec3f,
+    shading_normal: vec3f,
+    geometric_normal: vec3f,
+    cone_count: u32,
+    start: vec2f,
+    frame: u32,
+    settings: ConeSettings,
+) -> Gathered {
+    let origin = cone_start(position_in_world, geometric_normal, settings);
+    let world_from_normal = basis(shading_normal);
+    let jitter = cell_jitter(start, frame);
+    // The cones of a point round their levels by numbers that are spread evenly (golden ratio).
+    let level_start = fract(start.x + start.y + 0.754878 * f32(frame & 0xffffu));
+    let weight = PI / f32(cone_count);
+    var sum = Gathered(vec3f(0.0), 0.0, 0u);
+    for (var cell = 0u; cell < cone_count; cell++) {
+        let place = select(cell_middle(cell, cone_count), jitter, settings.has_jitter != 0u);
+        let local = cell_cone(cell, cone_count, place);
+        var direction = world_from_normal * local.direction;
+        // With a normal map a part of the hemisphere lies below the surface; it is folded up.
+        let below = min(dot(direction, geometric_normal), 0.0);
+        direction = direction - 2.0 * below * geometric_normal;
+        let growth =
+            cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
+        let level_offset = fract(level_start + f32(cell) * 0.618034);
+        let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset), settings);
+        sum.irradiance += weight
+            * (traced.radiance + traced.transmittance * environment_radiance(direction, growth));
+        sum.openness += traced.openness;
+        sum.samples += traced.samples;
+    }
+    sum.openness = max(sum.openness / f32(cone_count), 0.0);
+    return sum;
+}

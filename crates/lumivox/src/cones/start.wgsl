@@ -1,0 +1,65 @@
+// Where cones start: above their surface, and clear of walls that are felt there and must not be.
+//
+// A wall is felt for a voxel around the middle of its cells. A cone that starts within that reach counts a part of
+// the wall wrongly:
+//
+// - of a wall beside it a part of the coverage lies behind the start, and what is beyond shines through: a floor along
+//   a wall of 5 mm was lit by the next room, up to ten times too bright;
+// - of the back of its own wall, where both sides stand in one voxel, a part lies before the start: light of the
+//   other side.
+//
+// Across a wall of full coverage the filter is a tent, so what is felt tells how far its end is. The tent stands in the
+// middle of the wall's cells, and the wall anywhere in them: a start between the two is in front of the wall and beyond
+// the middle. Which way is out then the side tells on which the wall is seen, and of a wall that is seen on both the
+// surface below the start: a floor ends at the wall and goes on where the start is.
+
+import package::grid::grid_from_world;
+import package::cones::cone::ConeSettings;
+import package::volume::wall_coverage;
+
+// The axis of the largest component: walls are in the lobes of that axis.
+fn main_axis(normal: vec3f) -> u32 {
+    let size = abs(normal);
+    return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
+}
+
+// A share of a voxel's surface that is not chance.
+const NOTICEABLE: f32 = 0.25;
+
+// How far it is along an axis to where a wall is no longer felt, given what is felt of its positive and its negative
+// side, how much more that is farther along, and how much more of the start's own surface there is.
+fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
+    let felt = max(here.x, here.y);
+    let is_one_sided = 2.0 * min(here.x, here.y) < felt;
+    let continues = select(0.0, own_rise, abs(own_rise) > NOTICEABLE);
+    let outwards = sign(select(continues, here.x - here.y, is_one_sided));
+    // A wall is within half a voxel of the middle of its cells; what is farther beyond stands behind it.
+    if outwards != 0.0 && rise * outwards >= 0.0 && felt > 0.5 {
+        return outwards * (2.0 - felt);
+    }
+    // Away from where more is felt.
+    return -sign(rise) * felt;
+}
+
+// In the grid's coordinates.
+fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -> vec3f {
+    let start = grid_from_world(position_in_world) + normal * settings.normal_offset;
+    let own_axis = main_axis(normal);
+    var beside = vec3f(0.0);
+    var back = 0.0;
+    for (var axis = 0u; axis < 3u; axis++) {
+        let here = wall_coverage(start, axis);
+        var half_voxel = vec3f(0.0);
+        half_voxel[axis] = 0.5;
+        let above = wall_coverage(start + half_voxel, axis);
+        let below = wall_coverage(start - half_voxel, axis);
+        let own_above = wall_coverage(start + half_voxel, own_axis);
+        let own_below = wall_coverage(start - half_voxel, own_axis);
+        let own_rise = max(own_above.x, own_above.y) - max(own_below.x, own_below.y);
+        beside[axis] = way_out(here, max(above.x, above.y) - max(below.x, below.y), own_rise);
+        let opposite = select(here.x, here.y, normal[axis] > 0.0);
+        back = select(back, opposite, axis == own_axis);
+    }
+    let clear = start + beside - normal * dot(beside, normal) + normal * back;
+    return select(start, clear, settings.is_clear_of_walls != 0u);
+}

@@ -1,0 +1,271 @@
+//! The surroundings, which cones see that leave the grid: one radiance from everywhere, or a picture.
+//!
+//! A picture becomes a cube map whose mips are means over their solid angle, computed in f32 on the CPU
+//! ([`cube`]). A cone that leaves the grid goes on to infinity as it was marched: it reads the mip whose
+//! texels are as wide as the cells that it read last (`environment.wgsl`). Its directions are jittered over
+//! the whole hemisphere, so that the mean over frames is the integral of what the mips hold.
+//!
+//! Six cones cannot find a sun: it would be a speck of noise, and its shadow as wide as a cone. Compact
+//! peaks are therefore cut out ([`peaks`]) and become directional lights, with shadow maps and exact
+//! highlights; what is left is the *soft* cube. The *sharp* cube holds all, for the background and for
+//! lobes that are narrower than the peaks: mirrors show the sun's disc and not its light's highlight.
+//!
+//! Half floats hold the cubes, in multiples of a power of two near the picture's mean: from a 16-millionth
+//! of the mean to 65 504 times the mean. Brighter texels are cut off in the sharp cube alone, since the
+//! sun's energy is in its light.
+//!
+//! A cube, whose texels are about as large in all directions; flat in one texture, and filtered across its edges by
+//! borders ([`atlas`]), for not every driver filters cube textures so.
+
+mod atlas;
+mod cube;
+mod peaks;
+#[cfg(test)]
+mod tests;
+
+use crate::gpu::{Texture, TextureView};
+use glam::{Mat3, Vec3};
+use half::f16;
+
+use crate::{GiError, Light, LightSource, Shadow};
+use cube::Cube;
+
+/// The shader modules of this folder.
+pub(crate) const MODULES: &[(&str, &str)] = &[("environment", include_str!("environment.wgsl"))];
+
+/// The longest edge of a face of the sharp cube; a face's middle then has 9 texels a degree. 74 MiB.
+const MAX_SHARP_EDGE: u32 = 1024;
+/// The longest edge of the soft one, which no lobe reads sharply. 19 MiB.
+const MAX_SOFT_EDGE: u32 = 512;
+/// Format of the cubes: what WebGPU filters without asking.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// A picture of all directions: equirectangular, that is, longitude by latitude.
+///
+/// The texel in the middle lies in the direction -z; from there columns go to the right (+x), rows go down
+/// from +y at the top edge to -y at the bottom edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Panorama<'a> {
+    /// Texels around, 360 degrees.
+    pub width: u32,
+    /// Texels from top to bottom, 180 degrees.
+    pub height: u32,
+    /// Radiance of each texel, row by row from the top: finite, at least 0, in any unit.
+    pub rgb: &'a [[f32; 3]],
+}
+
+/// A compact bright part of a panorama.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// Towards it, in the panorama's frame; unit length.
+    pub direction: Vec3,
+    /// Irradiance that it gives a surface facing it, above what its surroundings give.
+    pub irradiance: Vec3,
+    /// Half the angle under which it is seen, rad.
+    pub angular_radius_rad: f32,
+    /// The middle of the cap that it was cut out of; unit length.
+    pub cap_direction: Vec3,
+    /// Half the angle of that cap, rad.
+    pub cap_rad: f32,
+    /// Radiance around the cap. Within it, what each channel has above this is the peak's.
+    pub around: Vec3,
+}
+
+/// A panorama at the size that is used at most, and the peaks in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanoramaWithPeaks {
+    /// Texels around.
+    pub width: u32,
+    /// Texels from top to bottom.
+    pub height: u32,
+    /// Radiance of each texel, peaks included.
+    pub rgb: Vec<[f32; 3]>,
+    /// Brightest first.
+    pub peaks: Vec<Peak>,
+}
+
+/// A panorama on the GPU, prefiltered for cones.
+#[derive(Clone, Debug)]
+pub struct EnvironmentMap {
+    /// All of it.
+    pub(crate) sharp: TextureView,
+    /// What is left without the peaks.
+    pub(crate) soft: TextureView,
+    /// What the textures' values are multiples of.
+    pub(crate) unit: f32,
+    peaks: Vec<Peak>,
+    bytes: u64,
+}
+
+/// What cones see that leave the grid.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EnvironmentLight<'a> {
+    /// Radiance from everywhere; where there is a map, what it is multiplied by.
+    pub radiance: Vec3,
+    /// A picture of the surroundings. The lights of [`EnvironmentMap::lights`] are a part of it: without
+    /// them its peaks light nothing.
+    pub map: Option<&'a EnvironmentMap>,
+    /// Turns the map about the y axis, rad, counter-clockwise seen from above.
+    pub rotation_rad: f32,
+}
+
+impl From<Vec3> for EnvironmentLight<'_> {
+    /// The same radiance from everywhere.
+    fn from(radiance: Vec3) -> Self {
+        Self { radiance, ..Self::default() }
+    }
+}
+
+impl Panorama<'_> {
+    /// Finds what [`EnvironmentMap`] makes lights of, in the panorama at the size at which it does so. For
+    /// renderers that read the panorama themselves and want to tell the same lights apart.
+    ///
+    /// # Errors
+    /// As [`EnvironmentMap::new`].
+    pub fn with_peaks(self) -> Result<PanoramaWithPeaks, GiError> {
+        self.validate()?;
+        let reduced = cube::reduced(self, 4 * MAX_SHARP_EDGE);
+        let panorama = reduced.as_ref().map_or(self, cube::Image::panorama);
+        Ok(PanoramaWithPeaks {
+            width: panorama.width,
+            height: panorama.height,
+            rgb: panorama.rgb.to_vec(),
+            peaks: peaks::split(panorama).peaks,
+        })
+    }
+
+    fn validate(self) -> Result<(), GiError> {
+        let texels = u64::from(self.width) * u64::from(self.height);
+        if texels == 0 || self.rgb.len() as u64 != texels {
+            return Err(GiError::Setting {
+                name: "panorama",
+                value: format!("{} texels for {} x {}", self.rgb.len(), self.width, self.height),
+                expected: "a texel for each, at least one".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
+impl EnvironmentMap {
+    /// Cuts the peaks out of a panorama, and uploads both parts as cubes with mips.
+    ///
+    /// The work is the CPU's, a few seconds of one core for 4096 x 2048 texels; what is larger is first
+    /// brought to that size, by means.
+    ///
+    /// # Errors
+    /// [`GiError::Setting`] when the panorama has no texels or not as many as its size says.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        panorama: Panorama<'_>,
+    ) -> Result<Self, GiError> {
+        panorama.validate()?;
+        let reduced = cube::reduced(panorama, 4 * MAX_SHARP_EDGE);
+        let panorama = reduced.as_ref().map_or(panorama, cube::Image::panorama);
+        let split = peaks::split(panorama);
+        let unit = unit_of(panorama);
+        // A face is 90 degrees, a quarter of the panorama's width.
+        let edge = panorama.width.div_ceil(4).next_power_of_two().clamp(2, MAX_SHARP_EDGE);
+        let mut bytes = 0;
+        let mut texture = |label, panorama, edge| {
+            let texture = upload(device, queue, label, Cube::project(panorama, edge), unit);
+            bytes += u64::from(texture.width()) * u64::from(texture.height()) * 8;
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let sharp = texture("environment", panorama, edge);
+        let soft = match &split.rest {
+            Some(rest) => {
+                let edge = edge.min(MAX_SOFT_EDGE);
+                texture("environment without its peaks", rest.panorama(), edge)
+            }
+            None => sharp.clone(),
+        };
+        Ok(Self { sharp, soft, unit, peaks: split.peaks, bytes })
+    }
+
+    /// A white map, for surroundings that are the same everywhere.
+    pub(crate) fn white(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        let cube = Cube { edge: 2, texels: vec![Vec3::ONE; 24] };
+        let texture = upload(device, queue, "no environment map", cube, 1.0);
+        let bytes = u64::from(texture.width()) * u64::from(texture.height()) * 8;
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Self { sharp: view.clone(), soft: view, unit: 1.0, peaks: Vec::new(), bytes }
+    }
+
+    /// The peaks, brightest first.
+    pub fn peaks(&self) -> &[Peak] {
+        &self.peaks
+    }
+
+    /// The lights that the peaks are, for a map that is multiplied and turned as in
+    /// [`EnvironmentLight`]; give them to [`crate::Gi::bind_lights`] along with it.
+    pub fn lights(&self, radiance: Vec3, rotation_rad: f32) -> Vec<Light> {
+        let turn = Mat3::from_rotation_y(rotation_rad);
+        self.peaks
+            .iter()
+            .map(|peak| {
+                let source = LightSource::Environment {
+                    direction: -(turn * peak.direction),
+                    irradiance: peak.irradiance * radiance,
+                    angular_radius_rad: peak.angular_radius_rad,
+                };
+                Light { source, shadow: Shadow::Cone }
+            })
+            .collect()
+    }
+
+    /// Bytes on the GPU.
+    pub fn memory(&self) -> u64 {
+        self.bytes
+    }
+}
+
+/// The power of two next to the mean of the texels' largest channels.
+fn unit_of(panorama: Panorama<'_>) -> f32 {
+    let largest = |texel: &[f32; 3]| f64::from(Vec3::from(*texel).max_element());
+    let sum: f64 = panorama.rgb.iter().map(largest).sum();
+    let mean = sum / panorama.rgb.len() as f64;
+    if mean > 0.0 { mean.log2().round().clamp(-100.0, 100.0).exp2() as f32 } else { 1.0 }
+}
+
+/// A cube with all its mips.
+fn upload(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    cube: Cube,
+    unit: f32,
+) -> Texture {
+    let (size, texels) = atlas::flatten(cube);
+    let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
+    let texture = Texture::new(
+        device,
+        &wgpu::TextureDescriptor {
+            label: Some(label),
+            size: extent,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        },
+    );
+    let most = Vec3::splat(f16::MAX.to_f32());
+    let halves: Vec<[f16; 4]> = texels
+        .iter()
+        .map(|texel| (*texel / unit).min(most).extend(1.0).to_array().map(f16::from_f32))
+        .collect();
+    queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&halves),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(size.x * 8),
+            rows_per_image: Some(size.y),
+        },
+        extent,
+    );
+    texture
+}

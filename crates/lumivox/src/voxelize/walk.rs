@@ -1,0 +1,37 @@
+//! The walks over all batches.
+
+use super::Voxelizer;
+use super::hook::{Walk, WalkStep};
+use crate::gpu::Recorder;
+
+impl WalkStep {
+    /// The name of its passes.
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Self::Mark => "voxelize::mark",
+            Self::Lobes => "voxelize::lobes",
+            Self::Fronts => "voxelize::fronts",
+            Self::Accumulate => "voxelize::accumulate",
+        }
+    }
+}
+
+impl Voxelizer {
+    /// Walks all batches for a step, by the caller's way if it has one for it.
+    pub(super) fn walk(&self, recorder: &mut Recorder, step: WalkStep, walk: &Walk<'_>) {
+        if self.walker.as_ref().is_some_and(|walker| walker.walk(recorder, step, walk)) {
+            return;
+        }
+        let kernels = match step {
+            WalkStep::Mark => &self.kernels.mark,
+            WalkStep::Lobes => &self.kernels.lobes,
+            WalkStep::Fronts => &self.kernels.fronts,
+            WalkStep::Accumulate => &self.kernels.accumulate,
+        };
+        recorder.compute(walk.label, |pass| {
+            for (batch, group) in walk.batches.iter().zip(walk.pass_groups) {
+                batch.walk(pass, walk.globals, group, |run| kernels.choose(run.detail));
+            }
+        });
+    }
+}
