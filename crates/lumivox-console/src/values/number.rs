@@ -72,7 +72,8 @@ pub fn whole(
 pub fn resolution(text: &str) -> Result<u32, Refused> {
     let (low, high) = (lumivox::MIN_RESOLUTION, lumivox::MAX_RESOLUTION);
     let text = text.trim();
-    let resolution = text.parse().ok().filter(|n: &u32| (low..=high).contains(n) && n % 8 == 0);
+    let fits = |n: &u32| (low..=high).contains(n) && n.is_multiple_of(8);
+    let resolution = text.parse().ok().filter(fits);
     let reason = || format!("expected a multiple of 8 from {low} to {high}");
     resolution.ok_or_else(|| refusal(is_written::<u32>(text), reason()))
 }
