@@ -11,8 +11,8 @@ fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec
     return select(middle, drawn, values.z != 0.0);
 }
 
-// Without drawing it is the lobe's middle, always, which is not the integral any more.
-fn half_vector(drawn: vec3f, values: vec4f) -> vec3f {
+// A half vector that is not drawn is the lobe's middle, always, which is not the integral any more.
+fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f {
     return select(vec3f(0.0, 0.0, 1.0), drawn, values.z != 0.0);
 }
 

@@ -39,7 +39,7 @@ impl Redo {
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
-        // A model of the cones takes other values as it is, but not another model's place.
+        // Another model of the cones is other shaders, other values of the same model are not.
         let is_same_model =
             old.report_cones.model().is_some() == new.report_cones.model().is_some();
         let volume = !is_same_grid || !is_same_model || changed.contains(&Redoes::Voxels);

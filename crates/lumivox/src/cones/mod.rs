@@ -1,5 +1,5 @@
 //! Cones through the volume: where they start, how they are spread over a hemisphere and marched, and what can be
-//! set about them.
+//! set about them. A caller's own [`ConeModel`] decides where they start and point, and what their samples show.
 //!
 //! The bounces in the voxels (`light/bounce.wgsl`), the cones of shadows and those from the screen (`trace/`) are all
 //! made of these modules.

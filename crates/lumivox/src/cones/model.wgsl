@@ -12,7 +12,7 @@ fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec
 
 // The half vector that a glossy cone is mirrored at, in the frame whose z is the normal; `drawn` is the one that the frame
 // drew from the lobe.
-fn half_vector(drawn: vec3f, values: vec4f) -> vec3f {
+fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f {
     return drawn;
 }
 

@@ -259,7 +259,7 @@ impl ConeModel for Stylized {
     fn module(&self) -> &'static str {
         "
 fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec2f { return drawn; }
-fn half_vector(drawn: vec3f, values: vec4f) -> vec3f { return drawn; }
+fn glossy_half_vector(drawn: vec3f, values: vec4f) -> vec3f { return drawn; }
 fn start_of_cones(above: vec3f, normal: vec3f, values: vec4f) -> vec3f { return above; }
 fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {
     return min(taken * (1.0 + f32(level) * values.y), max(transmittance, taken))

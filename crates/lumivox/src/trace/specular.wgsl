@@ -18,7 +18,7 @@ import package::trace::coat::{below_coat, coat_fresnel, load_coat};
 import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone};
 import package::trace::gbuffer::{gbuffer_specular, load_surface, view};
 import package::cones::hemisphere::basis;
-import package::cones::model::half_vector;
+import package::cones::model::glossy_half_vector;
 import package::trace::screen::{settings, traced_pixel, traced_size};
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
@@ -54,15 +54,15 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     let is_coat = choice < coat_share;
     let alpha = select(alpha_from_roughness(material.a), coat.alpha, is_coat);
     let drawn = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
-    let mirror = half_vector(drawn, settings.cones.model_values);
-    let local_light = reflect(-local_view, mirror);
+    let half_vector = glossy_half_vector(drawn, settings.cones.model_values);
+    let local_light = reflect(-local_view, half_vector);
     let direction = world_from_normal * local_light;
     let cos_plane = dot(direction, surface.geometric_normal);
     if local_light.z <= 0.0 || cos_plane <= 0.0 {
         return nothing;
     }
 
-    let solid_angle = settings.specular_share / mirrored_density(local_view.z, mirror.z, alpha);
+    let solid_angle = settings.specular_share / mirrored_density(local_view.z, half_vector.z, alpha);
     let cos_half = max(1.0 - solid_angle / 6.28318530718, MIN_COS_HALF_ANGLE);
     let tan_half = sqrt(1.0 - cos_half * cos_half) / cos_half;
 
@@ -77,10 +77,10 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     // A mirror looks along one ray, over which nothing evens out: no pixel of it may be darker than black.
     let radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
-    let cos_mirror = dot(local_view, mirror);
+    let cos_half_vector = dot(local_view, half_vector);
     let fresnel = select(
-        fresnel_schlick(material.rgb, cos_mirror) * (below / (1.0 - coat_share)),
-        vec3f(coat_fresnel(coat, cos_mirror) / coat_share),
+        fresnel_schlick(material.rgb, cos_half_vector) * (below / (1.0 - coat_share)),
+        vec3f(coat_fresnel(coat, cos_half_vector) / coat_share),
         is_coat,
     );
     let both = ggx_visibility(local_view.z, local_light.z, alpha) * 4.0 * local_view.z
