@@ -1,7 +1,8 @@
-//! The cones of the sparse voxel octree report, with the constants that make its look (docs/report-look.md).
+//! The cones of the sparse voxel octree report, with the constants that make its look
+//! (docs/report-look.md).
 //!
-//! Each of its measures is a setting of its own, whose default is the physics ([`ReportCones`]). The values are a uniform
-//! of the model, so that they can change while a picture is on the screen.
+//! Each of its measures is a setting of its own, whose default is the physics ([`ReportCones`]).
+//! The values are a uniform of the model, so that they can change while a picture is on the screen.
 
 use std::sync::Arc;
 
@@ -12,18 +13,20 @@ use lumivox::settings::{Kind, Redoes, Setting, Value};
 /// What the report's cones do otherwise than the physics asks for. The default is the physics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportCones {
-    /// Whether cones draw their directions at random, in each frame others. Without, a fixed set of cones stands in
-    /// the middle of the cells: less noise, but bands, and the mean over frames brings little.
+    /// Whether cones draw their directions at random, in each frame others. Without, a fixed set of
+    /// cones stands in the middle of the cells: less noise, but bands, and the mean over frames
+    /// brings little.
     pub jitter: bool,
-    /// Whether cones start farther where a wall is felt at their start. Without, the constant offset counts only, and
-    /// light leaks along walls.
+    /// Whether cones start farther where a wall is felt at their start. Without, the constant
+    /// offset counts only, and light leaks along walls.
     pub clear_of_walls: bool,
-    /// What a sample's radiance loses for the cone's width there, as a share for each longest side of the grid, 0 to
-    /// 64. 0 is the physics: radiance does not change with distance. Higher: darker, most of all what wide cones see
-    /// from afar.
+    /// What a sample's radiance loses for the cone's width there, as a share for each longest side
+    /// of the grid, 0 to 64. 0 is the physics: radiance does not change with distance. Higher:
+    /// darker, most of all what wide cones see from afar.
     pub width_attenuation: f32,
-    /// What a sample's radiance is multiplied by for each level above the finest, 1 to 8. 1 is the physics. Higher:
-    /// brighter where coarse levels are read, up to what they would give if they were full.
+    /// What a sample's radiance is multiplied by for each level above the finest, 1 to 8. 1 is the
+    /// physics. Higher: brighter where coarse levels are read, up to what they would give if they
+    /// were full.
     pub level_gain: f32,
 }
 
@@ -49,7 +52,8 @@ impl ReportCones {
         }
     }
 
-    /// As [`lumivox::GiConfig::cones`]; `None` where it is the physics, which Lumivox's own model is faster at.
+    /// As [`lumivox::GiConfig::cones`]; `None` where it is the physics, which Lumivox's own model
+    /// is faster at.
     pub fn model(self) -> Option<Arc<dyn ConeModel>> {
         (self != Self::default()).then(|| Arc::new(self) as Arc<dyn ConeModel>)
     }

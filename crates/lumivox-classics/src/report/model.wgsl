@@ -1,11 +1,13 @@
-// The report's cones, as `package::cones::model`. The values: x is the share of the radiance that is lost for each longest
-// side of the grid of the cone's width, y the powers of two that it gains for each level, z is not zero where directions
-// are drawn at random, and w where cones start clear of walls. 0, 0, 1, 1 is the physics.
+// The report's cones, as `package::cones::model`. The values: x is the share of the radiance that
+// is lost for each longest side of the grid of the cone's width, y the powers of two that it gains
+// for each level, z is not zero where directions are drawn at random, and w where cones start clear
+// of walls. 0, 0, 1, 1 is the physics.
 
 import package::cones::hemisphere::inner_ring;
 import package::cones::start::clear_of_walls;
 
-// A cone that is not drawn points at the middle of its cell; the only one in its ring, along the normal.
+// A cone that is not drawn points at the middle of its cell; the only one in its ring, along the
+// normal.
 fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec2f {
     let middle = vec2f(select(0.5, 0.0, cell == 0u && inner_ring(cell_count) == 1u), 0.5);
     return select(middle, drawn, values.z != 0.0);

@@ -15,7 +15,8 @@ use lumivox_classics::report::ReportCones;
 
 use crate::testing::{SceneBuilder, device, lambert, read};
 
-/// A room with light in it; its faces' radiance, first with the values of its model and then with others.
+/// A room with light in it; its faces' radiance, first with the values of its model and then with
+/// others.
 fn radiance(cones: Option<Arc<dyn ConeModel>>, others: Option<ReportCones>) -> Vec<[f32; 4]> {
     let (device, queue) = device();
     let (low, high) = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
@@ -77,7 +78,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         shown_share(sample.x, sample.y, u32(sample.z), sample.w, vec4f(VALUES));
 }";
 
-/// Gained by the level, up to what is left, and dimmed by the width; a surplus is paid back without a gain.
+/// Gained by the level, up to what is left, and dimmed by the width; a surplus is paid back without
+/// a gain.
 #[test]
 fn shares_are_gained_and_dimmed() {
     let cones = ReportCones { width_attenuation: 0.5, level_gain: 4.0, ..ReportCones::default() };

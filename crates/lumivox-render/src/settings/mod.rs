@@ -108,7 +108,8 @@ pub struct RenderSettings {
     pub look: Look,
     /// The cones.
     pub trace: TraceSettings,
-    /// What is not physical about them. Default: nothing.
+    /// Where the cones depart from the physics, as those of the sparse voxel octree report do.
+    /// Default: nowhere.
     pub report_cones: ReportCones,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
     /// light alone, 1 is light over one other surface. Default: 8, which leaves out a^8 of the light in a

@@ -97,7 +97,7 @@ pub struct Companions {
     pub volume: VolumeKind,
     /// How light comes into the voxels.
     pub injection: InjectionChoice,
-    /// What is not physical about the cones.
+    /// Where the cones depart from the physics.
     pub report_cones: ReportCones,
     /// Reflections of indirect light.
     pub bounces: u32,
@@ -126,10 +126,10 @@ impl Companions {
             PresetChoice::Cones(_) => usual,
             // What is seen are photons that were reflected once.
             PresetChoice::Report => Self {
-                report_cones: ReportCones::REPORT,
                 directionality: Directionality::Isotropic,
                 volume: VolumeKind::Octree(OctreeOptions::default()),
                 injection: classics::injection("photons"),
+                report_cones: ReportCones::REPORT,
                 bounces: 1,
                 ..usual
             },

@@ -1,4 +1,4 @@
-// Where cones start that are clear of the walls that are felt at their start and must not be.
+// Starts of cones that are clear of walls which are felt there and must not be.
 //
 // A wall is felt for a voxel around the middle of its cells. A cone that starts within that reach counts a part of
 // the wall wrongly:
@@ -39,7 +39,7 @@ fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     return -sign(rise) * felt;
 }
 
-// In the grid's coordinates, from a start above a surface.
+// A start above a surface, in the grid's coordinates, moved to where no such wall is felt.
 fn clear_of_walls(start: vec3f, normal: vec3f) -> vec3f {
     let own_axis = main_axis(normal);
     var beside = vec3f(0.0);

@@ -3,8 +3,8 @@
 //! Each row says of a setting its names, group, unit, range, meaning, what is made again when it changes, and how it is
 //! read and written. Validation, options of command lines, consoles, panels, scripts, reports and declarations for
 //! JavaScript are all made from it; [`Parameter::default`] computes what a preset gives. Rows live where the settings do:
-//! those of the cones in [`TraceSettings::SETTINGS`] and [`ReportCones::SETTINGS`], those of VXCT's look in [`VxctSettings::SETTINGS`], all others in
-//! `table.rs`.
+//! those of the cones in [`TraceSettings::SETTINGS`] and [`ReportCones::SETTINGS`], those of VXCT's look in
+//! [`VxctSettings::SETTINGS`], all others in `table.rs`.
 
 mod choices;
 mod table;
