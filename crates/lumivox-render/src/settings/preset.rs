@@ -1,20 +1,22 @@
 //! Presets: the few names that all settings of a picture can start from.
 //!
-//! A preset is one of the library's for the cones ([`Preset`]) or a look with cones of its own, and what it brings along
+//! A preset is one of the library's for the cones ([`Preset`]) or another's look, and what it brings along
 //! ([`Companions`]). Front ends list [`PresetChoice::ALL`] by name and summary and take
 //! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
 
 use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
-use crate::classics::{self, InjectionChoice};
+use crate::classics::{self, InjectionChoice, ReportCones};
 use crate::{Exposure, Look, RenderSettings, ToneMap, VxctDisplay, VxctSettings, vxct_display};
 
-/// What a picture starts from: presets of the cones, or a look with cones of its own. Default: the default [`Preset`].
+/// What a picture starts from: presets of the cones, or the look of another renderer. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetChoice {
-    /// The physical look, or what is left of it.
+    /// The physical look.
     Cones(Preset),
+    /// The tuning of the sparse voxel octree report.
+    Report,
     /// The look of VXCT.
     Vxct,
 }
@@ -31,7 +33,7 @@ impl PresetChoice {
         Self::Cones(Preset::Fast),
         Self::Cones(Preset::Balanced),
         Self::Cones(Preset::High),
-        Self::Cones(Preset::Report),
+        Self::Report,
         Self::Vxct,
     ];
 
@@ -41,7 +43,7 @@ impl PresetChoice {
             Self::Cones(Preset::Fast) => "fast",
             Self::Cones(Preset::Balanced) => "balanced",
             Self::Cones(Preset::High) => "high",
-            Self::Cones(Preset::Report) => "report",
+            Self::Report => "report",
             Self::Vxct => "vxct",
         }
     }
@@ -59,7 +61,7 @@ impl PresetChoice {
             Self::Cones(Preset::High) => {
                 "12 cones, every pixel, samples half as large: fewest leaks"
             }
-            Self::Cones(Preset::Report) => {
+            Self::Report => {
                 "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
             }
             Self::Vxct => {
@@ -68,18 +70,19 @@ impl PresetChoice {
         }
     }
 
-    /// The preset of the physical look's cones; VXCT's look does not use them, and leaves the default ones.
-    pub fn cones(self) -> Preset {
+    /// The settings of the cones; VXCT's look does not use them, and leaves the default ones.
+    pub fn trace(self) -> TraceSettings {
         match self {
-            Self::Cones(preset) => preset,
-            Self::Vxct => Preset::default(),
+            Self::Cones(preset) => TraceSettings::preset(preset),
+            Self::Report => ReportCones::trace_settings(),
+            Self::Vxct => TraceSettings::default(),
         }
     }
 
     /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
     pub fn look(self, resolution: u32) -> Look {
         match self {
-            Self::Cones(_) => Look::Physical,
+            Self::Cones(_) | Self::Report => Look::Physical,
             Self::Vxct => Look::Vxct(VxctSettings::for_resolution(resolution)),
         }
     }
@@ -94,6 +97,8 @@ pub struct Companions {
     pub volume: VolumeKind,
     /// How light comes into the voxels.
     pub injection: InjectionChoice,
+    /// Where the cones depart from the physics.
+    pub report_cones: ReportCones,
     /// Reflections of indirect light.
     pub bounces: u32,
     /// How radiance becomes brightness. In VXCT's look a scene in physical units has one of its own: [`vxct_display`].
@@ -106,16 +111,25 @@ impl Companions {
     /// Those of a preset.
     pub fn of(preset: PresetChoice) -> Self {
         let RenderSettings {
-            directionality, volume, injection, bounces, exposure, tone_map, ..
+            directionality,
+            volume,
+            injection,
+            report_cones,
+            bounces,
+            exposure,
+            tone_map,
+            ..
         } = RenderSettings::default();
-        let usual = Self { directionality, volume, injection, bounces, exposure, tone_map };
+        let usual =
+            Self { directionality, volume, injection, report_cones, bounces, exposure, tone_map };
         match preset {
-            PresetChoice::Cones(Preset::Fast | Preset::Balanced | Preset::High) => usual,
+            PresetChoice::Cones(_) => usual,
             // What is seen are photons that were reflected once.
-            PresetChoice::Cones(Preset::Report) => Self {
+            PresetChoice::Report => Self {
                 directionality: Directionality::Isotropic,
                 volume: VolumeKind::Octree(OctreeOptions::default()),
                 injection: classics::injection("photons"),
+                report_cones: ReportCones::REPORT,
                 bounces: 1,
                 ..usual
             },
@@ -149,10 +163,11 @@ impl RenderSettings {
         };
         Self {
             look,
-            trace: TraceSettings::preset(preset.cones()),
+            trace: preset.trace(),
             directionality: companions.directionality,
             volume: companions.volume,
             injection: companions.injection,
+            report_cones: companions.report_cones,
             bounces: companions.bounces,
             exposure,
             tone_map,
@@ -199,7 +214,7 @@ mod tests {
                 let by_way = fresh.with_preset(before, Some(&scene));
                 let by_way = by_way.with_preset(preset, Some(&scene));
                 assert_eq!(by_way, direct, "{} after {}", preset.name(), before.name());
-                let cones = direct.trace == TraceSettings::preset(preset.cones());
+                let cones = direct.trace == preset.trace();
                 assert!(cones && direct.look == preset.look(fresh.resolution));
             }
         }

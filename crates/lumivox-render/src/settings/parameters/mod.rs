@@ -3,8 +3,8 @@
 //! Each row says of a setting its names, group, unit, range, meaning, what is made again when it changes, and how it is
 //! read and written. Validation, options of command lines, consoles, panels, scripts, reports and declarations for
 //! JavaScript are all made from it; [`Parameter::default`] computes what a preset gives. Rows live where the settings do:
-//! those of the cones in [`TraceSettings::SETTINGS`], those of VXCT's look in [`VxctSettings::SETTINGS`], all others in
-//! `table.rs`.
+//! those of the cones in [`TraceSettings::SETTINGS`] and [`ReportCones::SETTINGS`], those of VXCT's look in
+//! [`VxctSettings::SETTINGS`], all others in `table.rs`.
 
 mod choices;
 mod table;
@@ -17,6 +17,7 @@ pub use lumivox::settings::{Choice, Choices, Kind, Redoes, Setting, SettingError
 
 pub(crate) use table::MAX_STOPS;
 
+use crate::classics::ReportCones;
 use crate::{Look, PresetChoice, RenderSettings, VxctSettings};
 
 /// One setting of a rendering: a row of the table.
@@ -49,6 +50,7 @@ pub struct Parameter {
 enum Access {
     Own(Setting<RenderSettings>),
     Trace(Setting<TraceSettings>),
+    Report(Setting<ReportCones>),
     Vxct(Setting<VxctSettings>),
 }
 
@@ -103,6 +105,7 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         rows.iter().map(|row| Parameter::new(group, row, Access::Own(*row))).collect()
     };
     let cones = TraceSettings::SETTINGS;
+    let report = ReportCones::SETTINGS;
     let vxct = VxctSettings::SETTINGS;
     [
         own(Group::Picture, table::PICTURE),
@@ -111,6 +114,7 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         own(Group::Volume, table::VOLUME),
         own(Group::Light, table::LIGHT),
         cones.map(|row| Parameter::new(Group::Cones, &row, Access::Trace(row))).into(),
+        report.map(|row| Parameter::new(Group::Cones, &row, Access::Report(row))).into(),
         own(Group::Vxct, table::LOOK),
         vxct.map(|row| Parameter::new(Group::Vxct, &row, Access::Vxct(row))).into(),
     ]
@@ -151,6 +155,7 @@ impl Parameter {
         match &self.access {
             Access::Own(row) => (row.get)(settings),
             Access::Trace(row) => (row.get)(&settings.trace),
+            Access::Report(row) => (row.get)(&settings.report_cones),
             Access::Vxct(row) => (row.get)(&vxct(settings)),
         }
     }
@@ -177,6 +182,7 @@ impl Parameter {
         match &self.access {
             Access::Own(row) => (row.set)(settings, value),
             Access::Trace(row) => (row.set)(&mut settings.trace, value),
+            Access::Report(row) => (row.set)(&mut settings.report_cones, value),
             Access::Vxct(row) => {
                 let mut look = vxct(settings);
                 (row.set)(&mut look, value);
