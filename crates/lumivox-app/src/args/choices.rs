@@ -3,6 +3,7 @@
 use clap::builder::TypedValueParser;
 use lumivox::Preset;
 use lumivox_console::values::choices::among;
+use lumivox_explorer::parameters::PRESETS;
 use lumivox_render::PresetChoice;
 
 /// How much is spent on the cones.
@@ -14,7 +15,7 @@ pub fn preset() -> impl TypedValueParser<Value = Preset> {
 
 /// A preset of the cones, or a look.
 pub fn preset_or_look() -> impl TypedValueParser<Value = PresetChoice> {
-    among(&PresetChoice::ALL, |choice| (choice.name(), choice.summary()))
+    among(PRESETS, |choice| (choice.name(), choice.summary()))
 }
 
 /// The name of a preset of the cones.

@@ -1,22 +1,23 @@
 //! Presets: the few names that all settings of a picture can start from.
 //!
 //! A preset is one of the library's for the cones ([`Preset`]) or a look with cones of its own, and what it brings along
-//! ([`Companions`]). Front ends list [`PresetChoice::ALL`] by name and summary and take
+//! ([`Companions`]). Front ends list them by name and summary, `lumivox-explorer`'s with those of looks, and take
 //! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
 
 use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
 use crate::classics::{self, InjectionChoice};
-use crate::{Exposure, Look, RenderSettings, ToneMap, VxctDisplay, VxctSettings, vxct_display};
+use crate::look::{LookChoice, LookPreset};
+use crate::{Exposure, RenderSettings, ToneMap};
 
 /// What a picture starts from: presets of the cones, or a look with cones of its own. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetChoice {
     /// The physical look, or what is left of it.
     Cones(Preset),
-    /// The look of VXCT.
-    Vxct,
+    /// A look.
+    Look(&'static LookPreset),
 }
 
 impl Default for PresetChoice {
@@ -26,13 +27,12 @@ impl Default for PresetChoice {
 }
 
 impl PresetChoice {
-    /// All, from the cheapest to the dearest, then those that are not physical.
-    pub const ALL: [Self; 5] = [
+    /// Those of the physical look, from the cheapest to the dearest.
+    pub const PHYSICAL: [Self; 4] = [
         Self::Cones(Preset::Fast),
         Self::Cones(Preset::Balanced),
         Self::Cones(Preset::High),
         Self::Cones(Preset::Report),
-        Self::Vxct,
     ];
 
     /// The name in lower case.
@@ -42,13 +42,8 @@ impl PresetChoice {
             Self::Cones(Preset::Balanced) => "balanced",
             Self::Cones(Preset::High) => "high",
             Self::Cones(Preset::Report) => "report",
-            Self::Vxct => "vxct",
+            Self::Look(preset) => preset.name,
         }
-    }
-
-    /// The preset of a name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|preset| preset.name() == name)
     }
 
     /// What it is, in a line without a full stop.
@@ -62,25 +57,23 @@ impl PresetChoice {
             Self::Cones(Preset::Report) => {
                 "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
             }
-            Self::Vxct => {
-                "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values"
-            }
+            Self::Look(preset) => preset.summary,
         }
     }
 
-    /// The preset of the physical look's cones; VXCT's look does not use them, and leaves the default ones.
+    /// The preset of the physical look's cones; other looks do not use them, and leave the default ones.
     pub fn cones(self) -> Preset {
         match self {
             Self::Cones(preset) => preset,
-            Self::Vxct => Preset::default(),
+            Self::Look(_) => Preset::default(),
         }
     }
 
     /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
-    pub fn look(self, resolution: u32) -> Look {
+    pub fn look(self, resolution: u32) -> LookChoice {
         match self {
-            Self::Cones(_) => Look::Physical,
-            Self::Vxct => Look::Vxct(VxctSettings::for_resolution(resolution)),
+            Self::Cones(_) => None,
+            Self::Look(preset) => Some((preset.look)(resolution)),
         }
     }
 }
@@ -96,9 +89,9 @@ pub struct Companions {
     pub injection: InjectionChoice,
     /// Reflections of indirect light.
     pub bounces: u32,
-    /// How radiance becomes brightness. In VXCT's look a scene in physical units has one of its own: [`vxct_display`].
+    /// How radiance becomes brightness. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
     pub exposure: Exposure,
-    /// The curve to the screen's range; in VXCT's look as the exposure.
+    /// The curve to the screen's range; in a look as the exposure.
     pub tone_map: ToneMap,
 }
 
@@ -119,33 +112,24 @@ impl Companions {
                 bounces: 1,
                 ..usual
             },
-            // VXCT computes with display values.
-            PresetChoice::Vxct => Self {
-                directionality: Directionality::Isotropic,
-                bounces: 1,
-                exposure: Exposure::Stops(0.0),
-                tone_map: ToneMap::Raw,
-                ..usual
-            },
+            PresetChoice::Look(preset) => (preset.companions)(usual),
         }
     }
 }
 
 impl RenderSettings {
     /// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
-    /// where the look changes: VXCT's shows each scene in its own way. `scene` is the one that will be shown, if it is known.
+    /// where the look changes: one may show each scene in its own way. `scene` is the one that will be shown, if it is known.
     #[must_use]
     pub fn with_preset(&self, preset: PresetChoice, scene: Option<&Scene>) -> Self {
         let companions = Companions::of(preset);
         let look = preset.look(self.resolution);
-        let is_same_look = matches!(self.look, Look::Physical) == matches!(look, Look::Physical);
-        let (exposure, tone_map) = match (is_same_look, preset, scene) {
-            (true, ..) => (self.exposure, self.tone_map),
-            (false, PresetChoice::Vxct, Some(scene)) => {
-                let VxctDisplay { exposure, tone_map, .. } = vxct_display(scene);
-                (exposure, tone_map)
-            }
-            _ => (companions.exposure, companions.tone_map),
+        let name = look.as_ref().map(|look| look.name());
+        let is_same_look = self.look.as_ref().map(|look| look.name()) == name;
+        let (exposure, tone_map) = match &look {
+            _ if is_same_look => (self.exposure, self.tone_map),
+            Some(look) => look.display(scene),
+            None => (companions.exposure, companions.tone_map),
         };
         Self {
             look,
@@ -160,16 +144,14 @@ impl RenderSettings {
         }
     }
 
-    /// In the look of VXCT: exposure and curve of another scene, where those of the last were as the look has them; what
-    /// was asked for otherwise stays.
+    /// In a look: exposure and curve of another scene, where those of the last were as the look has them; what was asked
+    /// for otherwise stays.
     pub fn show_other(&mut self, last: Option<&Scene>, scene: &Scene) {
-        let Companions { exposure, tone_map, .. } = Companions::of(PresetChoice::Vxct);
-        let found = last.map(vxct_display).map(|display| (display.exposure, display.tone_map));
+        let Some(look) = &self.look else { return };
         let shown = (self.exposure, self.tone_map);
-        let is_usual = shown == (exposure, tone_map) || found == Some(shown);
-        if self.look != Look::Physical && is_usual {
-            let display = vxct_display(scene);
-            (self.exposure, self.tone_map) = (display.exposure, display.tone_map);
+        if shown == look.display(None) || last.is_some_and(|last| shown == look.display(Some(last)))
+        {
+            (self.exposure, self.tone_map) = look.display(Some(scene));
         }
     }
 }
@@ -178,23 +160,14 @@ impl RenderSettings {
 mod tests {
     use super::*;
 
-    #[test]
-    fn names_are_found_again() {
-        for preset in PresetChoice::ALL {
-            assert_eq!(PresetChoice::named(preset.name()), Some(preset));
-            assert!(preset.summary().len() > 10, "{}", preset.name());
-        }
-        assert_eq!(PresetChoice::named("Fast"), None);
-    }
-
     /// Whatever the settings were, the preset decides what is its own, and the default is what settings default to.
     #[test]
     fn presets_do_not_depend_on_what_was_before() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         let fresh = RenderSettings::default();
         assert_eq!(fresh.with_preset(PresetChoice::default(), None), fresh);
-        for before in PresetChoice::ALL {
-            for preset in PresetChoice::ALL {
+        for before in PresetChoice::PHYSICAL {
+            for preset in PresetChoice::PHYSICAL {
                 let direct = fresh.with_preset(preset, Some(&scene));
                 let by_way = fresh.with_preset(before, Some(&scene));
                 let by_way = by_way.with_preset(preset, Some(&scene));
@@ -203,28 +176,5 @@ mod tests {
                 assert!(cones && direct.look == preset.look(fresh.resolution));
             }
         }
-    }
-
-    #[test]
-    fn what_was_asked_for_otherwise_stays() {
-        let [first, second] =
-            ["spheres", "cornell"].map(|name| lumivox_scene::builtin::scene(name).unwrap());
-        assert_ne!(vxct_display(&first), vxct_display(&second), "or else nothing is tested");
-        let mut settings = RenderSettings::default();
-        settings.show_other(None, &second);
-        assert_eq!(
-            settings,
-            RenderSettings::default(),
-            "the physical look knows no white of a scene"
-        );
-
-        let asked = Exposure::Stops(-3.25);
-        settings = settings.with_preset(PresetChoice::Vxct, Some(&first));
-        let shown = vxct_display(&second);
-        settings.show_other(Some(&first), &second);
-        assert_eq!((settings.exposure, settings.tone_map), (shown.exposure, shown.tone_map));
-        settings.exposure = asked;
-        settings.show_other(Some(&second), &first);
-        assert_eq!(settings.exposure, asked);
     }
 }
