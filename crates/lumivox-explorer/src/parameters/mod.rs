@@ -5,11 +5,11 @@
 
 use std::sync::LazyLock;
 
+use lumivox_render::PresetChoice;
 use lumivox_render::parameters::PARAMETERS as OF_RENDERER;
 pub use lumivox_render::parameters::{
     Choice, Choices, Group, Kind, Parameter, Redoes, Setting, SettingError, Value,
 };
-use lumivox_render::{PHYSICAL, PresetChoice, RenderSettings};
 
 /// The table, group by group.
 pub static PARAMETERS: LazyLock<Vec<Parameter>> =
@@ -52,6 +52,7 @@ pub fn find_preset(name: &str) -> Option<PresetChoice> {
 fn of_looks() -> impl Iterator<Item = Parameter> {
     use std::sync::Arc;
 
+    use lumivox_render::{PHYSICAL, RenderSettings};
     use lumivox_vxct::{CHOICE, GROUP};
 
     const LOOK: Setting<RenderSettings> = Setting {

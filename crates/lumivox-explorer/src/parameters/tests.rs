@@ -1,3 +1,5 @@
+use lumivox_render::RenderSettings;
+
 use super::*;
 
 fn values(kind: Kind) -> Vec<Value> {

@@ -32,7 +32,7 @@ fn the_look_comes_and_goes() {
     let mut before = picture(&mut changing);
     let changes: [fn(&mut RenderSettings); 9] = [
         |s| s.look = vxct(|_| {}),
-        |s| s.look = vxct(|vxct| vxct.specular = false),
+        |s| s.look = vxct(|vxct| vxct.diffuse = false),
         |s| s.size = UVec2::new(40, 24),
         |s| s.resolution = 48,
         |s| s.view = View::Voxels,
