@@ -6,5 +6,5 @@
 
 pub use crate::light::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
 pub use crate::voxelize::{
-    Detail, Voxelization, VoxelizationParts, Walk, WalkRun, WalkStep, Walker,
+    Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep, Walker,
 };

@@ -154,7 +154,7 @@ fn options(parameter: &'static Parameter) -> Vec<Arg> {
         let same = parameter.name.replace('_', "-");
         argument(name)
             .action(ArgAction::SetTrue)
-            .help(format!("The same as --{same} {value} [default: off]"))
+            .help(format!("The same as --{same} {} [default: off]", rounded(*value)))
     });
     [option].into_iter().chain(shorthands).collect()
 }
@@ -232,14 +232,15 @@ fn defaults(parameter: &Parameter) -> String {
 fn rounded(value: Value) -> String {
     match value {
         Value::Number(number) => ((f64::from(number) * 1e4).round() / 1e4).to_string(),
-        value => value.to_string(),
+        value => value.to_string().replace('_', "-"),
     }
 }
 
-fn value_name(parameter: &Parameter) -> String {
+fn value_name(parameter: &'static Parameter) -> String {
     match parameter.kind {
         Kind::Switch => "on|off".to_owned(),
-        Kind::Choice(_) => "NAME".to_owned(),
+        Kind::Choice(_) if value_parser(parameter).possible_values().is_some() => "NAME".to_owned(),
+        Kind::Choice(_) => "NUMBER".to_owned(),
         Kind::Vector { .. } => "X,Y,Z".to_owned(),
         Kind::Whole { .. } | Kind::Number { .. } => {
             let number = if parameter.unit.is_empty() {

@@ -82,7 +82,7 @@ fn values_out_of_range() {
         ("--frames", "0", "from 1 to 65536"),
         ("--bounces", "17", "from 0 to 16"),
         ("--level", "11", "from 0 to 10"),
-        ("--exposure", "nan", "finite"),
+        ("--exposure", "nan", "from -64 to 64"),
         ("--exposure", "-65", "from -64 to 64"),
         ("--shadow-resolution", "1", "from 16 to 32768"),
         ("--voxel-per-diameter", "2", "from 0.05 to 1"),

@@ -8,7 +8,7 @@
 
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{Kept, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture, TextureView};
-use lumivox::hooks::{Voxelization, VoxelizationParts, Walk, WalkStep, Walker};
+use lumivox::hooks::{Voxelization, VoxelizationShares, Walk, WalkStep, Walker};
 use lumivox::{GiError, Grid};
 
 use crate::with_modules;
@@ -86,7 +86,7 @@ impl Voxelization for Raster {
         wgpu::ShaderStages::VERTEX_FRAGMENT
     }
 
-    fn make(&self, parts: &VoxelizationParts<'_>) -> Result<Box<dyn Walker>, GiError> {
+    fn make(&self, parts: &VoxelizationShares<'_>) -> Result<Box<dyn Walker>, GiError> {
         let device = parts.device;
         let shaders = self.library(parts.shaders);
         let corners = device.shader(&shaders, "classics::raster::corners")?;

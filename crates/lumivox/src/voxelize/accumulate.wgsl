@@ -48,7 +48,7 @@ fn add(first: u32, value: vec3f, seed: u32) {
 }
 
 // A piece of surface in a voxel.
-struct Part {
+struct WeightedPiece {
     // The first face's place in `sums`, the factor that makes integers, and the voxel's lobes.
     first: u32,
     scale: f32,
@@ -69,19 +69,19 @@ struct Part {
 //
 // In loops and not one after the other: what is not needed is then left out on a software GPU as well, which
 // goes through both sides of every `if`.
-fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
+fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
     let all_rows = 7u
-        | select(0u, 8u, part.area > 0.0)
-        | select(0u, 16u, any(part.gloss != vec3f(0.0)))
-        | select(0u, 32u, any(part.emission > vec3f(0.0)));
+        | select(0u, 8u, piece.area > 0.0)
+        | select(0u, 16u, any(piece.gloss != vec3f(0.0)))
+        | select(0u, 32u, any(piece.emission > vec3f(0.0)));
     for (var side = 0u; side < sides; side++) {
         let own = lobe ^ side;
-        if (part.lobes & (1u << own)) == 0u {
+        if (piece.lobes & (1u << own)) == 0u {
             continue;
         }
-        let first = part.first + bits_below(part.lobes, own) * FACE_WORDS;
-        let vector_area = select(part.vector_area, -part.vector_area, side == 1u);
-        let visible = part.visible[side];
+        let first = piece.first + bits_below(piece.lobes, own) * FACE_WORDS;
+        let vector_area = select(piece.vector_area, -piece.vector_area, side == 1u);
+        let visible = piece.visible[side];
         var rows = all_rows;
         loop {
             let row = countTrailingZeros(rows);
@@ -90,21 +90,21 @@ fn add_to_faces(part: Part, lobe: u32, sides: u32, seed: u32) {
             var value = vector_area;
             if row == 1u {
                 place = FACE_REFLECTANCE;
-                value = visible * part.reflectance;
+                value = visible * piece.reflectance;
             } else if row == 2u {
                 place = FACE_POSITION;
-                value = visible * part.position;
+                value = visible * piece.position;
             } else if row == 3u {
                 place = FACE_VISIBLE_AREA;
-                value = vec3f(visible * part.area, 0.0, 0.0);
+                value = vec3f(visible * piece.area, 0.0, 0.0);
             } else if row == 4u {
                 place = FACE_GLOSS;
-                value = visible * part.gloss;
+                value = visible * piece.gloss;
             } else if row == 5u {
                 place = FACE_EMISSION;
-                value = visible * part.emission;
+                value = visible * piece.emission;
             }
-            add(first + place, value * part.scale, seed + 8u * side + row);
+            add(first + place, value * piece.scale, seed + 8u * side + row);
             continuing {
                 break if rows == 0u;
             }
@@ -144,7 +144,7 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
         let area = piece.area * surface.coverage;
         let position = turn_back(piece.centroid - vec3f((*walk).voxel), (*walk).axis);
         let visible = visible_shares(walk, piece.centroid, faces, summing.lobe, summing.sides);
-        let part = Part(
+        let weighted = WeightedPiece(
             faces.first_face * FACE_WORDS,
             bitcast<f32>(faces.area_low),
             faces.lobes,
@@ -156,7 +156,7 @@ fn add_piece(walk: ptr<function, Walk>, summing: Summing, piece: Piece, is_there
             select(area, 0.0, faces.area_high == NO_FRONTS),
             visible,
         );
-        add_to_faces(part, summing.lobe, summing.sides, hash(summing.seed + code));
+        add_to_faces(weighted, summing.lobe, summing.sides, hash(summing.seed + code));
     }
 }
 

@@ -12,7 +12,7 @@ use crate::{GiError, Grid};
 ///
 /// Write one to use what your hardware is good at (a rasterizer, ray queries), or to trade voxels for time. It records
 /// what it finds by the functions of `package::voxelize::mark`, `lobes` and `accumulate`, into the same bits and sums,
-/// so that lists, layers, static parts and all that comes after work with it as they are.
+/// so that lists, layers, static shares and all that comes after work with it as they are.
 pub trait Voxelization: Debug + Send + Sync {
     /// The name; settings that name the same voxelization are equal.
     fn name(&self) -> &'static str;
@@ -26,7 +26,7 @@ pub trait Voxelization: Debug + Send + Sync {
     ///
     /// # Errors
     /// As [`crate::Gi::with_pipelines`], which passes them on.
-    fn make(&self, parts: &VoxelizationParts<'_>) -> Result<Box<dyn Walker>, GiError>;
+    fn make(&self, shares: &VoxelizationShares<'_>) -> Result<Box<dyn Walker>, GiError>;
 }
 
 /// Voxelizations are compared by their names.
@@ -38,7 +38,7 @@ impl PartialEq for dyn Voxelization {
 
 /// What a [`Voxelization`] can be made of.
 #[derive(Clone, Copy, Debug)]
-pub struct VoxelizationParts<'a> {
+pub struct VoxelizationShares<'a> {
     /// The device, with its pipelines.
     pub device: &'a Pipelines,
     /// All of Lumivox's modules; add your own to a clone.
@@ -46,7 +46,7 @@ pub struct VoxelizationParts<'a> {
     pub(super) layouts: &'a Layouts,
 }
 
-impl<'a> VoxelizationParts<'a> {
+impl<'a> VoxelizationShares<'a> {
     /// The layouts of a step's bind groups: the grid, the triangles, what the step reads and writes, and the textures of
     /// a run of triangles, as `package::voxelize` declares them.
     pub fn layouts(&self, step: WalkStep) -> [&'a wgpu::BindGroupLayout; 4] {
@@ -109,7 +109,7 @@ pub struct WalkRun<'a> {
     pub detail: Detail,
     /// Their numbers in their batch.
     pub triangles: Range<u32>,
-    /// Their bind groups, of the layouts of the step ([`VoxelizationParts::layouts`]).
+    /// Their bind groups, of the layouts of the step ([`VoxelizationShares::layouts`]).
     pub groups: [&'a BindGroup; 4],
 }
 

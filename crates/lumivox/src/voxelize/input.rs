@@ -77,17 +77,17 @@ pub(crate) struct PreparedBatch {
     pub triangle_count: u32,
 }
 
-/// The draws of one part of the surface, static or dynamic, checked and in order.
+/// The draws of one share of the surface, static or dynamic, checked and in order.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PartInput<'a> {
-    /// Batches that have triangles in this part.
+pub(crate) struct ShareInput<'a> {
+    /// Batches that have triangles in this share.
     pub batches: Vec<(&'a GeometryBatch, PreparedBatch)>,
 }
 
-/// All that the static part was made of but what stands in its buffers: equal keys give equal parts, if those are as they
+/// All that the static share was made of but what stands in its buffers: equal keys give equal shares, if those are as they
 /// were. It holds what the caller gave, and not what is made of it, so that what has not changed is only compared.
 #[derive(Clone, Debug)]
-pub(crate) struct PartKey {
+pub(crate) struct ShareKey {
     /// The name of the voxelization.
     method: &'static str,
     grid: Grid,
@@ -110,7 +110,7 @@ fn static_draws(batch: &GeometryBatch) -> impl Iterator<Item = &Draw> {
     batch.draws.iter().filter(|draw| draw.is_static && draw.index_count > 0)
 }
 
-impl PartKey {
+impl ShareKey {
     /// Of the static draws.
     pub(crate) fn new(method: &'static str, geometry: &Geometry, grid: &Grid) -> Self {
         let key = |batch: &GeometryBatch| BatchKey {
@@ -159,8 +159,8 @@ impl PartKey {
     }
 }
 
-impl<'a> PartInput<'a> {
-    /// The part of the draws that are static, or of those that are not.
+impl<'a> ShareInput<'a> {
+    /// The share of the draws that are static, or of those that are not.
     ///
     /// # Errors
     /// [`GiError::Geometry`] and [`GiError::Limit`] as [`super::Voxelizer::voxelize`] says.
@@ -233,7 +233,7 @@ pub(crate) fn check_materials(geometry: &Geometry) -> Result<(), GiError> {
     Ok(())
 }
 
-/// Checks a batch and puts the draws of a part in order; `None` if they have no triangles.
+/// Checks a batch and puts the draws of a share in order; `None` if they have no triangles.
 fn prepare_batch(
     geometry: &Geometry,
     index: usize,

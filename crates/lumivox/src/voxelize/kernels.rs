@@ -19,7 +19,7 @@ pub(super) struct Layouts {
     pub resolve: wgpu::BindGroupLayout,
     pub merge_bits: wgpu::BindGroupLayout,
     pub unite: wgpu::BindGroupLayout,
-    pub resolve_parts: wgpu::BindGroupLayout,
+    pub resolve_shares: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -41,8 +41,8 @@ impl Layouts {
         let merge_bits = compute().storage().storage().storage_mut();
         let unite = (0..5).fold(compute(), |unite, _| unite.storage());
         let unite = unite.storage_mut().storage_mut();
-        let resolve_parts = (0..4).fold(compute().uniform(), |parts, _| parts.storage());
-        let resolve_parts = resolve_parts.storage_mut().storage_mut();
+        let resolve_shares = (0..4).fold(compute().uniform(), |shares, _| shares.storage());
+        let resolve_shares = resolve_shares.storage_mut().storage_mut();
         Self {
             grid: walk().uniform().build(device, "grid"),
             triangles: triangles.build(device, "voxelize::triangles"),
@@ -55,7 +55,7 @@ impl Layouts {
             resolve: resolve.build(device, "voxelize::resolve"),
             merge_bits: merge_bits.build(device, "voxelize::merge_bits"),
             unite: unite.build(device, "voxelize::unite"),
-            resolve_parts: resolve_parts.build(device, "voxelize::resolve_parts"),
+            resolve_shares: resolve_shares.build(device, "voxelize::resolve_shares"),
         }
     }
 }
@@ -87,7 +87,7 @@ pub(super) struct Kernels {
     pub resolve: Kernel,
     pub merge_bits: Kernel,
     pub unite: Kernel,
-    pub resolve_parts: Kernel,
+    pub resolve_shares: Kernel,
 }
 
 impl Kernels {
@@ -128,7 +128,7 @@ impl Kernels {
             resolve: kernel("voxelize::resolve", "main", &[&layouts.resolve])?,
             merge_bits: kernel("voxelize::merge_bits", "main", &[&layouts.merge_bits])?,
             unite: kernel("voxelize::unite", "main", &[&layouts.unite])?,
-            resolve_parts: kernel("voxelize::resolve_parts", "main", &[&layouts.resolve_parts])?,
+            resolve_shares: kernel("voxelize::resolve_shares", "main", &[&layouts.resolve_shares])?,
             layouts,
         })
     }

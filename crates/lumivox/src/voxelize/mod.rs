@@ -13,11 +13,11 @@
 //!    integer sums, all but the first of what is not hidden; `resolve` turns them into faces.
 //!
 //! # Parts
-//! What is static and what moves ([`Draw::is_static`](crate::Draw)) are two parts of the surface, each with its own
-//! voxels, lobes and sums (`part.rs`). Nothing in a part depends on the other one: not its bits, and not the scale of
-//! its sums. So when only dynamic draws changed, the static part is what it was, and the walks are over the dynamic
-//! triangles alone. `whole.rs` makes one list of both, the same way whether a part is new or kept: to the bit what
-//! a voxelization of everything gives. Where all is static, or nothing, there is one part and no merging.
+//! What is static and what moves ([`Draw::is_static`](crate::Draw)) are two shares of the surface, each with its own
+//! voxels, lobes and sums (`share.rs`). Nothing in a share depends on the other one: not its bits, and not the scale of
+//! its sums. So when only dynamic draws changed, the static share is what it was, and the walks are over the dynamic
+//! triangles alone. `whole.rs` makes one list of both, the same way whether a share is new or kept: to the bit what
+//! a voxelization of everything gives. Where all is static, or nothing, there is one share and no merging.
 //!
 //! Walking again costs less memory than storing the pieces, of which a fine mesh has millions, and every
 //! buffer is sized from counts: of items on the GPU, of voxels and faces by two read-backs.
@@ -27,8 +27,8 @@
 //! # Sums
 //! All that many threads write at once is a bit set or an integer sum, so that neither scheduling nor the order
 //! of the triangles shows in the result. The sums' scale is chosen voxel by voxel from the surface in it, as
-//! large as cannot overflow, and parts are rounded at random (by a hash of triangle and voxel), so that a
-//! million parts below the unit still add up.
+//! large as cannot overflow, and shares are rounded at random (by a hash of triangle and voxel), so that a
+//! million shares below the unit still add up.
 
 mod batch;
 mod hook;
@@ -36,7 +36,7 @@ mod input;
 mod kernels;
 #[cfg(test)]
 mod layouts_test;
-mod part;
+mod share;
 mod walk;
 mod whole;
 
@@ -51,10 +51,10 @@ use crate::gpu::{
 use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList};
 use crate::{Geometry, GiError, Grid};
 use batch::{Fallbacks, SplitCounts};
-pub use hook::{Detail, Voxelization, VoxelizationParts, Walk, WalkRun, WalkStep, Walker};
-use input::{PartInput, PartKey};
+pub use hook::{Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep, Walker};
+use input::{ShareInput, ShareKey};
 use kernels::Kernels;
-use part::{LobedPart, MarkedPart, Part, PartCounts, Work};
+use share::{LobedShare, MarkedShare, Share, ShareCounts, Work};
 use whole::United;
 
 /// Columns of voxels along the side of a work item's tile.
@@ -81,7 +81,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("voxelize::piece", include_str!("piece.wgsl")),
     ("voxelize::reproducible", include_str!("reproducible.wgsl")),
     ("voxelize::resolve", include_str!("resolve.wgsl")),
-    ("voxelize::resolve_parts", include_str!("resolve_parts.wgsl")),
+    ("voxelize::resolve_shares", include_str!("resolve_shares.wgsl")),
     ("voxelize::split", include_str!("split.wgsl")),
     ("voxelize::surface", include_str!("surface.wgsl")),
     ("voxelize::triangles", include_str!("triangles.wgsl")),
@@ -180,8 +180,8 @@ impl Voxelizer {
         voxelization: Option<&dyn Voxelization>,
     ) -> Result<Self, GiError> {
         let kernels = Kernels::new(device, shaders, voxelization)?;
-        let parts = VoxelizationParts { device, shaders, layouts: &kernels.layouts };
-        let walker = voxelization.map(|own| own.make(&parts)).transpose()?;
+        let shares = VoxelizationShares { device, shaders, layouts: &kernels.layouts };
+        let walker = voxelization.map(|own| own.make(&shares)).transpose()?;
         let method = voxelization.map_or("exact", Voxelization::name);
         Ok(Self { method, kernels, walker })
     }
@@ -226,15 +226,15 @@ impl Voxelizer {
         input::check_materials(geometry)?;
         let limits = device.limits();
         let earlier = kept.0.take().filter(|kept| kept.key.is_of(self.method, geometry, grid));
-        let (key, earlier) = earlier.map(|kept| (kept.key, kept.part)).unzip();
+        let (key, earlier) = earlier.map(|kept| (kept.key, kept.share)).unzip();
         let is_reused = earlier.is_some();
         // What is used again is not looked at.
         let fixed = if is_reused {
-            PartInput::default()
+            ShareInput::default()
         } else {
-            PartInput::new(geometry, true, grid, &limits)?
+            ShareInput::new(geometry, true, grid, &limits)?
         };
-        let moving = PartInput::new(geometry, false, grid, &limits)?;
+        let moving = ShareInput::new(geometry, false, grid, &limits)?;
 
         let mut recorder = Recorder::with_timing(device, queue, timing);
         recorder.stage("voxelize");
@@ -252,15 +252,15 @@ impl Voxelizer {
         let fallbacks = Fallbacks::new(device, queue);
 
         // Which voxels are touched.
-        let mut mark = |input: &PartInput<'_>| {
+        let mut mark = |input: &ShareInput<'_>| {
             (!input.is_empty())
-                .then(|| MarkedPart::new(&mut work, &fallbacks, input, geometry))
+                .then(|| MarkedShare::new(&mut work, &fallbacks, input, geometry))
                 .transpose()
         };
         let marked = [mark(&fixed)?, mark(&moving)?];
-        let occupied = |part: usize| {
-            let earlier = earlier.as_ref().filter(|_| part == 0).map(|part| &part.occupied);
-            marked[part].as_ref().map(|marked| &marked.occupied).or(earlier)
+        let occupied = |share: usize| {
+            let earlier = earlier.as_ref().filter(|_| share == 0).map(|share| &share.occupied);
+            marked[share].as_ref().map(|marked| &marked.occupied).or(earlier)
         };
         let merged = match (occupied(0), occupied(1)) {
             (Some(first), Some(second)) => Some(whole::merge_bits(&mut work, [first, second])?),
@@ -270,21 +270,21 @@ impl Voxelizer {
 
         // Which lobes they have, and how much surface.
         let mut lobed = [None, None];
-        for (part, marked) in marked.into_iter().enumerate() {
+        for (share, marked) in marked.into_iter().enumerate() {
             let Some(marked) = marked else { continue };
-            let (starts, splits) = (&counted.starts[part], &counted.splits[part]);
+            let (starts, splits) = (&counted.starts[share], &counted.splits[share]);
             check_numbering(splits)?;
-            lobed[part] = Some(marked.collect_lobes(&mut work, starts.clone(), splits)?);
+            lobed[share] = Some(marked.collect_lobes(&mut work, starts.clone(), splits)?);
         }
-        let parts: Vec<&Part> =
-            earlier.iter().chain(lobed.iter().flatten().map(|l| &l.part)).collect();
-        let stats = stats_of(geometry, &parts);
-        let is_nothing = parts.iter().all(|part| part.level_starts[1] == 0);
+        let shares: Vec<&Share> =
+            earlier.iter().chain(lobed.iter().flatten().map(|l| &l.share)).collect();
+        let stats = stats_of(geometry, &shares);
+        let is_nothing = shares.iter().all(|share| share.level_starts[1] == 0);
         if is_nothing {
             let VoxelizeStats { triangles, skipped, .. } = stats;
             return Err(GiError::NothingToVoxelize { triangles, skipped });
         }
-        let united = match (merged, parts.as_slice()) {
+        let united = match (merged, shares.as_slice()) {
             (Some(merged), &[first, second]) => {
                 let starts = counted.starts[2].clone();
                 Some(United::new(&mut work, merged, starts, [first, second])?)
@@ -295,20 +295,20 @@ impl Voxelizer {
             read_lobed(&mut work, queue, &lobed, united.as_ref()).await?;
 
         // What is in them.
-        let mut parts: Vec<Part> = earlier.into_iter().collect();
+        let mut shares: Vec<Share> = earlier.into_iter().collect();
         for (lobed, counts) in lobed.into_iter().flatten().zip(&face_counts) {
-            parts.push(lobed.sum_up(&mut work, counts)?);
+            shares.push(lobed.sum_up(&mut work, counts)?);
         }
         let emission_scale = input::emission_scale(geometry);
-        let list = match (united, parts.as_slice()) {
+        let list = match (united, shares.as_slice()) {
             (Some(united), [first, second]) => {
                 let sums = [&first.sums, &second.sums];
                 united.resolve(&mut work, sums, united_faces, emission_scale)?
             }
-            (_, parts) => whole::list_of_one(&mut work, &parts[0], is_reused, emission_scale)?,
+            (_, shares) => whole::list_of_one(&mut work, &shares[0], is_reused, emission_scale)?,
         };
 
-        let parts_now: Vec<&Part> = parts.iter().collect();
+        let parts_now: Vec<&Share> = shares.iter().collect();
         let walked = moving.triangle_count() + fixed.triangle_count();
         let mut stats = VoxelizeStats {
             walked,
@@ -317,11 +317,11 @@ impl Voxelizer {
             faces: list.face_count,
             ..stats_of(geometry, &parts_now)
         };
-        // A static part that stood alone has become the list.
+        // A static share that stood alone has become the list.
         if is_reused || !(fixed.is_empty() || moving.is_empty()) {
-            let part = parts.swap_remove(0);
-            let key = key.unwrap_or_else(|| PartKey::new(self.method, geometry, grid));
-            kept.0 = Some(Kept { key, part });
+            let share = shares.swap_remove(0);
+            let key = key.unwrap_or_else(|| ShareKey::new(self.method, geometry, grid));
+            kept.0 = Some(Kept { key, share });
         }
         let Work { recorder, memory, .. } = work;
         stats.bytes = memory.into_bytes();
@@ -335,22 +335,22 @@ pub struct KeptStatic(Option<Kept>);
 
 #[derive(Debug)]
 struct Kept {
-    key: PartKey,
-    part: Part,
+    key: ShareKey,
+    share: Share,
 }
 
 impl KeptStatic {
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
-        self.0.as_ref().map_or(0, |kept| kept.part.bytes())
+        self.0.as_ref().map_or(0, |kept| kept.share.bytes())
     }
 }
 
 /// What is known once the voxels are marked.
 struct Counted {
-    /// Where the levels' nodes start: of the two parts and of both together, empty for what is not there.
+    /// Where the levels' nodes start: of the two shares and of both together, empty for what is not there.
     starts: [Vec<u32>; 3],
-    /// How the parts' batches were split.
+    /// How the shares' batches were split.
     splits: [Vec<SplitCounts>; 2],
 }
 
@@ -358,15 +358,15 @@ struct Counted {
 async fn read_marked(
     work: &mut Work<'_>,
     queue: &wgpu::Queue,
-    marked: &[Option<MarkedPart>; 2],
+    marked: &[Option<MarkedShare>; 2],
     merged: Option<&Occupied>,
 ) -> Result<Counted, GiError> {
     let [fixed, moving] = marked;
-    let lists = [fixed, moving].map(|part| part.as_ref().map(|part| &part.occupied));
+    let lists = [fixed, moving].map(|share| share.as_ref().map(|share| &share.occupied));
     let lists = [lists[0], lists[1], merged];
     let splits = marked
         .each_ref()
-        .map(|part| part.iter().flat_map(MarkedPart::split_counts).collect::<Vec<_>>());
+        .map(|share| share.iter().flat_map(MarkedShare::split_counts).collect::<Vec<_>>());
     let start_bytes = 4 * (u64::from(work.grid.levels) + 1);
     let stride = size_of::<SplitCounts>() as u64;
     let list_count = lists.iter().flatten().count() as u64;
@@ -402,31 +402,31 @@ fn split_from_words(words: &[u32]) -> SplitCounts {
     bytemuck::pod_read_unaligned(bytemuck::cast_slice(words))
 }
 
-/// Submits the work so far and reads back the counts of each part that was walked
-/// ([`LobedPart::copy_counts`]), and the number of faces of both together.
+/// Submits the work so far and reads back the counts of each share that was walked
+/// ([`LobedShare::copy_counts`]), and the number of faces of both together.
 async fn read_lobed(
     work: &mut Work<'_>,
     queue: &wgpu::Queue,
-    lobed: &[Option<LobedPart>; 2],
+    lobed: &[Option<LobedShare>; 2],
     united: Option<&United>,
 ) -> Result<(Vec<Vec<u32>>, u32), GiError> {
-    let parts: Vec<&LobedPart> = lobed.iter().flatten().collect();
-    let words = parts.len() * LobedPart::COUNT_WORDS + usize::from(united.is_some());
+    let shares: Vec<&LobedShare> = lobed.iter().flatten().collect();
+    let words = shares.len() * LobedShare::COUNT_WORDS + usize::from(united.is_some());
     if words == 0 {
         return Ok((Vec::new(), 0));
     }
     let bytes = words as u64 * 4;
     let counts = storage_buffer(work.device, "face counts", bytes);
     let recorder = &mut work.recorder;
-    for (index, part) in parts.iter().enumerate() {
-        part.copy_counts(recorder, &counts, (index * LobedPart::COUNT_WORDS) as u64 * 4);
+    for (index, share) in shares.iter().enumerate() {
+        share.copy_counts(recorder, &counts, (index * LobedShare::COUNT_WORDS) as u64 * 4);
     }
     if let Some(united) = united {
         united.copy_face_count(recorder, &counts, bytes - 4);
     }
     work.recorder.flush();
     let words: Vec<u32> = read_buffer(work.device, queue, &counts, 0..bytes).await?;
-    let of_parts = words.chunks_exact(LobedPart::COUNT_WORDS).take(parts.len());
+    let of_parts = words.chunks_exact(LobedShare::COUNT_WORDS).take(shares.len());
     let united_faces = words.last().copied().unwrap_or(0);
     Ok((of_parts.map(<[u32]>::to_vec).collect(), united_faces))
 }
@@ -448,9 +448,10 @@ fn check_numbering(splits: &[SplitCounts]) -> Result<(), GiError> {
     Ok(())
 }
 
-/// The counts of all parts together.
-fn stats_of(geometry: &Geometry, parts: &[&Part]) -> VoxelizeStats {
-    let sum = |count: fn(&PartCounts) -> u64| parts.iter().map(|part| count(&part.counts)).sum();
+/// The counts of all shares together.
+fn stats_of(geometry: &Geometry, shares: &[&Share]) -> VoxelizeStats {
+    let sum =
+        |count: fn(&ShareCounts) -> u64| shares.iter().map(|share| count(&share.counts)).sum();
     VoxelizeStats {
         triangles: geometry.triangle_count(),
         walked: 0,

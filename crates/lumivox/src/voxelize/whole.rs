@@ -1,9 +1,9 @@
-//! From parts to the list of voxels: merged where there are two, and resolved from sums to faces.
+//! From shares to the list of voxels: merged where there are two, and resolved from sums to faces.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::ResolveParams;
-use super::part::{Part, Work};
+use super::share::{Share, Work};
 use crate::GiError;
 use crate::gpu::{BindGroupBuilder, Buffer, Recorder, uniform_buffer};
 use crate::voxels::{FaceRecord, ListBuilder, Occupied, VoxelList, level_first_word};
@@ -18,13 +18,13 @@ pub(super) struct UnitedVoxel {
     pub scales: [f32; 2],
 }
 
-/// The occupied cells of two parts together, ranked.
-pub(super) fn merge_bits(work: &mut Work<'_>, parts: [&Occupied; 2]) -> Result<Occupied, GiError> {
+/// The occupied cells of two shares together, ranked.
+pub(super) fn merge_bits(work: &mut Work<'_>, shares: [&Occupied; 2]) -> Result<Occupied, GiError> {
     let merged = ListBuilder::begin(&mut work.memory, work.grid)?;
     let kernels = work.kernels;
     let group = BindGroupBuilder::new(&kernels.layouts.merge_bits)
-        .buffer(&parts[0].occupancy)
-        .buffer(&parts[1].occupancy)
+        .buffer(&shares[0].occupancy)
+        .buffer(&shares[1].occupancy)
         .buffer(&merged.occupancy)
         .build(work.device, "voxelize::merge_bits");
     let words = level_first_word(work.grid, work.grid.levels);
@@ -34,7 +34,7 @@ pub(super) fn merge_bits(work: &mut Work<'_>, parts: [&Occupied; 2]) -> Result<O
     Ok(merged)
 }
 
-/// Two parts' voxels in one list, before their faces are counted.
+/// Two shares' voxels in one list, before their faces are counted.
 #[derive(Debug)]
 pub(super) struct United {
     occupied: Occupied,
@@ -45,12 +45,12 @@ pub(super) struct United {
 }
 
 impl United {
-    /// Unites the lobes of two parts.
+    /// Unites the lobes of two shares.
     pub fn new(
         work: &mut Work<'_>,
         occupied: Occupied,
         level_starts: Vec<u32>,
-        parts: [&Part; 2],
+        shares: [&Share; 2],
     ) -> Result<Self, GiError> {
         let nodes = list_nodes(work, &occupied, &level_starts)?;
         let voxel_count = u64::from(level_starts[1]);
@@ -59,7 +59,7 @@ impl United {
         let voxels = work.memory.buffer("united voxels", voxel_count, stride, remedy)?;
         let first_faces = work.memory.buffer("first faces", voxel_count + 1, 4, remedy)?;
         let kernels = work.kernels;
-        let [first, second] = parts;
+        let [first, second] = shares;
         let group = BindGroupBuilder::new(&kernels.layouts.unite)
             .buffer(&nodes)
             .buffer(&first.cells)
@@ -80,7 +80,7 @@ impl United {
         recorder.copy((&self.first_faces, total), (counts, place), 4);
     }
 
-    /// The list, from the sums of both parts.
+    /// The list, from the sums of both shares.
     pub fn resolve(
         self,
         work: &mut Work<'_>,
@@ -95,7 +95,7 @@ impl United {
         let params = ResolveParams { voxel_count, emission_scale };
         let params = uniform_buffer(work.device, "resolve parameters", &params);
         let kernels = work.kernels;
-        let group = BindGroupBuilder::new(&kernels.layouts.resolve_parts)
+        let group = BindGroupBuilder::new(&kernels.layouts.resolve_shares)
             .buffer(&params)
             .buffer(&self.voxels)
             .buffer(&self.first_faces)
@@ -103,45 +103,45 @@ impl United {
             .buffer(sums[1])
             .buffer(&self.nodes)
             .buffer(&faces)
-            .build(work.device, "voxelize::resolve_parts");
+            .build(work.device, "voxelize::resolve_shares");
         let groups = [&work.globals, &group];
-        kernels.resolve_parts.run_linear(&mut work.recorder, &groups, u64::from(voxel_count));
+        kernels.resolve_shares.run_linear(&mut work.recorder, &groups, u64::from(voxel_count));
         let Self { occupied, level_starts, nodes, first_faces, .. } = self;
         Ok(finish(work, &occupied, level_starts, (nodes, first_faces), (faces, face_count)))
     }
 }
 
-/// The list of a part that is alone. Its sums become the faces; if they are kept, a copy does.
+/// The list of a share that is alone. Its sums become the faces; if they are kept, a copy does.
 pub(super) fn list_of_one(
     work: &mut Work<'_>,
-    part: &Part,
+    share: &Share,
     keeps_sums: bool,
     emission_scale: f32,
 ) -> Result<VoxelList, GiError> {
-    let nodes = list_nodes(work, &part.occupied, &part.level_starts)?;
+    let nodes = list_nodes(work, &share.occupied, &share.level_starts)?;
     let faces = if keeps_sums {
         let stride = size_of::<FaceRecord>() as u64;
-        let count = u64::from(part.face_count).max(1);
+        let count = u64::from(share.face_count).max(1);
         let copy = work.memory.buffer("faces", count, stride, work.remedy())?;
-        work.recorder.copy((&part.sums, 0), (&copy, 0), count * stride);
+        work.recorder.copy((&share.sums, 0), (&copy, 0), count * stride);
         copy
     } else {
-        part.sums.clone()
+        share.sums.clone()
     };
-    let voxel_count = part.level_starts[1];
+    let voxel_count = share.level_starts[1];
     let params = ResolveParams { voxel_count, emission_scale };
     let params = uniform_buffer(work.device, "resolve parameters", &params);
     let kernels = work.kernels;
     let resolve = BindGroupBuilder::new(&kernels.layouts.resolve)
         .buffer(&params)
-        .buffer(&part.voxels)
+        .buffer(&share.voxels)
         .buffer(&nodes)
         .buffer(&faces)
         .build(work.device, "voxelize::resolve");
     let groups = [&work.globals, &resolve];
     kernels.resolve.run_linear(&mut work.recorder, &groups, u64::from(voxel_count));
-    let (starts, firsts) = (part.level_starts.clone(), part.first_faces.clone());
-    Ok(finish(work, &part.occupied, starts, (nodes, firsts), (faces, part.face_count)))
+    let (starts, firsts) = (share.level_starts.clone(), share.first_faces.clone());
+    Ok(finish(work, &share.occupied, starts, (nodes, firsts), (faces, share.face_count)))
 }
 
 /// The nodes of all levels, still without lobes.

@@ -1,8 +1,8 @@
-//! Static and dynamic parts: what is kept and what is walked again give the bits of a whole voxelization.
+//! Static and dynamic shares: what is kept and what is walked again give the bits of a whole voxelization.
 
 use glam::{Mat4, Vec3, Vec4};
 use lumivox::gpu::Recorder;
-use lumivox::hooks::{Voxelization, VoxelizationParts, Walk, WalkStep, Walker};
+use lumivox::hooks::{Voxelization, VoxelizationShares, Walk, WalkStep, Walker};
 use lumivox::{Draw, Geometry, GiError, Grid, KeptStatic, SurfaceMaterial};
 
 use crate::voxelize::read::{Lab, ReadList};
@@ -191,7 +191,7 @@ impl Voxelization for AsItIs {
         "as it is"
     }
 
-    fn make(&self, _: &VoxelizationParts<'_>) -> Result<Box<dyn Walker>, GiError> {
+    fn make(&self, _: &VoxelizationShares<'_>) -> Result<Box<dyn Walker>, GiError> {
         Ok(Box::new(Self))
     }
 }
@@ -212,8 +212,8 @@ fn what_is_left_is_walked_exactly() {
     assert_same(&own, &lab.voxelize(&grid, &geometry), "the exact walk");
 }
 
-/// Two parts hold what one part would: the same voxels, and faces that differ by rounding alone, but where there may
-/// be layers: there a part hides the other by the mean of its depth.
+/// Two shares hold what one share would: the same voxels, and faces that differ by rounding alone, but where there may
+/// be layers: there a share hides the other by the mean of its depth.
 #[test]
 fn two_parts_are_one_surface() {
     let lab = Lab::new();

@@ -1,8 +1,8 @@
-//! A part of the surface, static or dynamic, on its way through the three walks.
+//! A share of the surface, static or dynamic, on its way through the three walks.
 
 use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::hook::{Walk, WalkStep};
-use super::input::PartInput;
+use super::input::ShareInput;
 use super::kernels::Kernels;
 use super::{FRONT_WORDS, VoxelFaces, Voxelizer};
 use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, storage_buffer};
@@ -30,57 +30,57 @@ impl Work<'_> {
     }
 }
 
-/// How many triangles and pieces a part has.
+/// How many triangles and pieces a share has.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PartCounts {
+pub(super) struct ShareCounts {
     pub degenerate: u64,
     pub outside: u64,
     pub items: u64,
     pub pieces: u64,
 }
 
-/// A part whose voxels are marked and ranked.
+/// A share whose voxels are marked and ranked.
 #[derive(Debug)]
-pub(super) struct MarkedPart {
+pub(super) struct MarkedShare {
     batches: Vec<SplitBatch>,
     pub occupied: Occupied,
     pub cells: Buffer,
 }
 
-/// What a part collects: nothing in it depends on the other part.
+/// What a share collects: nothing in it depends on the other share.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct Share {
     pub occupied: Occupied,
     /// Bits and ranks of the finest level, side by side.
     pub cells: Buffer,
     /// Where the nodes of each level start, and last their total.
     pub level_starts: Vec<u32>,
-    /// `VoxelFaces`, in the order of the part's voxels.
+    /// `VoxelFaces`, in the order of the share's voxels.
     pub voxels: Buffer,
     /// The index of each voxel's first face, and last the total.
     pub first_faces: Buffer,
     pub face_count: u32,
     /// The faces' sums, as `FaceSlot` of `face_sums.wgsl` has them.
     pub sums: Buffer,
-    pub counts: PartCounts,
+    pub counts: ShareCounts,
 }
 
-/// A part whose lobes are known, before its faces are counted.
+/// A share whose lobes are known, before its faces are counted.
 #[derive(Debug)]
-pub(super) struct LobedPart {
+pub(super) struct LobedShare {
     batches: Vec<SplitBatch>,
-    pub part: Part,
+    pub share: Share,
     pieces: Buffer,
     /// The index of each voxel's first face with fronts among all such faces, and last the total.
     first_fronts: Buffer,
 }
 
-impl MarkedPart {
+impl MarkedShare {
     /// Splits the triangles into items and marks the voxels that they touch.
     pub fn new(
         work: &mut Work<'_>,
         fallbacks: &Fallbacks,
-        input: &PartInput<'_>,
+        input: &ShareInput<'_>,
         geometry: &Geometry,
     ) -> Result<Self, GiError> {
         let mut batches = Vec::new();
@@ -116,13 +116,13 @@ impl MarkedPart {
         self.batches.iter().map(|batch| &batch.counts)
     }
 
-    /// Collects the lobes of the part's voxels, of which there are `level_starts[1]`, and counts their faces.
+    /// Collects the lobes of the share's voxels, of which there are `level_starts[1]`, and counts their faces.
     pub fn collect_lobes(
         self,
         work: &mut Work<'_>,
         level_starts: Vec<u32>,
         splits: &[SplitCounts],
-    ) -> Result<LobedPart, GiError> {
+    ) -> Result<LobedShare, GiError> {
         let voxel_count = u64::from(level_starts[1]);
         let remedy = work.remedy();
         let stride = size_of::<VoxelFaces>() as u64;
@@ -147,7 +147,7 @@ impl MarkedPart {
         kernels.prepare_faces.run_linear(&mut work.recorder, &groups, voxel_count);
 
         let sum = |count: fn(&SplitCounts) -> u32| splits.iter().map(|s| u64::from(count(s))).sum();
-        let counts = PartCounts {
+        let counts = ShareCounts {
             degenerate: sum(|split| split.degenerate),
             outside: sum(|split| split.outside),
             items: sum(|split| split.items),
@@ -155,7 +155,7 @@ impl MarkedPart {
         };
         // The sums are made once the faces are counted.
         let sums = storage_buffer(work.device, "no sums", 16);
-        let part = Part {
+        let share = Share {
             occupied,
             cells,
             level_starts,
@@ -165,7 +165,7 @@ impl MarkedPart {
             sums,
             counts,
         };
-        Ok(LobedPart { batches, part, pieces, first_fronts })
+        Ok(LobedShare { batches, share, pieces, first_fronts })
     }
 
     /// The second walk: which lobes the voxels have, and how much surface.
@@ -175,7 +175,7 @@ impl MarkedPart {
     }
 }
 
-impl Part {
+impl Share {
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
         let Occupied { occupancy, ranks } = &self.occupied;
@@ -184,37 +184,37 @@ impl Part {
     }
 }
 
-impl LobedPart {
+impl LobedShare {
     /// Words that [`Self::copy_counts`] copies.
     pub const COUNT_WORDS: usize = 4;
 
     /// Copies the numbers of faces and of those with fronts, and the low and the high word of that of pieces, to
     /// `counts` at a byte.
     pub fn copy_counts(&self, recorder: &mut Recorder, counts: &Buffer, place: u64) {
-        let total = u64::from(self.part.level_starts[1]) * 4;
-        recorder.copy((&self.part.first_faces, total), (counts, place), 4);
+        let total = u64::from(self.share.level_starts[1]) * 4;
+        recorder.copy((&self.share.first_faces, total), (counts, place), 4);
         recorder.copy((&self.first_fronts, total), (counts, place + 4), 4);
         recorder.copy((&self.pieces, 0), (counts, place + 8), 8);
     }
 
     /// Sums the faces up, given what [`Self::copy_counts`] has copied.
-    pub fn sum_up(self, work: &mut Work<'_>, counts: &[u32]) -> Result<Part, GiError> {
-        let Self { batches, mut part, .. } = self;
-        part.face_count = counts[0];
+    pub fn sum_up(self, work: &mut Work<'_>, counts: &[u32]) -> Result<Share, GiError> {
+        let Self { batches, mut share, .. } = self;
+        share.face_count = counts[0];
         let fronts = u64::from(counts[1]);
-        part.counts.pieces = u64::from(counts[3]) << 32 | u64::from(counts[2]);
+        share.counts.pieces = u64::from(counts[3]) << 32 | u64::from(counts[2]);
         let stride = size_of::<FaceRecord>() as u64;
         // A binding of an array has room for one element at least.
-        let faces = u64::from(part.face_count).max(1);
+        let faces = u64::from(share.face_count).max(1);
         // A raster of fronts takes no more bytes than a face; they stand behind them all.
         const { assert!(size_of::<FaceRecord>() >= 4 * FRONT_WORDS as usize) };
-        part.sums = work.memory.buffer("faces", faces + fronts, stride, work.remedy())?;
-        let buffers = [&part.cells, &part.voxels, &part.sums];
+        share.sums = work.memory.buffer("faces", faces + fronts, stride, work.remedy())?;
+        let buffers = [&share.cells, &share.voxels, &share.sums];
         if fronts > 0 {
             Self::walk(work, &batches, &buffers, WalkStep::Fronts);
         }
         Self::walk(work, &batches, &buffers, WalkStep::Accumulate);
-        Ok(part)
+        Ok(share)
     }
 
     /// The last walks: which surface is in front, and what is in the faces.

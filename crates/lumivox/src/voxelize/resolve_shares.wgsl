@@ -1,7 +1,7 @@
-// From the sums of two parts of the surface to faces: a thread per voxel.
+// From the sums of two shares of the surface to faces: a thread per voxel.
 //
-// A face that both parts have is that of all pieces together: their sums, brought to the smaller of the two scales. Where
-// there is more than one layer of them, the part that lies in front in the mean hides as much of the other as it covers.
+// A face that both shares have is that of all pieces together: their sums, brought to the smaller of the two scales. Where
+// there is more than one layer of them, the share that lies in front in the mean hides as much of the other as it covers.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -23,7 +23,7 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(5) var<storage, read_write> nodes: array<Node>;
 @group(1) @binding(6) var<storage, read_write> faces: array<FaceSlot>;
 
-// How far in front a part lies in the mean, in voxels.
+// How far in front a share lies in the mean, in voxels.
 fn height_of(sums: FaceSums, lobe: u32) -> f32 {
     return lobe_sign(lobe) * sums.position[lobe_axis(lobe)] / max(sums.visible, 1.0);
 }
@@ -68,22 +68,22 @@ fn main(
     if voxel >= params.voxel_count {
         return;
     }
-    let parts = united[voxel];
+    let shares = united[voxel];
     let corner = vec3f(morton_decode(nodes[voxel].morton));
-    let second_lobes = parts.lobes >> 8u;
-    let all = (parts.lobes | second_lobes) & 0x3fu;
+    let second_lobes = shares.lobes >> 8u;
+    let all = (shares.lobes | second_lobes) & 0x3fu;
     var tilted = 0u;
     var index = first_faces[voxel];
     var lobes = all;
     while lobes != 0u {
         let lobe = countTrailingZeros(lobes);
         lobes &= lobes - 1u;
-        let of_first = first_sums[parts.first_sums.x + bits_below(parts.lobes, lobe)];
-        let of_second = second_sums[parts.first_sums.y + bits_below(second_lobes, lobe)];
-        var sums = sums_of(of_first, parts.scales.x, lobe);
+        let of_first = first_sums[shares.first_sums.x + bits_below(shares.lobes, lobe)];
+        let of_second = second_sums[shares.first_sums.y + bits_below(second_lobes, lobe)];
+        var sums = sums_of(of_first, shares.scales.x, lobe);
         if (second_lobes & (1u << lobe)) != 0u {
-            let more = sums_of(of_second, parts.scales.y, lobe);
-            if (parts.lobes & (1u << lobe)) == 0u {
+            let more = sums_of(of_second, shares.scales.y, lobe);
+            if (shares.lobes & (1u << lobe)) == 0u {
                 sums = more;
             } else {
                 sums = sum_of(sums, more, lobe);
