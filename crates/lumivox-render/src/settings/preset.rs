@@ -9,7 +9,7 @@ use lumivox_scene::Scene;
 
 use crate::classics::{self, InjectionChoice};
 use crate::look::{LookChoice, LookPreset};
-use crate::{Exposure, RenderSettings, ToneMap};
+use crate::{Exposure, PHYSICAL, RenderSettings, ToneMap};
 
 /// What a picture starts from: presets of the cones, or a look with cones of its own. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,8 +124,7 @@ impl RenderSettings {
     pub fn with_preset(&self, preset: PresetChoice, scene: Option<&Scene>) -> Self {
         let companions = Companions::of(preset);
         let look = preset.look(self.resolution);
-        let name = look.as_ref().map(|look| look.name());
-        let is_same_look = self.look.as_ref().map(|look| look.name()) == name;
+        let is_same_look = self.look_name() == look.as_ref().map_or(PHYSICAL, |look| look.name());
         let (exposure, tone_map) = match &look {
             _ if is_same_look => (self.exposure, self.tone_map),
             Some(look) => look.display(scene),
