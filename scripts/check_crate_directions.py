@@ -24,7 +24,8 @@ MAY_DEPEND_ON = {
     "lumivox": set(),
     "lumivox-classics": {"lumivox"},
     "lumivox-render": {"lumivox", "lumivox-classics", "lumivox-scene"},
-    "lumivox-explorer": {"lumivox", "lumivox-render", "lumivox-scene"},
+    "lumivox-vxct": {"lumivox", "lumivox-render", "lumivox-scene"},
+    "lumivox-explorer": {"lumivox", "lumivox-render", "lumivox-scene", "lumivox-vxct"},
     "lumivox-console": {"lumivox", "lumivox-explorer", "lumivox-render", "lumivox-scene"},
     "lumivox-app": {
         "lumivox",
@@ -33,6 +34,7 @@ MAY_DEPEND_ON = {
         "lumivox-explorer",
         "lumivox-render",
         "lumivox-scene",
+        "lumivox-vxct",
     },
     "lumivox-web": {
         "lumivox",
@@ -170,7 +172,8 @@ def self_test_cases():
                 lumivox="wgpu naga dev:image dev:pollster",
                 lumivox_classics="lumivox wgpu",
                 lumivox_render="lumivox lumivox-classics lumivox-scene wgpu image",
-                lumivox_explorer="lumivox lumivox-render lumivox-scene dev:pollster",
+                lumivox_vxct="lumivox lumivox-render lumivox-scene",
+                lumivox_explorer="lumivox lumivox-render lumivox-scene lumivox-vxct dev:pollster",
                 lumivox_app="lumivox lumivox-explorer lumivox-render lumivox-scene winit egui",
                 lumivox_web="lumivox lumivox-explorer lumivox-render lumivox-scene",
             ),
@@ -206,6 +209,11 @@ def self_test_cases():
             "the renderer may not know the program",
             graph(lumivox_render="lumivox dev:lumivox-app"),
             [f"lumivox-render -> lumivox-app (dev dependency) {wrong_way}"],
+        ),
+        (
+            "nor the looks, which stand on its hook",
+            graph(lumivox_render="lumivox lumivox-vxct", lumivox_vxct="lumivox-render"),
+            [f"lumivox-render -> lumivox-vxct (normal dependency) {wrong_way}"],
         ),
         (
             "the explorer may not know the programs, nor wait as they do",

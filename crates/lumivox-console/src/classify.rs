@@ -1,6 +1,6 @@
 //! Properties of a line that are known before it is run, from columns of the command table.
 
-use lumivox_render::parameters::Parameter;
+use lumivox_explorer::parameters::find_parameter;
 
 use super::{COMMANDS, Command, Edits, Group, Urgency, split};
 use crate::command::PLAIN;
@@ -41,7 +41,7 @@ impl LineInfo {
         let Some(name) = words.first() else { return Self::default() };
         let of_window = OF_WINDOW.iter().find(|command| command.name == name);
         let command = COMMANDS.iter().find(|command| command.names().any(|known| known == name));
-        let is_setting = Parameter::find(name).is_some();
+        let is_setting = find_parameter(name).is_some();
         let Command { sets, urgency, moves_camera, edits, needs_all_frames, .. } =
             *of_window.or(command).unwrap_or(&PLAIN);
         let sets = sets.or(is_setting.then_some(1)).filter(|named_by| words.len() > *named_by);

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use lumivox_render::parameters::{PARAMETERS, Parameter};
+use lumivox_explorer::parameters::{PARAMETERS, Parameter, find_parameter};
 
 use super::line::{self, Word};
 use super::names::is_scene;
@@ -60,7 +60,7 @@ fn possible(
     begun: &str,
 ) -> Vec<String> {
     let Some((name, arguments)) = before.split_first() else { return commands_and_parameters() };
-    let parameter = Parameter::find(&name.text);
+    let parameter = find_parameter(&name.text);
     let Some(command) = Command::find(&name.text) else {
         return parameter.filter(|_| arguments.is_empty()).map(values).unwrap_or_default();
     };

@@ -1,6 +1,6 @@
 //! The texts of the help.
 
-use lumivox_render::parameters::{Group as Of, Kind, PARAMETERS, Parameter};
+use lumivox_explorer::parameters::{GROUPS, Kind, PARAMETERS, Parameter, find_parameter};
 
 use super::arguments::in_words;
 use super::{COMMANDS, Command, Group, Reply, suggest};
@@ -13,7 +13,7 @@ const WIDTH: usize = 100;
 pub(crate) fn tell(name: Option<&str>) -> anyhow::Result<Reply> {
     let Some(name) = name else { return Ok(Reply::say(overview())) };
     let command = Command::find(name);
-    let parameter = Parameter::find(name);
+    let parameter = find_parameter(name);
     let parts: Vec<String> =
         command.map(of_command).into_iter().chain(parameter.map(of_parameter)).collect();
     if parts.is_empty() {
@@ -68,7 +68,7 @@ fn overview() -> String {
             COMMANDS.iter().filter(|command| command.group == group).map(|command| command.name);
         text += &wrapped(group.title(), names);
     }
-    for group in Of::ALL {
+    for group in GROUPS.iter().copied() {
         let names = PARAMETERS.iter().filter(|p| p.group == group).map(|parameter| parameter.name);
         text += &wrapped(&format!("Settings: {}", group.name()), names);
     }

@@ -3,7 +3,7 @@
 //! A line is a command's name and its arguments, separated by white space; [`line`](self) describes
 //! quotation marks, comments and several commands in a line. All commands are in one table
 //! ([`COMMANDS`]), put together from a file for each group, from which the help, the completion and
-//! the page in the docs are made as well. Each setting of [`lumivox_render::parameters`] is a
+//! the page in the docs are made as well. Each setting of [`lumivox_explorer::parameters`] is a
 //! command as well: without a value it prints the setting, with a value it sets it.
 //!
 //! The window, the terminal, scripts and pages all give lines to a [`Console`]; it requests work
@@ -55,7 +55,7 @@ use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
 use lumivox_explorer::{Asked, Explorer, Revoxelize};
-use lumivox_render::{PresetChoice, Progress, RenderSettings, has_display_values};
+use lumivox_render::{PresetChoice, Progress, RenderSettings};
 use lumivox_scene::{EnvironmentMap, Scene};
 use wgpu::WasmNotSend;
 
@@ -181,7 +181,7 @@ impl Console {
     /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the
     /// camera stays, unless one was asked for: they fill the same cube.
     pub fn open(&mut self, ready: Ready) {
-        let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && has_display_values(scene);
+        let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && scene.has_display_values();
         let stays = ready.opening.camera.is_none()
             && is_of_vxct(ready.opened.scene())
             && self.explorer.scene().is_some_and(is_of_vxct);

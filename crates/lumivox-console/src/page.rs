@@ -1,6 +1,6 @@
 //! The page in the docs, made from the tables: `docs/console.md`.
 
-use lumivox_render::parameters::{Group as Of, PARAMETERS, Parameter};
+use lumivox_explorer::parameters::{GROUPS, PARAMETERS, Parameter};
 
 use super::{COMMANDS, Command, Group};
 
@@ -62,7 +62,7 @@ pub fn markdown() -> String {
         }
     }
     text += SETTINGS_HEAD;
-    for group in Of::ALL {
+    for group in GROUPS.iter().copied() {
         for parameter in PARAMETERS.iter().filter(|parameter| parameter.group == group) {
             text += &of_parameter(parameter);
         }

@@ -32,7 +32,7 @@ fn the_table_is_complete() {
 #[test]
 fn commands_leave_no_setting_out_of_reach() {
     let takes_a_value = |command: &Command| command.counts() == (0..=1);
-    let shadowed: Vec<&str> = lumivox_render::parameters::PARAMETERS
+    let shadowed: Vec<&str> = lumivox_explorer::parameters::PARAMETERS
         .iter()
         .filter(|parameter| Command::find(parameter.name).is_some_and(|c| !takes_a_value(c)))
         .map(|parameter| parameter.name)

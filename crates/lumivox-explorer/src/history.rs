@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use lumivox_render::parameters::PARAMETERS;
+use crate::parameters::PARAMETERS;
 use lumivox_render::{PresetChoice, RenderSettings};
 use lumivox_scene::{Environment, Light, Material};
 

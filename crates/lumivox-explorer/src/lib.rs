@@ -64,6 +64,7 @@ mod objects;
 mod opened;
 mod original;
 mod pacing;
+pub mod parameters;
 mod split;
 pub mod suggest;
 mod update;

@@ -36,7 +36,6 @@ fn structs_lie_in_memory_alike() {
     use crate::passes::voxel_view::VoxelViewSettings;
     use crate::picture::tone_map::ToneMapSettings;
     use crate::scene::{DrawRecord, MaterialRecord, TexturePlace};
-    use crate::vxct::{VxctCone, VxctDraw, VxctLight, VxctUniform};
 
     let library = &libraries()[0];
     assert_layout!(
@@ -110,70 +109,6 @@ fn structs_lie_in_memory_alike() {
         "render::passes::voxel_view::view",
         "VoxelViewSettings",
         VoxelViewSettings { level, pixel_slope }
-    );
-    assert_layout!(
-        library,
-        "render::vxct::uniform",
-        "VxctCone",
-        VxctCone { width, offset, step_per_diameter }
-    );
-    assert_layout!(
-        library,
-        "render::vxct::uniform",
-        "VxctUniform",
-        VxctUniform {
-            clip_from_world,
-            camera_in_world,
-            white,
-            center_in_world,
-            unit_m,
-            background,
-            has_environment,
-            diffuse,
-            occlusion,
-            specular,
-            shown,
-            terms,
-            light_count,
-            resolution,
-            origin_offset,
-            shadow_strength,
-            shininess_falloff,
-            level,
-        }
-    );
-    assert_layout!(
-        library,
-        "render::vxct::material",
-        "VxctDraw",
-        VxctDraw {
-            color,
-            ambient,
-            diffuse,
-            specular,
-            shininess,
-            kind,
-            first_index,
-            base_vertex,
-            first_triangle,
-            attribute_words,
-            is_rounded,
-            is_voxelized,
-        }
-    );
-    assert_layout!(
-        library,
-        "render::vxct::lights",
-        "VxctLight",
-        VxctLight {
-            position,
-            is_parallel,
-            color,
-            spot_scale,
-            spot_direction,
-            spot_offset,
-            attenuation,
-        }
     );
 }
 

@@ -17,6 +17,7 @@
 //! | room | holds |
 //! | --- | --- |
 //! | `settings/` | everything that can be set, in one table |
+//! | `look.rs` | the hook for another way to the picture |
 //! | `scene/` | a scene on the GPU |
 //! | `passes/` | the passes of a frame, each with its shader beside it |
 //! | `picture/` | radiance on its way to a screen and to files |
@@ -31,6 +32,7 @@ pub mod classics;
 pub mod compare;
 mod error;
 mod gpu;
+pub mod look;
 mod passes;
 mod picture;
 pub mod reference;
@@ -38,7 +40,6 @@ mod renderer;
 mod scene;
 mod settings;
 pub mod shaders;
-mod vxct;
 
 // What tests inside share with those from outside names the crate as these do.
 #[cfg(test)]
@@ -64,5 +65,6 @@ pub use renderer::{Photometry, Progress, Renderer, global_illumination};
 pub use scene::{GpuScene, Lighting, radiance_unit};
 pub use settings::parameters;
 pub use settings::preset::{Companions, PresetChoice};
-pub use settings::{COST_SCALE_SAMPLES, Exposure, RenderSettings, ShadowMethod, ToneMap, View};
-pub use vxct::{ConeShape, Look, VxctDisplay, VxctSettings, has_display_values, vxct_display};
+pub use settings::{
+    COST_SCALE_SAMPLES, Exposure, PHYSICAL, RenderSettings, ShadowMethod, ToneMap, View,
+};

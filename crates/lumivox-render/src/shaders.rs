@@ -2,7 +2,7 @@
 
 use lumivox::gpu::ShaderLibrary;
 
-use crate::{passes, picture, reference, scene, vxct};
+use crate::{passes, picture, reference, scene};
 
 /// A library's modules and this crate's beside them, as `package::render::...`.
 ///
@@ -15,6 +15,5 @@ pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     passes::add_shaders(&mut library);
     picture::add_shaders(&mut library);
     reference::add_shaders(&mut library);
-    vxct::add_shaders(&mut library);
     library
 }

@@ -14,8 +14,7 @@ use lumivox::gpu::{LiveResources, Timing};
 use lumivox::{Directionality, OctreeBuilder, OctreeOptions, VolumeKind};
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{
-    Gpu, Look, Overlay, RenderSettings, Renderer, ShadowMethod, View, VxctSettings, Wireframe,
-    Wires, classics,
+    Gpu, Overlay, RenderSettings, Renderer, ShadowMethod, View, Wireframe, Wires, classics,
 };
 use lumivox_scene::{Instance, Scene};
 
@@ -60,10 +59,6 @@ fn variants() -> Vec<(&'static str, RenderSettings)> {
         ("three bounces", RenderSettings { bounces: 3, ..small() }),
         ("cone shadows", RenderSettings { shadows: ShadowMethod::Cone, ..small() }),
         ("finer shadows", RenderSettings { shadow_resolution: 256, ..small() }),
-        (
-            "the look of VXCT",
-            RenderSettings { look: Look::Vxct(VxctSettings::default()), ..small() },
-        ),
         ("a view of voxels", RenderSettings { view: View::Voxels, ..small() }),
         ("wire voxels", RenderSettings { view: View::WireVoxels, ..small() }),
         ("an overlay", RenderSettings { overlay, ..small() }),

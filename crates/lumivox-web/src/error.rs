@@ -4,8 +4,8 @@
 use lumivox::GiError;
 use lumivox_console::Failure;
 use lumivox_explorer::ExplorerError;
+use lumivox_explorer::parameters::SettingError;
 use lumivox_render::RenderError;
-use lumivox_render::parameters::SettingError;
 use lumivox_scene::SceneError;
 
 /// The kind of an error: the property `code` of the exception.

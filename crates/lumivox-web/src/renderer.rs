@@ -7,6 +7,7 @@ use std::sync::Arc;
 use async_lock::{Mutex, MutexGuard};
 use glam::{UVec2, Vec2};
 use lumivox_explorer::ChangeQueue;
+use lumivox_explorer::parameters::PRESETS;
 use lumivox_render::PresetChoice;
 use tsify::{Ts, Tsify};
 use wasm_bindgen::prelude::*;
@@ -91,7 +92,7 @@ pub fn presets() -> Result<Vec<Ts<Named>>, JsValue> {
         let (title, summary) = (preset.name().to_owned(), preset.summary().to_owned());
         to_js(&Named { name: title.clone(), title, summary })
     };
-    PresetChoice::ALL.iter().map(named).collect()
+    PRESETS.iter().map(named).collect()
 }
 
 /// Makes a renderer that draws on a canvas: an element, or one without for workers.

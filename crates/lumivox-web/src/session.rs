@@ -2,6 +2,7 @@
 
 use glam::UVec2;
 use lumivox_console::Console;
+use lumivox_explorer::parameters::{PRESETS, find_preset};
 use lumivox_explorer::{Explorer, ExposureMeter, Pacing};
 use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings, View};
 use lumivox_scene::Picker;
@@ -133,8 +134,8 @@ impl Session {
     /// # Errors
     /// As [`Self::set`].
     pub async fn set_preset(&mut self, name: &str, listener: &Listener) -> Result<(), WebError> {
-        let Some(preset) = PresetChoice::named(name) else {
-            let known: Vec<&str> = PresetChoice::ALL.iter().map(|preset| preset.name()).collect();
+        let Some(preset) = find_preset(name) else {
+            let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name()).collect();
             return Err(WebError::value(format!(
                 "there is no preset \"{name}\"; there are {}",
                 known.join(", ")

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use glam::Vec3;
+use lumivox_explorer::parameters::{Kind, PARAMETERS, Parameter, Value, find_parameter};
 use lumivox_explorer::suggest;
 use lumivox_render::RenderSettings;
-use lumivox_render::parameters::{Kind, PARAMETERS, Parameter, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::error::WebError;
@@ -110,7 +110,7 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
 
 /// The parameter of a name.
 fn find(name: &str) -> Result<&'static Parameter, WebError> {
-    Parameter::find(name).ok_or_else(|| {
+    find_parameter(name).ok_or_else(|| {
         let known = PARAMETERS.iter().flat_map(Parameter::names);
         let remedy = suggest::remedy(name, known, "parameters()");
         WebError::value(format!("there is no setting \"{name}\"{remedy}"))

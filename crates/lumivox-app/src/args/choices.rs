@@ -3,6 +3,7 @@
 use clap::builder::TypedValueParser;
 use lumivox::Preset;
 use lumivox_console::values::choices::among;
+use lumivox_explorer::parameters::PRESETS;
 use lumivox_render::PresetChoice;
 
 /// The presets whose pictures are measured in physical units.
@@ -20,5 +21,5 @@ pub fn physical_preset() -> impl TypedValueParser<Value = PresetChoice> {
 
 /// A preset of the cones, or a look.
 pub fn preset_or_look() -> impl TypedValueParser<Value = PresetChoice> {
-    among(&PresetChoice::ALL, |choice| (choice.name(), choice.summary()))
+    among(PRESETS, |choice| (choice.name(), choice.summary()))
 }

@@ -1,4 +1,4 @@
-//! Options for settings, made from the one table of them (`lumivox_render::parameters`).
+//! Options for settings, made from the one table of them (`lumivox_explorer::parameters`).
 //!
 //! A setting is an option of its name, with `-` for `_`. A switch that is off by default is given by the option itself, any
 //! other with a value; shorthands are options without one. The settings of VXCT's look are given as `--vxct NAME=VALUE`.
@@ -9,8 +9,8 @@ use std::marker::PhantomData;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use lumivox_explorer::parameters::{Group, Kind, PARAMETERS, PRESETS, Parameter, Value};
 use lumivox_render::PresetChoice;
-use lumivox_render::parameters::{Group, Kind, PARAMETERS, Parameter, Value};
 
 use super::Refused;
 
@@ -49,8 +49,11 @@ impl Groups for Light {
 }
 
 impl Groups for Cones {
-    const GROUPS: &'static [Group] = &[Group::Cones, Group::Vxct];
+    const GROUPS: &'static [Group] = &[Group::Cones, OF_VXCT];
 }
+
+/// The group of VXCT's look.
+const OF_VXCT: Group = Group::Look("vxct");
 
 /// The options of some groups.
 #[derive(Clone, Debug)]
@@ -97,7 +100,7 @@ impl<G: Groups> FromArgMatches for SettingArgs<G> {
                 }
             }
         }
-        if G::GROUPS.contains(&Group::Vxct) {
+        if G::GROUPS.contains(&OF_VXCT) {
             given.extend(matches.get_many::<Given>("vxct").into_iter().flatten().copied());
         }
         Ok(Self { given, groups: PhantomData })
@@ -121,7 +124,7 @@ fn options(parameter: &'static Parameter) -> Vec<Arg> {
         Group::Overlay => "Overlay",
         Group::Volume => "Voxels",
         Group::Light => "Light",
-        Group::Cones | Group::Vxct => "Cones",
+        Group::Cones | Group::Look(_) => "Cones",
     };
     let names = [parameter.name].into_iter().chain(parameter.shorthands.iter().map(|(n, _)| *n));
     let names: Vec<&str> = names.collect();
@@ -204,7 +207,7 @@ fn short_help(parameter: &'static Parameter) -> String {
 fn defaults(parameter: &Parameter) -> String {
     let usual = parameter.default(PresetChoice::default());
     let mut others: Vec<(Value, Vec<&str>)> = Vec::new();
-    for preset in PresetChoice::ALL {
+    for preset in PRESETS.iter().copied() {
         let value = parameter.default(preset);
         if value == usual {
             continue;
@@ -297,6 +300,7 @@ fn number(parameter: &Parameter, text: &str) -> Result<Value, Refused> {
 #[cfg(test)]
 mod tests {
     use clap::{CommandFactory, Parser};
+    use lumivox_explorer::parameters::find_parameter;
 
     use super::*;
 
@@ -361,7 +365,7 @@ mod tests {
 
     #[test]
     fn numbers_out_of_range_are_told_from_what_is_not_a_number() {
-        let refused = |name, text| number(Parameter::find(name).unwrap(), text).unwrap_err();
+        let refused = |name, text| number(find_parameter(name).unwrap(), text).unwrap_err();
         for (name, text) in
             [("frames", "-1"), ("exposure", "nan"), ("resolution", "130"), ("grid_offset", "0,1,0")]
         {

@@ -2,9 +2,9 @@ use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use glam::{UVec2, Vec3};
 use lumivox::{Directionality, OctreeOptions, VolumeKind};
 use lumivox_render::{
-    Exposure, Look, Overlay, RenderSettings, ShadowMethod, ToneMap, View, VxctSettings, Wireframe,
-    Wires,
+    Exposure, Overlay, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires,
 };
+use lumivox_vxct::VxctSettings;
 
 use super::*;
 use crate::Exit;
@@ -245,7 +245,7 @@ fn the_look_of_vxct_brings_its_companions() {
         args
     };
     let look = RenderSettings {
-        look: Look::Vxct(VxctSettings::for_resolution(256)),
+        look: Some(std::sync::Arc::new(VxctSettings::for_resolution(256))),
         resolution: 256,
         directionality: Directionality::Isotropic,
         bounces: 1,
@@ -272,7 +272,7 @@ fn the_look_of_vxct_brings_its_companions() {
         expose_for_look(&mut settings, &args.given(), scene);
         (settings.exposure, settings.tone_map)
     };
-    let display = lumivox_render::vxct_display(&scene);
+    let display = lumivox_vxct::vxct_display(&scene);
     assert_ne!(display.exposure, Exposure::Stops(0.0));
     assert_eq!(shown("", &scene), (display.exposure, ToneMap::Linear));
     assert_eq!(

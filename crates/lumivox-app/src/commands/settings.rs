@@ -2,8 +2,8 @@
 
 use glam::UVec2;
 use lumivox_console::Failure;
-use lumivox_render::parameters::{PARAMETERS, Parameter, Value};
-use lumivox_render::{Look, PresetChoice, RenderSettings, vxct_display};
+use lumivox_explorer::parameters::{PARAMETERS, Parameter, Value};
+use lumivox_render::{PresetChoice, RenderSettings};
 use lumivox_scene::Scene;
 use serde::{Serialize as _, Serializer};
 use serde_json::{Map, json};
@@ -27,15 +27,14 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
     take(&mut settings);
     settings = RenderSettings { resolution: settings.resolution, ..physical };
     settings = settings.with_preset(preset, None);
-    let look = settings.look;
+    let look = settings.look_name();
     take(&mut settings);
     let option = |parameter: &Parameter| match parameter.needs {
         Some(("look", _)) => format!("--vxct {}", parameter.name),
         _ => format!("--{}", parameter.name.replace('_', "-")),
     };
     for (parameter, value) in given {
-        let is_of_other_look = parameter.needs == Some(("look", "vxct")) && look == Look::Physical;
-        if is_of_other_look {
+        if matches!(parameter.needs, Some(("look", needed)) if needed != look) {
             let option = option(parameter);
             return Err(Failure::input(format!(
                 "{option}: it belongs to the look vxct; give --preset vxct with it"
@@ -71,18 +70,17 @@ pub fn gives(given: &[Given], name: &str) -> bool {
     given.iter().any(|(parameter, _)| parameter.name == name)
 }
 
-/// Where the look of VXCT shows a scene in physical units, its white and its curve are the scene's, unless the
-/// command line says otherwise.
+/// In a look exposure and curve are those that it has for the scene, unless the command line says otherwise.
 pub fn expose_for_look(settings: &mut RenderSettings, given: &[Given], scene: &Scene) {
-    if settings.look == Look::Physical {
+    let Some((exposure, tone_map)) = settings.look.as_ref().map(|look| look.display(Some(scene)))
+    else {
         return;
-    }
-    let display = vxct_display(scene);
+    };
     if !gives(given, "exposure") {
-        settings.exposure = display.exposure;
+        settings.exposure = exposure;
     }
     if !gives(given, "tone_map") {
-        settings.tone_map = display.tone_map;
+        settings.tone_map = tone_map;
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use egui::{CentralPanel, Frame, Panel, TextureId, Ui};
 use glam::{UVec2, Vec2};
 use lumivox_explorer::REST;
-use lumivox_render::parameters::{Parameter, Value};
+use lumivox_explorer::parameters::{Parameter, Value};
 use lumivox_scene::Camera;
 
 use super::config::Config;

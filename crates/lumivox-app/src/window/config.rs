@@ -1,15 +1,15 @@
 //! What is kept between runs: the last settings, recent scenes, the window's size and panels.
 //!
 //! It is a JSON file in the user's folder for configuration (`lumivox/window.json`; on Linux below `$XDG_CONFIG_HOME`
-//! or `~/.config`). Settings are kept by their names in [`lumivox_render::parameters`], so that a file of another
+//! or `~/.config`). Settings are kept by their names in [`lumivox_explorer::parameters`], so that a file of another
 //! version loses what that version does not have and nothing else.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use lumivox_explorer::Explorer;
+use lumivox_explorer::parameters::{PARAMETERS, Parameter, find_parameter, find_preset};
 use lumivox_render::PresetChoice;
-use lumivox_render::parameters::{PARAMETERS, Parameter};
 use serde::{Deserialize, Serialize};
 
 use crate::args::settings::Given;
@@ -148,12 +148,12 @@ impl Config {
         let old = (explorer.settings().clone(), explorer.preset());
         let mut settings = old.0.clone();
         let preset = self.preset.as_deref();
-        let preset = preset.and_then(PresetChoice::named);
+        let preset = preset.and_then(find_preset);
         if let Some(preset) = preset {
             settings = settings.with_preset(preset, None);
         }
         for (name, text) in &self.settings {
-            let Some(parameter) = Parameter::find(name) else { continue };
+            let Some(parameter) = find_parameter(name) else { continue };
             let value = parameter.parse(text);
             let set = value.and_then(|value| parameter.set(&mut settings, value));
             if let Err(error) = set {
@@ -189,7 +189,7 @@ impl Config {
         self.settings =
             kept.map(|p| (p.name.to_owned(), p.get(&model.settings).to_string())).collect();
         for (name, value) in &self.once.values {
-            let now = Parameter::find(name).map(|p| p.get(&model.settings).to_string());
+            let now = find_parameter(name).map(|p| p.get(&model.settings).to_string());
             if now.as_ref() != Some(value) {
                 continue;
             }

@@ -5,7 +5,7 @@ use std::sync::mpsc::Sender;
 
 use glam::UVec2;
 use lumivox_console::LineInfo;
-use lumivox_render::parameters::Value;
+use lumivox_explorer::parameters::Value;
 
 use super::lines::{Line, Origin};
 use super::orders::{Order, Published, Shared};

@@ -2,7 +2,8 @@
 //!
 //! All its other switches and numbers are settings of the look `vxct`, and commands by their names.
 
-use lumivox_render::{Look, RenderSettings, ShadowMethod, View, VxctSettings};
+use lumivox_explorer::parameters::{Value, find_parameter};
+use lumivox_render::{RenderSettings, ShadowMethod, View};
 
 use crate::arguments::{on_or_off, toggled};
 use crate::command::Run::Now;
@@ -108,12 +109,9 @@ pub const TABLE: &[Command] = &[
     ),
 ];
 
-fn vxct_of(settings: &mut RenderSettings) -> Option<&mut VxctSettings> {
-    if let Look::Vxct(vxct) = &mut settings.look { Some(vxct) } else { None }
-}
-
-fn is_vxct(console: &Console) -> bool {
-    matches!(console.explorer.settings().look, Look::Vxct(_))
+/// Whether the look is VXCT's.
+pub fn is_vxct(console: &Console) -> bool {
+    console.explorer.settings().look_name() == "vxct"
 }
 
 fn phong(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
@@ -165,15 +163,19 @@ fn shadows(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(format!("vox_shadows {}: shadows {how}", on_or_off(is_on))))
 }
 
-/// Shows a part of light. `on` is what VXCT's switches become: phong, diffuse, specular, shadows.
+/// VXCT's switches of the components of light.
+const SWITCHES: [&str; 4] = ["phong", "vox_diffuse", "vox_specular", "vox_shadows"];
+
+/// Shows a part of light. `on` is what [`SWITCHES`] become.
 fn only(console: &mut Console, view: View, on: [bool; 4]) -> anyhow::Result<Reply> {
     if !is_vxct(console) {
         super::view::show(console, view)?;
         return Ok(Reply::default());
     }
     console.change(|settings| {
-        if let Some(vxct) = vxct_of(settings) {
-            [vxct.phong, vxct.diffuse, vxct.specular, vxct.shadows] = on;
+        for (name, is_on) in SWITCHES.into_iter().zip(on) {
+            let switch = find_parameter(name);
+            let _ = switch.map(|switch| switch.set(settings, Value::Switch(is_on)));
         }
     })?;
     super::view::show(console, View::Final)?;

@@ -1,7 +1,9 @@
 //! Settings by their names.
 
-use lumivox_render::parameters::{Group as Of, Kind, PARAMETERS, Parameter, Value};
-use lumivox_render::{PresetChoice, RenderSettings};
+use lumivox_explorer::parameters::{
+    GROUPS, Kind, PARAMETERS, PRESETS, Parameter, Value, find_parameter, find_preset,
+};
+use lumivox_render::RenderSettings;
 
 use crate::arguments::{choice, in_words, on_or_off, refused, toggled};
 use crate::command::Run::Now;
@@ -15,7 +17,7 @@ pub const TABLE: &[Command] = &[
         group: Group::Program,
         usage: "[GROUP]",
         count: (0, 1),
-        takes: &[Takes::Word(&GROUPS)],
+        takes: &[Takes::Word(&GROUP_NAMES)],
         summary: "List the settings with their values and ranges",
         details: "Each setting is a command, too: its name alone prints it, with a value it is set; switches of the look vxct toggle \
                   without one.",
@@ -40,7 +42,7 @@ pub const TABLE: &[Command] = &[
         group: Group::Look,
         usage: "[NAME]",
         count: (0, 1),
-        takes: &[Takes::Word(&PRESETS)],
+        takes: &[Takes::Word(&PRESET_NAMES)],
         summary: "Take the settings of a preset, or print its name",
         details: "As `--preset` of the command line, with what it brings along; picture, view and resolution stay.",
         example: "preset high",
@@ -49,21 +51,21 @@ pub const TABLE: &[Command] = &[
     },
 ];
 
-const GROUPS: [&str; Of::ALL.len()] = {
-    let mut names = [""; Of::ALL.len()];
+const GROUP_NAMES: [&str; GROUPS.len()] = {
+    let mut names = [""; GROUPS.len()];
     let mut index = 0;
     while index < names.len() {
-        names[index] = Of::ALL[index].name();
+        names[index] = GROUPS[index].name();
         index += 1;
     }
     names
 };
 
-const PRESETS: [&str; PresetChoice::ALL.len()] = {
-    let mut names = [""; PresetChoice::ALL.len()];
+const PRESET_NAMES: [&str; PRESETS.len()] = {
+    let mut names = [""; PRESETS.len()];
     let mut index = 0;
     while index < names.len() {
-        names[index] = PresetChoice::ALL[index].name();
+        names[index] = PRESETS[index].name();
         index += 1;
     }
     names
@@ -71,7 +73,7 @@ const PRESETS: [&str; PresetChoice::ALL.len()] = {
 
 /// `SETTING [VALUE]`: prints or sets it.
 pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Result<Reply> {
-    let Some(parameter) = Parameter::find(name) else { return Err(unknown(name).into()) };
+    let Some(parameter) = find_parameter(name) else { return Err(unknown(name).into()) };
     let settings = console.explorer.settings();
     let name = parameter.name;
     let is_of_look = parameter.needs.is_some_and(|(needed, _)| needed == "look");
@@ -140,7 +142,8 @@ fn unknown(name: &str) -> Failure {
 
 /// `parameters [GROUP]`
 fn list(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    let group = arguments.first().map(|name| choice(name, "the group", &GROUPS)).transpose()?;
+    let group =
+        arguments.first().map(|name| choice(name, "the group", &GROUP_NAMES)).transpose()?;
     let mut table = Table::left(&["setting", "value", "is"]);
     for parameter in PARAMETERS.iter() {
         if group.is_none_or(|group| group == parameter.group.name()) {
@@ -179,7 +182,7 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             Ok(Reply::default())
         }
         [name, ..] => {
-            let Some(parameter) = Parameter::find(name) else {
+            let Some(parameter) = find_parameter(name) else {
                 let known = PARAMETERS.iter().flat_map(Parameter::names).chain(["all"]);
                 let remedy = suggest::remedy(name, known, "parameters");
                 return Err(
@@ -205,7 +208,7 @@ fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettin
 
 /// Takes all parameters of other settings.
 fn set_all(settings: &mut RenderSettings, from: &RenderSettings) {
-    (settings.volume, settings.look) = (from.volume, from.look);
+    (settings.volume, settings.look) = (from.volume, from.look.clone());
     for parameter in PARAMETERS.iter() {
         if is_free(parameter, settings, from) {
             let _ = parameter.set(settings, parameter.get(from));
@@ -218,10 +221,10 @@ fn preset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(name) = arguments.first() else {
         return Ok(Reply::say(format!("preset {}", console.explorer.preset().name())));
     };
-    let preset = PresetChoice::named(name);
+    let preset = find_preset(name);
     let Some(preset) = preset else {
-        let like = suggest::remedy(name, PRESETS, "help preset");
-        let known = in_words(&PRESETS);
+        let like = suggest::remedy(name, PRESET_NAMES, "help preset");
+        let known = in_words(&PRESET_NAMES);
         return Err(Failure::input(format!("a preset is {known}; got \"{name}\"{like}")).into());
     };
     console.set(console.explorer.settings_of(preset), preset)?;

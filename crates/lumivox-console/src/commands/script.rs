@@ -1,8 +1,7 @@
 //! The commands that lead to the present picture.
 
 use lumivox_explorer::Revoxelize;
-use lumivox_render::Look;
-use lumivox_render::parameters::Parameter;
+use lumivox_explorer::parameters::{Parameter, find_parameter};
 use lumivox_scene::{Light, Scene};
 
 use super::{animation, camera, files, lights, materials, objects, parameters, voxels};
@@ -45,9 +44,9 @@ fn lines(console: &Console) -> Vec<String> {
     let (Some(scene), Some(opening)) = (explorer.scene(), console.opening()) else { return lines };
     let aspect = settings.size.x as f32 / settings.size.y as f32;
     lines.push(format!("load {}", files::line(opening, Some(aspect))));
-    if settings.look != Look::Physical {
+    if settings.look.is_some() {
         // A scene that is opened is exposed for the look.
-        let shown = ["exposure", "tone_map"].into_iter().filter_map(Parameter::find);
+        let shown = ["exposure", "tone_map"].into_iter().filter_map(find_parameter);
         lines.extend(shown.map(line));
     }
     if let Some(bounds) = settings.grid_bounds.filter(|box_| scene.grid_bounds != Some(*box_)) {

@@ -1,7 +1,7 @@
 //! The content of the picture: surfaces, voxels, wires.
 
-use lumivox_render::parameters::Parameter;
-use lumivox_render::{Look, Overlay, View, Wireframe};
+use lumivox_explorer::parameters::{Value, find_parameter};
+use lumivox_render::{Overlay, View, Wireframe};
 
 use crate::arguments::{on_or_off, toggled};
 use crate::command::Run::Now;
@@ -115,7 +115,7 @@ pub const TABLE: &[Command] = &[
         summary: "List what the setting `view` can show",
         example: "views",
         run: Now(|_, _| {
-            let kind = Parameter::find("view").map(|parameter| parameter.kind.in_words());
+            let kind = find_parameter("view").map(|parameter| parameter.kind.in_words());
             Ok(Reply::say(format!("view is {}", kind.unwrap_or_default())))
         }),
         ..VIEW
@@ -243,16 +243,15 @@ fn flip_objects(
 }
 
 fn indirect(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    let was_on = match &console.explorer.settings().look {
-        Look::Vxct(vxct) => vxct.indirect_light,
-        Look::Physical => base(console) != View::Direct,
+    let of_look = find_parameter("indirect_light").filter(|_| super::look::is_vxct(console));
+    let was_on = match of_look {
+        Some(parameter) => parameter.get(console.explorer.settings()).is_on(),
+        None => base(console) != View::Direct,
     };
     let is_on = toggled(arguments, "iLight", was_on)?;
-    if console.explorer.settings().vxct().is_some() {
+    if let Some(parameter) = of_look {
         console.change(|settings| {
-            if let Look::Vxct(vxct) = &mut settings.look {
-                vxct.indirect_light = is_on;
-            }
+            let _ = parameter.set(settings, Value::Switch(is_on));
         })?;
     } else if is_on != was_on {
         show(console, if is_on { View::Final } else { View::Direct })?;

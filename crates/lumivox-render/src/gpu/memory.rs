@@ -10,7 +10,8 @@ pub struct MemoryUse {
 }
 
 impl MemoryUse {
-    pub(crate) fn new(name: &str, bytes: u64) -> Self {
+    /// A thing by its name.
+    pub fn new(name: &str, bytes: u64) -> Self {
         Self { name: name.to_owned(), bytes }
     }
 }

@@ -17,7 +17,7 @@ use crate::passes::direct::DirectTargets;
 use crate::passes::gbuffer::GBufferTargets;
 
 /// Format of pictures before tone mapping: full floats, so that the mean over frames is exact.
-pub(crate) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// Of the one number a pixel that can be read and written in place on every device.
 const ILLUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;

@@ -38,7 +38,7 @@ use crate::passes::raster::{self, RasterPipeline};
 use crate::scene::{Attributes, GpuMaterial, GpuScene, SceneDraw};
 
 /// That of the normals.
-pub(crate) const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+pub const NORMALS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Formats of the colour targets, in the order of their locations.
 const FORMATS: [wgpu::TextureFormat; 4] = [

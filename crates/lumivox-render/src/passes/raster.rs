@@ -7,7 +7,8 @@ use lumivox::gpu::{Pipelines, RenderPass, ShaderError, TextureView};
 
 use crate::scene::{AllAttributes, Attributes, SceneDraw, Shading, VertexBuffers};
 
-pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// The format of depths.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
 const TEXCOORD: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x2];

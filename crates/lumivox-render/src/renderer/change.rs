@@ -16,9 +16,10 @@ use super::prepare::{
     bind_lights, compile, environment_map, global_illumination, upload, voxelize,
 };
 use super::{Progress, Renderer, validate, validate_level};
+use crate::look::{LookChoice, LookScene};
 use crate::parameters::{PARAMETERS, Redoes};
 use crate::scene::{Lighting, radiance_unit_within};
-use crate::{Exposure, Look, RenderError, RenderSettings, View};
+use crate::{Exposure, RenderError, RenderSettings, View};
 
 /// What a change of settings asks for, the more costly things first.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that is redone.
@@ -46,9 +47,9 @@ impl Redo {
         let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;
         let light = volume
             || changed.contains(&Redoes::Light)
-            || (old.shows_vxct() && !new.shows_vxct())
+            || (old.shown_look().is_some() && new.shown_look().is_none())
             || old.voxel_bounces() != new.voxel_bounces();
-        let mean = targets || light || changed.contains(&Redoes::Frames);
+        let mean = targets || light || changed.contains(&Redoes::Frames) || old.look != new.look;
         Self { volume, targets, light, mean }
     }
 }
@@ -87,7 +88,8 @@ impl Renderer {
             (self.gi, self.passes, self.targets) = (gi, passes, targets);
             self.grid_bounds = bounds;
             self.scene.bounds = bounds.union(self.shown_bounds);
-            self.vxct.relink(bounds);
+            // It was linked against the volume's library.
+            self.look = None;
             progress(Progress { stage: "voxelize", done: 1, total: 1 });
         } else {
             if redo.targets {
@@ -99,9 +101,9 @@ impl Renderer {
             }
             compile(&self.gpu, progress).await?;
         }
-        self.settings = settings;
+        let was = std::mem::replace(&mut self.settings, settings);
         self.gi.set_cone_values(self.settings.report_cones.values());
-        self.drop_unused_look();
+        self.drop_look_of(&was);
         if let Some(pass) = self.targets.overlay.take_if(|_| !self.settings.overlay.is_on()) {
             self.targets.bytes -= pass.bytes;
         }
@@ -209,7 +211,9 @@ impl Renderer {
             self.targets = passes.targets(gpu, gi, scene, settings).await?;
         }
         compile(&self.gpu, progress).await?;
-        self.vxct.set_scene(scene, self.grid_bounds);
+        self.look_scene = LookScene::of(scene);
+        // The layout of materials may be another one, too.
+        self.look = None;
         self.set_scene(scene, progress).await
     }
 
@@ -279,8 +283,9 @@ impl Renderer {
         validate_level(&settings, self.gi.grid())?;
         settings.validate(&self.gpu.device.limits())?;
         let was = std::mem::replace(&mut self.settings, settings);
-        let was_lit = !was.shows_vxct() && was.voxel_bounces() == self.settings.voxel_bounces();
-        if !self.settings.shows_vxct() && !was_lit {
+        let was_lit =
+            was.shown_look().is_none() && was.voxel_bounces() == self.settings.voxel_bounces();
+        if self.settings.shown_look().is_none() && !was_lit {
             self.light_voxels()?;
         }
         self.targets.accumulate.reset();
@@ -292,22 +297,26 @@ impl Renderer {
     ///
     /// # Errors
     /// [`RenderError::Setting`] when a value is out of range, and when the device fails.
-    pub fn set_look(&mut self, look: Look) -> Result<(), RenderError> {
-        look.validate()?;
-        let was = std::mem::replace(&mut self.settings.look, look);
-        self.drop_unused_look();
-        if !self.settings.shows_vxct() && was != Look::Physical {
+    pub fn set_look(&mut self, look: LookChoice) -> Result<(), RenderError> {
+        if let Some(look) = &look {
+            look.validate()?;
+        }
+        let settings = RenderSettings { look, ..self.settings.clone() };
+        let was = std::mem::replace(&mut self.settings, settings);
+        self.drop_look_of(&was);
+        if self.settings.shown_look().is_none() && was.look.is_some() {
             self.light_voxels()?;
         }
         self.targets.accumulate.reset();
         Ok(())
     }
 
-    /// Gives back what belongs to a look that is no longer shown.
-    fn drop_unused_look(&mut self) {
-        if !matches!(self.settings.look, Look::Vxct(_)) {
-            self.vxct.unlink();
-        } else if self.settings.shows_vxct() {
+    /// Gives back what belongs to the look of former settings, unless it is still asked for.
+    fn drop_look_of(&mut self, was: &RenderSettings) {
+        if was.look_name() != self.settings.look_name() {
+            self.look = None;
+        }
+        if self.settings.shown_look().is_some() {
             // What the volume holds will be out of date.
             self.gi.forget_light();
         }
@@ -331,7 +340,9 @@ impl Renderer {
     fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene)?;
-        self.vxct.set_pose();
+        if let Some(look) = &mut self.look {
+            look.set_scene(&self.look_scene);
+        }
         self.take_places(scene)
     }
 
@@ -355,7 +366,10 @@ impl Renderer {
         let is_new = lighting.lights != self.lighting.lights;
         self.lighting = lighting;
         if is_new {
-            self.vxct.set_lights(scene);
+            self.look_scene = LookScene::of(scene);
+            if let Some(look) = &mut self.look {
+                look.set_scene(&self.look_scene);
+            }
         }
         Ok(())
     }
@@ -384,9 +398,11 @@ impl Renderer {
         progress(Progress { stage: "light", done: 0, total: 1 });
         let mut recorder = self.recorder();
         self.bind_lights(&mut recorder);
-        let Self { gpu, settings, gi, vxct, .. } = self;
-        vxct.revoxelize();
-        if !settings.shows_vxct() {
+        let Self { gpu, settings, gi, look, .. } = self;
+        if let Some(look) = look {
+            look.relight();
+        }
+        if settings.shown_look().is_none() {
             recorder.stage("light");
             gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
         }

@@ -16,10 +16,10 @@ use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
 use crate::gpu::times::Times;
+use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
 use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
 use crate::scene::{GpuScene, Lighting, radiance_unit_within};
-use crate::vxct::{VxctFrame, VxctLook};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
 use passes::Passes;
 pub use photometry::Photometry;
@@ -59,7 +59,10 @@ pub struct Renderer {
     voxels_are_stale: bool,
     passes: Passes,
     targets: Targets,
-    vxct: VxctLook,
+    /// What looks are given of the scene.
+    look_scene: LookScene,
+    /// Those of the look that the settings name, once it has drawn.
+    look: Option<Box<dyn LookPasses>>,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
     times: Times,
@@ -96,7 +99,7 @@ impl Renderer {
         progress(Progress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
-        let mut vxct = VxctLook::new(scene, bounds);
+        let look_scene = LookScene::of(scene);
         let given = scene;
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         let shown_bounds = scene.bounds;
@@ -107,8 +110,12 @@ impl Renderer {
         let passes = Passes::new(gpu, &gi, &scene, &settings)?;
         let targets = passes.targets(gpu, &gi, &scene, &settings).await?;
         gpu.check("making the picture's textures")?;
-        if settings.shows_vxct() {
-            vxct.prepare(gpu, &passes.shaders, &gi, &scene, settings.resolution)?;
+        let mut look = None;
+        if let Some(shown) = settings.shown_look() {
+            let resolution = settings.resolution;
+            let parts =
+                LookParts { gpu, shaders: &passes.shaders, gi: &gi, scene: &scene, resolution };
+            look.insert(shown.passes(&look_scene, bounds)).prepare(&parts)?;
         }
         compile(gpu, progress).await?;
 
@@ -131,14 +138,14 @@ impl Renderer {
             &gi,
             &settings,
         );
-        if settings.timing != Timing::Off && !settings.shows_vxct() {
+        if settings.timing != Timing::Off && settings.shown_look().is_none() {
             // Drivers compile a kernel at its first use, which is no part of a stage's time.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
             gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
             gi.forget_light();
         }
-        if !settings.shows_vxct() {
+        if settings.shown_look().is_none() {
             recorder.stage("light");
             gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
         }
@@ -162,7 +169,8 @@ impl Renderer {
             voxels_are_stale: false,
             passes,
             targets,
-            vxct,
+            look_scene,
+            look,
             environment: map,
             shadow_bytes,
             times,
@@ -247,8 +255,8 @@ impl Renderer {
 
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
-        if settings.shows_vxct() {
-            self.record_vxct(&mut recorder, &view);
+        if settings.shown_look().is_some() {
+            self.record_look(&mut recorder, &view);
         } else if settings.view.is_of_voxels() {
             recorder.stage("voxel view");
             targets.voxel_view.record(
@@ -293,21 +301,36 @@ impl Renderer {
         self.gpu.check("rendering a frame")
     }
 
-    /// Makes a picture in the look of VXCT, and the depths and normals of what it shows.
-    fn record_vxct(&mut self, recorder: &mut Recorder, view: &lumivox::View) {
-        let Self { gpu, settings, scene, lights, targets, vxct, .. } = self;
-        let Some(look) = settings.vxct() else { return };
-        let (shown, level) = (settings.view, settings.voxel_level);
-        let gbuffer = &targets.gbuffer;
-        let frame = VxctFrame { scene, lights, gbuffer, targets, view, shown, level };
-        vxct.record(gpu, recorder, &frame, look);
+    /// Makes a picture in the look, and the depths and normals of what it shows.
+    fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::View) {
+        let Self { gpu, settings, scene, lights, targets, look: Some(passes), .. } = self else {
+            return;
+        };
+        let Some(look) = settings.shown_look() else { return };
+        let frame = LookFrame {
+            look,
+            scene,
+            lights,
+            gbuffer: &targets.gbuffer,
+            view,
+            shown: settings.view,
+            level: settings.voxel_level,
+            picture: &targets.composite.picture,
+            depth: &targets.gbuffer_textures.depth,
+            normals: &targets.gbuffer_textures.normals,
+        };
+        passes.record(gpu, recorder, &frame);
     }
 
     /// Compiles what the view and the look need and no frame before did.
     async fn prepare_view(&mut self) -> Result<(), RenderError> {
-        let Self { gpu, settings, scene, gi, passes, targets, vxct, .. } = self;
-        if settings.shows_vxct() {
-            vxct.prepare(gpu, &passes.shaders, gi, scene, settings.resolution)?;
+        let Self {
+            gpu, settings, scene, gi, passes, targets, look, look_scene, grid_bounds, ..
+        } = self;
+        if let Some(shown) = settings.shown_look() {
+            let resolution = settings.resolution;
+            let parts = LookParts { gpu, shaders: &passes.shaders, gi, scene, resolution };
+            look.get_or_insert_with(|| shown.passes(look_scene, *grid_bounds)).prepare(&parts)?;
         } else if settings.view.is_of_voxels() || settings.view == View::Lod {
             targets.voxel_view.prepare(gi, settings.view)?;
         }
@@ -370,7 +393,7 @@ impl Renderer {
         memory.push(MemoryUse::new("environment", environment_bytes));
         let gi = self.gi.memory();
         memory.extend(gi.into_iter().map(|(name, bytes)| MemoryUse::new(name, bytes)));
-        memory.extend(self.vxct.memory());
+        memory.extend(self.look.iter().flat_map(|look| look.memory()));
         memory.push(MemoryUse::new("picture", self.targets.bytes));
         memory
     }

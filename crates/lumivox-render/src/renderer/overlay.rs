@@ -104,9 +104,9 @@ impl Renderer {
     }
 
     fn record_surfaces(&mut self, recorder: &mut Recorder, view: (&View, Vec2)) {
-        if self.settings.shows_vxct() && !self.settings.view.is_of_voxels() {
+        if self.settings.shown_look().is_some() && !self.settings.view.is_of_voxels() {
             // It sees other sides of them. The picture's mean has no part in it.
-            self.record_vxct(recorder, view.0);
+            self.record_look(recorder, view.0);
             return;
         }
         recorder.stage("G-buffer");

@@ -5,7 +5,7 @@ use glam::UVec2;
 use super::Renderer;
 use crate::gpu::readback::read_texel;
 use crate::picture::tone_map::luminance;
-use crate::{Look, RenderError, View};
+use crate::{RenderError, View};
 
 /// The light of a pixel, as meters measure it: the mean over the frames so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ impl Renderer {
         let unit = self.scene.radiance_unit;
         let [r, g, b, _]: [f32; 4] = read_texel(gpu, targets.accumulate.mean(), pixel).await?;
         let luminance_cd_m2 = luminance([r, g, b]) as f32 * unit;
-        let is_known = settings.view == View::Final && settings.look == Look::Physical;
+        let is_known = settings.view == View::Final && settings.look.is_none();
         let illuminance_lux = if is_known {
             let texel: f32 = read_texel(gpu, &targets.composite.illuminance, pixel).await?;
             (texel >= 0.0).then_some(texel * unit)

@@ -26,19 +26,23 @@ impl DrawRecord {
 
 /// A run of triangles with one material and one transform.
 #[derive(Clone, Debug)]
-pub(crate) struct SceneDraw {
-    pub(crate) batch: usize,
-    pub(crate) indices: Range<u32>,
-    pub(crate) base_vertex: i32,
-    pub(crate) material: usize,
+pub struct SceneDraw {
+    /// In [`GpuScene::batches`](super::GpuScene::batches).
+    pub batch: usize,
+    /// In the batch's buffer of indices.
+    pub indices: Range<u32>,
+    /// The vertex that an index of 0 means.
+    pub base_vertex: i32,
+    /// In [`GpuScene::materials`](super::GpuScene::materials).
+    pub material: usize,
     /// In the world.
-    pub(crate) bounds: Bounds,
+    pub bounds: Bounds,
     /// Whether the voxels have it.
-    pub(crate) is_voxelized: bool,
+    pub is_voxelized: bool,
     /// Whether its transform turns the winding of triangles round.
-    pub(crate) is_mirrored: bool,
+    pub is_mirrored: bool,
     /// The place of its transform in `draw_records`, and what shaders know it by.
-    pub(crate) record: u32,
+    pub record: u32,
 }
 
 /// Where the parts of an instance are.

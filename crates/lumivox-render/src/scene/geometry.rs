@@ -23,7 +23,7 @@ pub(crate) struct Shading {
 
 /// Which attributes the vertices of a batch have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) enum Attributes {
+pub enum Attributes {
     /// One set of texture coordinates.
     #[default]
     Texcoords,

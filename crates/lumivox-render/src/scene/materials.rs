@@ -16,9 +16,9 @@ use crate::Gpu;
 
 /// A material as the passes that rasterize need it.
 #[derive(Debug)]
-pub(crate) struct GpuMaterial {
+pub struct GpuMaterial {
     /// Group 1 of those passes.
-    pub(crate) group: BindGroup,
+    pub group: BindGroup,
     /// The numbers in it, a [`MaterialRecord`].
     uniform: Buffer,
     /// What its textures were uploaded for.
@@ -26,7 +26,7 @@ pub(crate) struct GpuMaterial {
     /// Where the surface is there.
     pub(crate) presence: Presence,
     /// Whether it is seen from behind.
-    pub(crate) is_double_sided: bool,
+    pub is_double_sided: bool,
     /// Whether it needs the fragment shader that knows all layers.
     pub(crate) is_layered: bool,
     /// Whether light that passes it may change its colour.

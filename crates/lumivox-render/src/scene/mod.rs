@@ -20,14 +20,17 @@ use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
 use lumivox_scene::{Bounds, InstanceBounds, Scene};
 use wgpu::util::DeviceExt as _;
 
-pub(crate) use draws::{DrawRecord, SceneDraw};
-pub(crate) use geometry::{AllAttributes, Attributes, Shading, VERTEX_BYTES};
+pub(crate) use draws::DrawRecord;
+pub use draws::SceneDraw;
+pub use geometry::Attributes;
+pub(crate) use geometry::{AllAttributes, Shading, VERTEX_BYTES};
 pub use lights::Lighting;
 #[cfg(test)]
 pub(crate) use material_record::TexturePlace;
 pub(crate) use material_record::{MaterialRecord, TEXTURE_COUNT, has_sheen, is_layered};
 pub(crate) use material_record::{record as material_record, textures as material_textures};
-pub(crate) use materials::{GpuMaterial, Presence, material_layout};
+pub use materials::GpuMaterial;
+pub(crate) use materials::{Presence, material_layout};
 pub(crate) use mips::{Alpha, Encoding, Level, mip_chain};
 pub(crate) use reference_white::reference_white;
 pub(crate) use sheen::{EDGE as SHEEN_EDGE, table as sheen_table};
@@ -53,14 +56,19 @@ pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
 
 /// The vertex buffers of one batch.
 #[derive(Debug)]
-pub(crate) struct VertexBuffers {
-    pub(crate) kind: Attributes,
+pub struct VertexBuffers {
+    /// Which attributes the vertices have.
+    pub kind: Attributes,
     /// Of their content ([`geometry::Batch::fingerprint`]).
     fingerprint: [u64; 2],
-    pub(crate) positions: Buffer,
-    pub(crate) attributes: Buffer,
-    pub(crate) shading: Buffer,
-    pub(crate) indices: Buffer,
+    /// Three floats a vertex.
+    pub positions: Buffer,
+    /// Texture coordinates, and what else `kind` says.
+    pub attributes: Buffer,
+    /// Normals and tangents, seven floats a vertex.
+    pub shading: Buffer,
+    /// Three a triangle.
+    pub indices: Buffer,
 }
 
 /// A scene, uploaded.
@@ -72,17 +80,22 @@ pub struct GpuScene {
     pub bounds: Bounds,
     /// All radiances on the GPU are multiples of this, in cd/m².
     pub radiance_unit: f32,
-    pub(crate) batches: Vec<VertexBuffers>,
-    pub(crate) draws: Vec<SceneDraw>,
+    /// The vertex buffers that draws read.
+    pub batches: Vec<VertexBuffers>,
+    /// The draws, in the scene's order.
+    pub draws: Vec<SceneDraw>,
     /// Draws that differ in their transforms alone, as runs of their records: each is one call.
     pub(crate) runs: Vec<std::ops::Range<u32>>,
     /// For each record, the place of its draw in `draws`.
     pub(crate) order: Vec<u32>,
     parts: Vec<InstanceParts>,
     boxes: InstanceBounds,
-    pub(crate) draw_records: Buffer,
-    pub(crate) materials: Vec<GpuMaterial>,
-    pub(crate) material_layout: wgpu::BindGroupLayout,
+    /// The transforms of the draws, `DrawRecord` of `package::render::scene::draws`.
+    pub draw_records: Buffer,
+    /// The materials.
+    pub materials: Vec<GpuMaterial>,
+    /// The layout of their bind groups.
+    pub material_layout: wgpu::BindGroupLayout,
     pub(crate) memory: Vec<MemoryUse>,
 }
 

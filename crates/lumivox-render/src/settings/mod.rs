@@ -11,8 +11,9 @@ use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
 use crate::classics::{InjectionChoice, ReportCones, VoxelizerChoice};
+use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
-use crate::{Look, Overlay, RenderError, VxctSettings};
+use crate::{Overlay, RenderError};
 
 use parameters::{Choices as _, PARAMETERS};
 pub use view::{COST_SCALE_SAMPLES, View};
@@ -42,8 +43,8 @@ pub enum ToneMap {
     Aces,
     /// None: what is above 1 is clipped.
     Linear,
-    /// Not even the screen's encoding: values are the code, from 0 to 1, and clipped. For the look of VXCT, which
-    /// computes with display values; anything else comes out too dark.
+    /// Not even the screen's encoding: values are the code, from 0 to 1, and clipped. For looks that compute with
+    /// display values; anything else comes out too dark.
     Raw,
 }
 
@@ -77,6 +78,9 @@ pub enum ShadowMethod {
     Cone,
 }
 
+/// The name of the physical passes among looks.
+pub const PHYSICAL: &str = "physical";
+
 /// Parameters of a rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -105,7 +109,7 @@ pub struct RenderSettings {
     /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
     pub injection: InjectionChoice,
     /// How the picture comes about. Default: by the physics.
-    pub look: Look,
+    pub look: LookChoice,
     /// The cones.
     pub trace: TraceSettings,
     /// Where the cones depart from the physics, as those of the sparse voxel octree report do.
@@ -151,7 +155,7 @@ impl Default for RenderSettings {
             volume_memory: None,
             voxelizer: None,
             injection: None,
-            look: Look::default(),
+            look: None,
             trace: TraceSettings::default(),
             report_cones: ReportCones::default(),
             bounces: 8,
@@ -187,24 +191,21 @@ impl RenderSettings {
         if self.view == View::Lit { 0 } else { self.bounces }
     }
 
-    /// The parameters of VXCT's look, if that is the one.
-    pub fn vxct(&self) -> Option<&VxctSettings> {
-        match &self.look {
-            Look::Vxct(settings) => Some(settings),
-            Look::Physical => None,
-        }
+    /// The name of the look; without one, [`PHYSICAL`].
+    pub fn look_name(&self) -> &'static str {
+        self.look.as_ref().map_or(PHYSICAL, |look| look.name())
     }
 
-    /// Whether VXCT's look makes the picture, and the volume needs no light. It has no octree to show.
-    pub(crate) fn shows_vxct(&self) -> bool {
-        self.vxct().is_some() && !self.view.needs_octree()
+    /// The look that draws the view, if one does; the volume then needs no light.
+    pub(crate) fn shown_look(&self) -> Option<&dyn Look> {
+        self.look.as_deref().filter(|look| look.shows(self.view))
     }
 
-    /// The coarsest level of voxels that can be shown, of a grid with so many of them. VXCT's look has its own, up to 6 at
-    /// any resolution; where there are fewer the last is shown.
+    /// The coarsest level of voxels that can be shown, of a grid with so many of them. A look may have more, at any
+    /// resolution; where there are fewer the last is shown.
     pub fn last_level(&self, grid: &Grid) -> u32 {
         let last = grid.levels - 1;
-        if self.shows_vxct() { last.max(crate::vxct::LAST_LEVEL) } else { last }
+        self.shown_look().map_or(last, |look| last.max(look.last_level()))
     }
 
     /// Checks every value against its range and the device's limits.
@@ -218,6 +219,9 @@ impl RenderSettings {
             if !parameter.kind.allows(value) {
                 return Err(parameter.error(&value.to_string()).into());
             }
+        }
+        if let Some(look) = &self.look {
+            look.validate()?;
         }
         let most = limits.max_texture_dimension_2d;
         if self.shadow_resolution > most {

@@ -1,14 +1,15 @@
 //! Presets: the few names that all settings of a picture can start from.
 //!
-//! A preset is one of the library's for the cones ([`Preset`]) or another's look, and what it brings along
-//! ([`Companions`]). Front ends list [`PresetChoice::ALL`] by name and summary and take
+//! A preset is one of the library's for the cones ([`Preset`]) or a look with cones of its own, and what it brings along
+//! ([`Companions`]). Front ends list them by name and summary, `lumivox-explorer`'s with those of looks, and take
 //! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
 
 use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
 use crate::classics::{self, InjectionChoice, ReportCones};
-use crate::{Exposure, Look, RenderSettings, ToneMap, VxctDisplay, VxctSettings, vxct_display};
+use crate::look::{LookChoice, LookPreset};
+use crate::{Exposure, PHYSICAL, RenderSettings, ToneMap};
 
 /// What a picture starts from: presets of the cones, or the look of another renderer. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +18,8 @@ pub enum PresetChoice {
     Cones(Preset),
     /// The tuning of the sparse voxel octree report.
     Report,
-    /// The look of VXCT.
-    Vxct,
+    /// A look.
+    Look(&'static LookPreset),
 }
 
 impl Default for PresetChoice {
@@ -28,13 +29,12 @@ impl Default for PresetChoice {
 }
 
 impl PresetChoice {
-    /// All, from the cheapest to the dearest, then those that are not physical.
-    pub const ALL: [Self; 5] = [
+    /// Those of the physical look, from the cheapest to the dearest.
+    pub const PHYSICAL: [Self; 4] = [
         Self::Cones(Preset::Fast),
         Self::Cones(Preset::Balanced),
         Self::Cones(Preset::High),
         Self::Report,
-        Self::Vxct,
     ];
 
     /// The name in lower case.
@@ -44,13 +44,8 @@ impl PresetChoice {
             Self::Cones(Preset::Balanced) => "balanced",
             Self::Cones(Preset::High) => "high",
             Self::Report => "report",
-            Self::Vxct => "vxct",
+            Self::Look(preset) => preset.name,
         }
-    }
-
-    /// The preset of a name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|preset| preset.name() == name)
     }
 
     /// What it is, in a line without a full stop.
@@ -64,26 +59,24 @@ impl PresetChoice {
             Self::Report => {
                 "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
             }
-            Self::Vxct => {
-                "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values"
-            }
+            Self::Look(preset) => preset.summary,
         }
     }
 
-    /// The settings of the cones; VXCT's look does not use them, and leaves the default ones.
+    /// The settings of the cones; looks do not use them, and leave the default ones.
     pub fn trace(self) -> TraceSettings {
         match self {
             Self::Cones(preset) => TraceSettings::preset(preset),
             Self::Report => ReportCones::trace_settings(),
-            Self::Vxct => TraceSettings::default(),
+            Self::Look(_) => TraceSettings::default(),
         }
     }
 
     /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
-    pub fn look(self, resolution: u32) -> Look {
+    pub fn look(self, resolution: u32) -> LookChoice {
         match self {
-            Self::Cones(_) | Self::Report => Look::Physical,
-            Self::Vxct => Look::Vxct(VxctSettings::for_resolution(resolution)),
+            Self::Cones(_) | Self::Report => None,
+            Self::Look(preset) => Some((preset.look)(resolution)),
         }
     }
 }
@@ -101,9 +94,9 @@ pub struct Companions {
     pub report_cones: ReportCones,
     /// Reflections of indirect light.
     pub bounces: u32,
-    /// How radiance becomes brightness. In VXCT's look a scene in physical units has one of its own: [`vxct_display`].
+    /// How radiance becomes brightness. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
     pub exposure: Exposure,
-    /// The curve to the screen's range; in VXCT's look as the exposure.
+    /// The curve to the screen's range; in a look as the exposure.
     pub tone_map: ToneMap,
 }
 
@@ -133,33 +126,23 @@ impl Companions {
                 bounces: 1,
                 ..usual
             },
-            // VXCT computes with display values.
-            PresetChoice::Vxct => Self {
-                directionality: Directionality::Isotropic,
-                bounces: 1,
-                exposure: Exposure::Stops(0.0),
-                tone_map: ToneMap::Raw,
-                ..usual
-            },
+            PresetChoice::Look(preset) => (preset.companions)(usual),
         }
     }
 }
 
 impl RenderSettings {
     /// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
-    /// where the look changes: VXCT's shows each scene in its own way. `scene` is the one that will be shown, if it is known.
+    /// where the look changes: one may show each scene in its own way. `scene` is the one that will be shown, if it is known.
     #[must_use]
     pub fn with_preset(&self, preset: PresetChoice, scene: Option<&Scene>) -> Self {
         let companions = Companions::of(preset);
         let look = preset.look(self.resolution);
-        let is_same_look = matches!(self.look, Look::Physical) == matches!(look, Look::Physical);
-        let (exposure, tone_map) = match (is_same_look, preset, scene) {
-            (true, ..) => (self.exposure, self.tone_map),
-            (false, PresetChoice::Vxct, Some(scene)) => {
-                let VxctDisplay { exposure, tone_map, .. } = vxct_display(scene);
-                (exposure, tone_map)
-            }
-            _ => (companions.exposure, companions.tone_map),
+        let is_same_look = self.look_name() == look.as_ref().map_or(PHYSICAL, |look| look.name());
+        let (exposure, tone_map) = match &look {
+            _ if is_same_look => (self.exposure, self.tone_map),
+            Some(look) => look.display(scene),
+            None => (companions.exposure, companions.tone_map),
         };
         Self {
             look,
@@ -175,16 +158,14 @@ impl RenderSettings {
         }
     }
 
-    /// In the look of VXCT: exposure and curve of another scene, where those of the last were as the look has them; what
-    /// was asked for otherwise stays.
+    /// In a look: exposure and curve of another scene, where those of the last were as the look has them; what was asked
+    /// for otherwise stays.
     pub fn show_other(&mut self, last: Option<&Scene>, scene: &Scene) {
-        let Companions { exposure, tone_map, .. } = Companions::of(PresetChoice::Vxct);
-        let found = last.map(vxct_display).map(|display| (display.exposure, display.tone_map));
+        let Some(look) = &self.look else { return };
         let shown = (self.exposure, self.tone_map);
-        let is_usual = shown == (exposure, tone_map) || found == Some(shown);
-        if self.look != Look::Physical && is_usual {
-            let display = vxct_display(scene);
-            (self.exposure, self.tone_map) = (display.exposure, display.tone_map);
+        if shown == look.display(None) || last.is_some_and(|last| shown == look.display(Some(last)))
+        {
+            (self.exposure, self.tone_map) = look.display(Some(scene));
         }
     }
 }
@@ -193,23 +174,14 @@ impl RenderSettings {
 mod tests {
     use super::*;
 
-    #[test]
-    fn names_are_found_again() {
-        for preset in PresetChoice::ALL {
-            assert_eq!(PresetChoice::named(preset.name()), Some(preset));
-            assert!(preset.summary().len() > 10, "{}", preset.name());
-        }
-        assert_eq!(PresetChoice::named("Fast"), None);
-    }
-
     /// Whatever the settings were, the preset decides what is its own, and the default is what settings default to.
     #[test]
     fn presets_do_not_depend_on_what_was_before() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         let fresh = RenderSettings::default();
         assert_eq!(fresh.with_preset(PresetChoice::default(), None), fresh);
-        for before in PresetChoice::ALL {
-            for preset in PresetChoice::ALL {
+        for before in PresetChoice::PHYSICAL {
+            for preset in PresetChoice::PHYSICAL {
                 let direct = fresh.with_preset(preset, Some(&scene));
                 let by_way = fresh.with_preset(before, Some(&scene));
                 let by_way = by_way.with_preset(preset, Some(&scene));
@@ -218,28 +190,5 @@ mod tests {
                 assert!(cones && direct.look == preset.look(fresh.resolution));
             }
         }
-    }
-
-    #[test]
-    fn what_was_asked_for_otherwise_stays() {
-        let [first, second] =
-            ["spheres", "cornell"].map(|name| lumivox_scene::builtin::scene(name).unwrap());
-        assert_ne!(vxct_display(&first), vxct_display(&second), "or else nothing is tested");
-        let mut settings = RenderSettings::default();
-        settings.show_other(None, &second);
-        assert_eq!(
-            settings,
-            RenderSettings::default(),
-            "the physical look knows no white of a scene"
-        );
-
-        let asked = Exposure::Stops(-3.25);
-        settings = settings.with_preset(PresetChoice::Vxct, Some(&first));
-        let shown = vxct_display(&second);
-        settings.show_other(Some(&first), &second);
-        assert_eq!((settings.exposure, settings.tone_map), (shown.exposure, shown.tone_map));
-        settings.exposure = asked;
-        settings.show_other(Some(&second), &first);
-        assert_eq!(settings.exposure, asked);
     }
 }

@@ -6,9 +6,7 @@ use glam::{Mat4, UVec2, Vec3};
 use lumivox::gpu::Timing;
 use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_render::classics::ReportCones;
-use lumivox_render::{
-    Exposure, Look, RenderSettings, Renderer, ShadowMethod, ToneMap, View, VxctSettings, classics,
-};
+use lumivox_render::{Exposure, RenderSettings, Renderer, ShadowMethod, ToneMap, View, classics};
 use lumivox_scene::{LightKind, Scene, Shading};
 
 use crate::common::{builtin, gpu, picture, renderer};
@@ -41,7 +39,7 @@ fn settings_may_change_in_any_order() {
     let mut changing = renderer(&gpu, &scene, settings());
     let mut before = picture(&mut changing);
     let octree = VolumeKind::Octree(OctreeOptions::default());
-    let changes: [fn(&mut RenderSettings, VolumeKind); 19] = [
+    let changes: [fn(&mut RenderSettings, VolumeKind); 17] = [
         |s, _| s.shadow_resolution = 48,
         |s, _| s.resolution = 48,
         |s, _| s.size = UVec2::new(33, 21),
@@ -53,8 +51,6 @@ fn settings_may_change_in_any_order() {
         |s, _| s.trace = TraceSettings::preset(Preset::Fast),
         |s, _| s.bounces = 1,
         |s, _| s.shadows = ShadowMethod::Cone,
-        |s, _| s.look = Look::Vxct(VxctSettings::for_resolution(s.resolution)),
-        |s, _| s.look = Look::Physical,
         |s, _| s.view = View::Nodes,
         |s, _| (s.view, s.voxel_level) = (View::Lit, 1),
         |s, _| s.voxel_level = 2,

@@ -18,4 +18,3 @@ mod snapshots;
 mod surfaces;
 mod truth;
 mod two_rooms;
-mod vxct;

@@ -14,9 +14,7 @@ use std::path::{Path, PathBuf};
 use glam::UVec2;
 use image::RgbImage;
 use lumivox::{Directionality, TraceResolution, TraceSettings};
-use lumivox_render::{
-    Look, Overlay, RenderSettings, ShadowMethod, View, VxctSettings, Wireframe, Wires, vxct_display,
-};
+use lumivox_render::{Overlay, RenderSettings, ShadowMethod, View, Wireframe, Wires};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 use crate::common::{builtin, gpu, picture, renderer, zoo};
@@ -125,7 +123,6 @@ fn variants() -> Vec<Snapshot> {
         ("cone-shadows", RenderSettings { shadows: ShadowMethod::Cone, ..small() }),
         ("isotropic", RenderSettings { directionality, ..small() }),
         ("half", RenderSettings { trace: half, ..small() }),
-        ("vxct", vxct()),
     ]
     .map(|(what, settings)| Snapshot {
         name: format!("cornell-{what}"),
@@ -133,19 +130,6 @@ fn variants() -> Vec<Snapshot> {
         settings,
     })
     .into()
-}
-
-/// The look of VXCT with what belongs to it.
-fn vxct() -> RenderSettings {
-    let display = vxct_display(&builtin("cornell"));
-    RenderSettings {
-        look: Look::Vxct(VxctSettings::for_resolution(64)),
-        directionality: Directionality::Isotropic,
-        bounces: 1,
-        exposure: display.exposure,
-        tone_map: display.tone_map,
-        ..small()
-    }
 }
 
 #[test]
@@ -245,7 +229,7 @@ fn check(snapshots: Vec<Snapshot>) {
 }
 
 /// Whether references are written instead of compared.
-pub fn is_blessing() -> bool {
+fn is_blessing() -> bool {
     match std::env::var("LUMIVOX_BLESS").as_deref() {
         Err(std::env::VarError::NotPresent) | Ok("" | "0") => false,
         Ok("1") => true,

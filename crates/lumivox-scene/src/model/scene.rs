@@ -125,6 +125,13 @@ impl Scene {
         bounds
     }
 
+    /// Whether the colours of the scene are what a screen shows, as in scenes for VXCT: some light has an
+    /// [`Attenuation`](crate::Attenuation), or the scene has a grid of its own and no lights.
+    pub fn has_display_values(&self) -> bool {
+        let has_no_lights = self.lights.is_empty() && self.grid_bounds.is_some();
+        has_no_lights || self.lights.iter().any(|light| light.attenuation.is_some())
+    }
+
     /// The box that a voxel grid is fitted to: [`Scene::grid_bounds`], or else [`Scene::bounds`].
     pub fn voxel_bounds(&self) -> Bounds {
         self.grid_bounds.unwrap_or_else(|| self.bounds())

@@ -1,7 +1,7 @@
 //! The properties of each setting.
 
+use lumivox_explorer::parameters::{Kind, PARAMETERS, Parameter};
 use lumivox_render::RenderSettings;
-use lumivox_render::parameters::{Kind, PARAMETERS, Parameter};
 use serde::Serialize;
 use tsify::Tsify;
 

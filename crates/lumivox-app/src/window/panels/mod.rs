@@ -20,7 +20,7 @@ pub mod welcome;
 pub mod widgets;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
-use lumivox_render::parameters::Group;
+use lumivox_explorer::parameters::Group;
 
 use super::app::App;
 use super::model::Model;

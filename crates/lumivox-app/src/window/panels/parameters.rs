@@ -1,8 +1,8 @@
-//! Rows for the settings of `lumivox_render::parameters`: name, unit, meaning, and a way back.
+//! Rows for the settings of `lumivox_explorer::parameters`: name, unit, meaning, and a way back.
 
 use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
-use lumivox_render::parameters::{Group, Kind, PARAMETERS, Parameter, Value};
+use lumivox_explorer::parameters::{Group, Kind, PARAMETERS, Parameter, Value, find_parameter};
 
 use super::widgets::{is_rounded, reset, rest_width, row, vector};
 use crate::window::app::App;
@@ -20,7 +20,7 @@ pub fn group(ui: &mut Ui, group: Group, model: &Model, app: &mut App) {
 
 /// The setting of a name.
 pub fn named(ui: &mut Ui, name: &str, model: &Model, app: &mut App) {
-    if let Some(parameter) = Parameter::find(name) {
+    if let Some(parameter) = find_parameter(name) {
         show(ui, parameter, model, app);
     }
 }

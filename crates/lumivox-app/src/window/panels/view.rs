@@ -1,8 +1,8 @@
 //! What is shown: view, level, what it is compared with, cameras; presets and cones.
 
 use egui::{ComboBox, Ui};
-use lumivox_render::parameters::Group;
-use lumivox_render::{Look, PresetChoice, View};
+use lumivox_explorer::parameters::{Group, PRESETS};
+use lumivox_render::View;
 
 use super::widgets::{rest_width, row, weak};
 use super::{histogram, parameters};
@@ -99,7 +99,7 @@ pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
         let combo = ComboBox::from_id_salt("preset").width(width).selected_text(name);
         combo
             .show_ui(ui, |ui| {
-                for preset in PresetChoice::ALL.map(PresetChoice::name) {
+                for preset in PRESETS.iter().map(|preset| preset.name()) {
                     if ui.selectable_label(preset == name, preset).clicked() {
                         app.line(format!("preset {preset}"));
                     }
@@ -109,7 +109,8 @@ pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
             .accessible_name("Preset");
     });
     // The looks have cones of their own.
-    let group = if model.settings.look == Look::Physical { Group::Cones } else { Group::Vxct };
+    let look = model.settings.look.as_ref();
+    let group = look.map_or(Group::Cones, |look| Group::Look(look.name()));
     parameters::group(ui, group, model, app);
 }
 

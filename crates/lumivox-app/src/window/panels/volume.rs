@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Ui};
 use lumivox_explorer::Revoxelize;
-use lumivox_render::parameters::Group;
+use lumivox_explorer::parameters::Group;
 
 use super::parameters;
 use super::widgets::{bytes, count, rest_width, row, weak};

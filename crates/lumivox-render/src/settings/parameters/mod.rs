@@ -3,24 +3,26 @@
 //! Each row says of a setting its names, group, unit, range, meaning, what is made again when it changes, and how it is
 //! read and written. Validation, options of command lines, consoles, panels, scripts, reports and declarations for
 //! JavaScript are all made from it; [`Parameter::default`] computes what a preset gives. Rows live where the settings do:
-//! those of the cones in [`TraceSettings::SETTINGS`] and [`ReportCones::SETTINGS`], those of VXCT's look in
-//! [`VxctSettings::SETTINGS`], all others in `table.rs`.
+//! those of the cones in [`TraceSettings::SETTINGS`] and [`ReportCones::SETTINGS`], all others of this crate in `table.rs`.
+//! A [look](crate::look) brings rows of its own, made by [`Parameter::of_part`]; whoever offers looks appends them, as
+//! `lumivox-explorer` does.
 
 mod choices;
 mod table;
 
 use std::fmt;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use lumivox::TraceSettings;
 pub use lumivox::settings::{Choice, Choices, Kind, Redoes, Setting, SettingError, Value};
 
-pub(crate) use table::MAX_STOPS;
+pub use table::MAX_STOPS;
 
 use crate::classics::ReportCones;
-use crate::{Look, PresetChoice, RenderSettings, VxctSettings};
+use crate::{PresetChoice, RenderSettings};
 
 /// One setting of a rendering: a row of the table.
+#[derive(Clone)]
 pub struct Parameter {
     /// Its name in lower case, words joined by `_`.
     pub name: &'static str,
@@ -43,15 +45,8 @@ pub struct Parameter {
     pub needs: Option<(&'static str, &'static str)>,
     /// What is made again when it changes.
     pub redoes: Redoes,
-    access: Access,
-}
-
-/// The part of the settings that a row reads and writes.
-enum Access {
-    Own(Setting<RenderSettings>),
-    Trace(Setting<TraceSettings>),
-    Report(Setting<ReportCones>),
-    Vxct(Setting<VxctSettings>),
+    get: Arc<dyn Fn(&RenderSettings) -> Value + Send + Sync>,
+    set: Arc<dyn Fn(&mut RenderSettings, Value) + Send + Sync>,
 }
 
 /// What settings belong to.
@@ -69,21 +64,14 @@ pub enum Group {
     Light,
     /// The cones of the physical look.
     Cones,
-    /// Which look, and all of VXCT's.
-    Vxct,
+    /// Settings of a look, by its name.
+    Look(&'static str),
 }
 
 impl Group {
-    /// All groups, in the order of the table.
-    pub const ALL: [Self; 7] = [
-        Self::Picture,
-        Self::View,
-        Self::Overlay,
-        Self::Volume,
-        Self::Light,
-        Self::Cones,
-        Self::Vxct,
-    ];
+    /// The groups of this crate's table, in its order; looks have groups of their own.
+    pub const ALL: [Self; 6] =
+        [Self::Picture, Self::View, Self::Overlay, Self::Volume, Self::Light, Self::Cones];
 
     /// The group's name in lower case.
     pub const fn name(self) -> &'static str {
@@ -94,29 +82,31 @@ impl Group {
             Self::Volume => "volume",
             Self::Light => "light",
             Self::Cones => "cones",
-            Self::Vxct => "vxct",
+            Self::Look(name) => name,
         }
     }
 }
 
-/// The table, group by group.
+/// The table of this crate's settings, group by group.
 pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
     let own = |group: Group, rows: &[Setting<RenderSettings>]| -> Vec<Parameter> {
-        rows.iter().map(|row| Parameter::new(group, row, Access::Own(*row))).collect()
+        rows.iter().map(|row| Parameter::own(group, *row)).collect()
     };
     let cones = TraceSettings::SETTINGS;
     let report = ReportCones::SETTINGS;
-    let vxct = VxctSettings::SETTINGS;
+    let of_cones =
+        |row| Parameter::of_part(Group::Cones, row, |s| s.trace, |s, trace| s.trace = trace);
+    let of_report = |row| {
+        Parameter::of_part(Group::Cones, row, |s| s.report_cones, |s, cones| s.report_cones = cones)
+    };
     [
         own(Group::Picture, table::PICTURE),
         own(Group::View, table::VIEW),
         own(Group::Overlay, table::OVERLAY),
         own(Group::Volume, table::VOLUME),
         own(Group::Light, table::LIGHT),
-        cones.map(|row| Parameter::new(Group::Cones, &row, Access::Trace(row))).into(),
-        report.map(|row| Parameter::new(Group::Cones, &row, Access::Report(row))).into(),
-        own(Group::Vxct, table::LOOK),
-        vxct.map(|row| Parameter::new(Group::Vxct, &row, Access::Vxct(row))).into(),
+        cones.map(of_cones).into(),
+        report.map(of_report).into(),
     ]
     .into_iter()
     .flatten()
@@ -124,7 +114,33 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
 });
 
 impl Parameter {
-    fn new<S>(group: Group, row: &Setting<S>, access: Access) -> Self {
+    /// A row whose setting is in the settings of a rendering itself.
+    pub fn own(group: Group, row: Setting<RenderSettings>) -> Self {
+        Self::new(group, &row, Arc::new(row.get), Arc::new(row.set))
+    }
+
+    /// A row whose setting is in a part of the settings, which is read as a whole and put back.
+    pub fn of_part<S>(
+        group: Group,
+        row: Setting<S>,
+        part: fn(&RenderSettings) -> S,
+        put: fn(&mut RenderSettings, S),
+    ) -> Self {
+        let get = move |settings: &RenderSettings| (row.get)(&part(settings));
+        let set = move |settings: &mut RenderSettings, value| {
+            let mut changed = part(settings);
+            (row.set)(&mut changed, value);
+            put(settings, changed);
+        };
+        Self::new(group, &row, Arc::new(get), Arc::new(set))
+    }
+
+    fn new<S>(
+        group: Group,
+        row: &Setting<S>,
+        get: Arc<dyn Fn(&RenderSettings) -> Value + Send + Sync>,
+        set: Arc<dyn Fn(&mut RenderSettings, Value) + Send + Sync>,
+    ) -> Self {
         Self {
             name: row.name,
             aliases: row.aliases,
@@ -136,12 +152,13 @@ impl Parameter {
             shorthands: row.shorthands,
             needs: row.needs,
             redoes: row.redoes,
-            access,
+            get,
+            set,
         }
     }
 
-    /// The parameter of a name or an alias.
-    pub fn find(name: &str) -> Option<&'static Self> {
+    /// The parameter of this crate's table of a name or an alias.
+    pub(crate) fn find(name: &str) -> Option<&'static Self> {
         PARAMETERS.iter().find(|parameter| parameter.names().any(|known| known == name))
     }
 
@@ -152,12 +169,7 @@ impl Parameter {
 
     /// Its value in some settings.
     pub fn get(&self, settings: &RenderSettings) -> Value {
-        match &self.access {
-            Access::Own(row) => (row.get)(settings),
-            Access::Trace(row) => (row.get)(&settings.trace),
-            Access::Report(row) => (row.get)(&settings.report_cones),
-            Access::Vxct(row) => (row.get)(&vxct(settings)),
-        }
+        (self.get)(settings)
     }
 
     /// The value that a preset gives it.
@@ -179,16 +191,7 @@ impl Parameter {
     }
 
     fn write(&self, settings: &mut RenderSettings, value: Value) {
-        match &self.access {
-            Access::Own(row) => (row.set)(settings, value),
-            Access::Trace(row) => (row.set)(&mut settings.trace, value),
-            Access::Report(row) => (row.set)(&mut settings.report_cones, value),
-            Access::Vxct(row) => {
-                let mut look = vxct(settings);
-                (row.set)(&mut look, value);
-                settings.look = Look::Vxct(look);
-            }
-        }
+        (self.set)(settings, value);
     }
 
     /// Reads a value as text: a number, a choice's name, `on` or `off`, the word for a value that has no number.
@@ -202,8 +205,9 @@ impl Parameter {
 
     /// Whether it means something in these settings: an option of the octree does only where there is one.
     pub fn means_something(&self, settings: &RenderSettings) -> bool {
-        self.needs.is_none_or(|(name, value)| {
-            Self::find(name).is_some_and(|needed| needed.get(settings).name() == value)
+        self.needs.is_none_or(|(name, value)| match name {
+            "look" => settings.look_name() == value,
+            name => Self::find(name).is_some_and(|needed| needed.get(settings).name() == value),
         })
     }
 
@@ -215,14 +219,6 @@ impl Parameter {
 impl fmt::Debug for Parameter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Parameter").field("name", &self.name).finish_non_exhaustive()
-    }
-}
-
-/// The settings of VXCT's look, or those that it would have.
-fn vxct(settings: &RenderSettings) -> VxctSettings {
-    match settings.look {
-        Look::Vxct(vxct) => vxct,
-        Look::Physical => VxctSettings::for_resolution(settings.resolution),
     }
 }
 

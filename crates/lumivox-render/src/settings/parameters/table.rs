@@ -1,15 +1,15 @@
-//! The rows of the table, but for those of the cones and of VXCT's look.
+//! The rows of the table, except those of the cones.
 
 use lumivox::{
     Directionality, Duplication, MAX_RESOLUTION, MIN_RESOLUTION, Mipmapping, OctreeBuilder,
     OctreeOptions, VolumeKind,
 };
 
-use super::{Choice, Choices as _, Kind, Redoes, Setting, Value, vxct};
+use super::{Choice, Choices as _, Kind, Redoes, Setting, Value};
 use crate::classics::{
     INJECTIONS, VOXELIZERS, injection, injection_name, voxelizer, voxelizer_name,
 };
-use crate::{Exposure, Look, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires};
+use crate::{Exposure, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 type Row = Setting<RenderSettings>;
 
@@ -288,23 +288,6 @@ pub(super) const LIGHT: &[Row] = &[
     },
 ];
 
-/// The look.
-pub(super) const LOOK: &[Row] = &[Row {
-    name: "look",
-    summary: "How the picture comes about; preset vxct takes what goes with that look as well",
-    kind: Kind::Choice(&[
-        Choice::new("physical", "direct light with shadow maps, and cones that gather radiance"),
-        Choice::new("vxct", "Phong's light and VXCT's own cones (docs/vxct-look.md)"),
-    ]),
-    redoes: Redoes::Frames,
-    get: |s| Value::Choice(if s.look == Look::Physical { "physical" } else { "vxct" }),
-    set: |s, v| match v {
-        Value::Choice("vxct") => s.look = Look::Vxct(vxct(s)),
-        _ => s.look = Look::Physical,
-    },
-    ..Row::ROW
-}];
-
 /// The word for a memory without end.
 const UNLIMITED: &str = "unlimited";
 /// The words for an exposure that is found from the picture, or from each picture of a sequence.
@@ -312,7 +295,7 @@ const AUTO: &str = "auto";
 const AUTO_EACH: &str = "auto-each";
 
 /// Beyond this, f32 overflows.
-pub(crate) const MAX_STOPS: f32 = 64.0;
+pub const MAX_STOPS: f32 = 64.0;
 
 const MIB: f32 = 1_048_576.0;
 

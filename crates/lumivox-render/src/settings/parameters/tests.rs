@@ -68,16 +68,14 @@ fn a_parameter_changes_nothing_but_itself() {
     for parameter in PARAMETERS.iter() {
         let mut settings = defaults();
         parameter.set(&mut settings, parameter.get(&defaults())).expect("the default");
-        // An option of the octree asks for one, and one of VXCT's look for that.
+        // An option of the octree asks for one.
         if parameter.needs.is_none() {
             assert_eq!(settings, defaults(), "{parameter:?}");
         }
         for value in ends(parameter.kind).0 {
             parameter.set(&mut settings, value).expect("in range");
             for other in PARAMETERS.iter() {
-                // What VXCT's look would have goes with the resolution.
-                let is_asked_for = parameter.needs.is_some_and(|(name, _)| name == other.name)
-                    || (parameter.name == "resolution" && other.needs == Some(("look", "vxct")));
+                let is_asked_for = parameter.needs.is_some_and(|(name, _)| name == other.name);
                 if other.name != parameter.name && !is_asked_for {
                     assert_eq!(other.get(&settings), other.get(&defaults()), "{parameter:?}");
                 }
@@ -138,7 +136,6 @@ fn fields(settings: &RenderSettings) -> Vec<String> {
 fn every_field_has_a_row() {
     let defaults = RenderSettings {
         volume: VolumeKind::Octree(lumivox::OctreeOptions::default()),
-        look: Look::Vxct(VxctSettings::default()),
         ..defaults()
     };
     let shown = fields(&defaults);
@@ -165,13 +162,17 @@ fn every_field_has_a_row() {
         .copied()
         .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
         .collect();
-    // The caller's: the picture's size, the box of the grid, lines that it draws, and whether it takes times.
-    assert_eq!((names, numbers), (vec!["grid_bounds", "lines", "timing"], vec!["640,", "360,"]));
+    // The caller's: the picture's size, the box of the grid, the look, whose crate has its rows, lines that it draws,
+    // and whether it takes times.
+    assert_eq!(
+        (names, numbers),
+        (vec!["grid_bounds", "look", "lines", "timing"], vec!["640,", "360,"])
+    );
 }
 
 #[test]
 fn presets_give_their_values() {
-    let high = PresetChoice::named("high").expect("a preset");
+    let high = PresetChoice::Cones(lumivox::Preset::High);
     let value = |name| Parameter::find(name).expect("a parameter").default(high);
     assert_eq!(value("cones"), Value::Choice("12"));
     assert_eq!(value("bounces"), Value::Whole(8));

@@ -1,18 +1,21 @@
 //! The look of VXCT, held to its own pictures, and to closed forms where it is shown what it was not made for.
 
+mod changes;
+#[allow(dead_code, unused_imports)] // The renderer's own tests use the rest.
+#[path = "../../../lumivox-render/tests/it/common/mod.rs"]
+mod common;
 mod pictures;
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::{UVec2, Vec2, Vec3};
-use lumivox_render::clip_from_world;
-use lumivox_render::{
-    Exposure, Look, Picture, RenderSettings, ToneMap, View, VxctSettings, vxct_display,
-};
+use lumivox_render::{Exposure, Picture, RenderSettings, ToneMap, View, clip_from_world};
 use lumivox_scene::{
     Attenuation, Bounds, Camera, Instance, Light, LightKind, Material, Mesh, Scene, Shading,
     Strengths,
 };
+use lumivox_vxct::{VxctSettings, vxct_display};
 
 use crate::common::{builtin, gpu, picture, renderer};
 
@@ -29,7 +32,7 @@ fn look(vxct: VxctSettings) -> RenderSettings {
         frames: 1,
         exposure: Exposure::Stops(0.0),
         tone_map: ToneMap::Raw,
-        look: Look::Vxct(vxct),
+        look: Some(Arc::new(vxct)),
         ..RenderSettings::default()
     }
 }

@@ -1,20 +1,6 @@
 //! Everything that can be set about the look of VXCT: units, ranges, defaults.
 
-use lumivox::settings::{self, Kind, Redoes, Setting, Value};
-
-use crate::RenderError;
-
-/// How a picture comes about.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Look {
-    /// By the physics: direct light with shadow maps, and cones that gather radiance.
-    #[default]
-    Physical,
-    /// As the program VXCT made it: Phong's light, and a few fixed cones through voxels of its own
-    /// (docs/vxct-look.md). It is made for the brightness of [`vxct_display`](crate::vxct_display). Of the settings of
-    /// voxels it uses the resolution alone.
-    Vxct(VxctSettings),
-}
+use lumivox::settings::{Kind, Redoes, Setting, Value};
 
 /// The shape of a kind of cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +15,8 @@ pub struct ConeShape {
     pub distance_factor: f32,
 }
 
-/// Parameters of the look. [`VxctSettings::for_resolution`] has the defaults; each field tells that of 128 voxels.
+/// Parameters of the look, and the look itself. Of the settings of voxels it uses the resolution alone, and it is made
+/// for the brightness of [`vxct_display`](crate::vxct_display). [`VxctSettings::for_resolution`] has the defaults; each field tells that of 128 voxels.
 // The switches are those of VXCT's console.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,14 +108,6 @@ impl VxctSettings {
             shadow_strength: 1.5,
             shininess_falloff: [3.0, 3.0, 2.0][program],
         }
-    }
-
-    /// Checks every value against its range.
-    ///
-    /// # Errors
-    /// [`RenderError::Setting`], naming the first one that is out of range.
-    pub fn validate(&self) -> Result<(), RenderError> {
-        Ok(settings::check(&Self::SETTINGS, self)?)
     }
 
     /// The table of the settings, under the names of VXCT's console.
@@ -337,29 +316,17 @@ impl VxctSettings {
 
 /// A row of the table.
 const OF_VXCT: Setting<VxctSettings> =
-    Setting { needs: Some(("look", "vxct")), redoes: Redoes::Frames, ..Setting::ROW };
+    Setting { needs: Some(("look", crate::NAME)), redoes: Redoes::Frames, ..Setting::ROW };
 
 /// A number of a row whose values are all numbers.
 fn number(value: Value) -> f32 {
     value.number().unwrap_or(f32::NAN)
 }
 
-impl Look {
-    /// Checks what belongs to the look.
-    ///
-    /// # Errors
-    /// As [`VxctSettings::validate`].
-    pub fn validate(&self) -> Result<(), RenderError> {
-        match self {
-            Self::Physical => Ok(()),
-            Self::Vxct(settings) => settings.validate(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lumivox_render::look::Look as _;
 
     #[test]
     fn the_three_programs_have_their_constants() {

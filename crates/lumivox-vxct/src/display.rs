@@ -1,10 +1,10 @@
 //! How bright a scene is shown in the look.
 
-use lumivox_scene::{Attenuation, LightKind, Scene};
-
-use crate::parameters::MAX_STOPS;
-use crate::scene::{Lighting, reference_white};
-use crate::{Exposure, ToneMap};
+use glam::Vec3;
+use lumivox_render::look::LookScene;
+use lumivox_render::parameters::MAX_STOPS;
+use lumivox_render::{Exposure, ToneMap};
+use lumivox_scene::{Attenuation, Environment, LightKind, Material, Scene};
 
 /// How a screen shows a scene in this look.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,13 +25,18 @@ pub struct VxctDisplay {
 /// sense) or a sun; where nothing but surfaces shines, the brightest of them. It is encoded for the screen, since the
 /// light of a real scene has more contrast than display values.
 pub fn vxct_display(scene: &Scene) -> VxctDisplay {
-    if has_display_values(scene) {
+    display_of(&LookScene::of(scene))
+}
+
+/// The same.
+pub(super) fn display_of(scene: &LookScene) -> VxctDisplay {
+    if scene.has_display_values {
         let (exposure, tone_map) = (Exposure::Stops(0.0), ToneMap::Raw);
         return VxctDisplay { white: 1.0, exposure, tone_map };
     }
-    let bounds = scene.voxel_bounds();
+    let bounds = scene.bounds;
     let unit_m = 0.5 * (bounds.max - bounds.min).max_element();
-    let of_lights = scene.lights.iter().map(|light| {
+    let of_lights = scene.lighting.lights.iter().map(|light| {
         let strength = match light.kind {
             LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
             LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
@@ -41,16 +46,26 @@ pub fn vxct_display(scene: &Scene) -> VxctDisplay {
         light.color.max_element() * strength / std::f32::consts::PI
     });
     let brightest = of_lights.filter(|white| white.is_finite()).fold(0.0, f32::max);
-    let white =
-        if brightest > 0.0 { brightest } else { reference_white(scene, &Lighting::of(scene)) };
+    let white = if brightest > 0.0 {
+        brightest
+    } else {
+        white_without_lamps(&scene.materials, &scene.lighting.environment)
+    };
     let exposure = Exposure::Stops((-white.log2()).clamp(-MAX_STOPS, MAX_STOPS));
     VxctDisplay { white, exposure, tone_map: ToneMap::Linear }
 }
 
-/// Whether the colours of a scene are what a screen shows: it was made for VXCT.
-pub fn has_display_values(scene: &Scene) -> bool {
-    let has_no_lights = scene.lights.is_empty() && scene.grid_bounds.is_some();
-    has_no_lights || scene.lights.iter().any(|light| light.attenuation.is_some())
+/// The mean radiance of the surroundings; without any, the strongest emission; in a scene without light 1 cd/m².
+fn white_without_lamps(materials: &[Material], environment: &Environment) -> f32 {
+    let emission = materials.iter().map(|material| material.emissive.max_element());
+    let emission = emission.filter(|radiance| radiance.is_finite()).fold(0.0, f32::max);
+    let whites = [mean_radiance(environment).max_element(), emission];
+    whites.into_iter().find(|white| white.is_finite() && *white > 0.0).unwrap_or(1.0)
+}
+
+/// The mean over all directions.
+pub(super) fn mean_radiance(environment: &Environment) -> Vec3 {
+    environment.radiance * environment.map.as_ref().map_or(Vec3::ONE, |map| map.mean_radiance())
 }
 
 /// What the intensity of a lamp without a polynomial is multiplied by: it gets VXCT's default one over units of

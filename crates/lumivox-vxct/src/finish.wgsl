@@ -5,7 +5,7 @@ import package::constants::{
     VIEW_DIFFUSE, VIEW_DIRECT, VIEW_FINAL, VIEW_INDIRECT, VIEW_LOD, VIEW_SPECULAR,
 };
 import package::environment::environment_background;
-import package::render::vxct::uniform::settings;
+import package::vxct::uniform::settings;
 import package::trace::gbuffer::{ray_direction, view};
 
 // Premultiplied by the coverage in alpha.

@@ -4,22 +4,18 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use bytemuck::Zeroable;
-use lumivox::Gi;
-use lumivox::gpu::pipelines::{DrawPipeline, Shader};
+use glam::UVec2;
+use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, Texture,
     TextureView, uniform_buffer,
 };
+use lumivox_render::look::{DEPTH_FORMAT, LookFrame, LookParts, NORMALS_FORMAT, PICTURE_FORMAT};
+use lumivox_render::{GpuScene, RenderError};
 
+use super::VxctUniform;
 use super::records::{Records, Sides};
 use super::voxels::Voxels;
-use super::{VxctFrame, VxctUniform};
-use crate::gpu::textures::ScreenTextures;
-use crate::passes::composite::PICTURE_FORMAT;
-use crate::passes::gbuffer::NORMALS_FORMAT;
-use crate::passes::raster::{self, RasterPipeline};
-use crate::scene::GpuScene;
-use crate::{Gpu, RenderError};
 
 /// What is drawn into before the background is put behind it: display values, which half floats hold to 1/2000.
 const DRAWN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -52,13 +48,9 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    pub(super) fn new(
-        gpu: &Gpu,
-        shaders: &ShaderLibrary,
-        gi: &Gi,
-        scene: &GpuScene,
-        resolution: u32,
-    ) -> Result<Self, RenderError> {
+    pub(super) fn new(parts: &LookParts<'_>) -> Result<Self, RenderError> {
+        let LookParts { gpu, gi, .. } = *parts;
+        let shaders = &super::library(parts.shaders);
         let device = &gpu.pipelines;
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let layouts = Layouts {
@@ -75,7 +67,7 @@ impl Passes {
                 .storage()
                 .build(device, "triangles"),
         };
-        let voxels = Voxels::new(gpu, shaders, &layouts, scene, resolution)?;
+        let voxels = Voxels::new(parts, shaders, &layouts)?;
         let cones_layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT)
             .texture_3d()
             .sampler()
@@ -105,13 +97,13 @@ impl Passes {
         Ok(Self {
             settings: uniform_buffer(device, "the look of VXCT", &VxctUniform::zeroed()),
             voxels,
-            shader: device.shader(shaders, "render::vxct::shade")?,
+            shader: device.shader(shaders, "vxct::shade")?,
             pipelines: HashMap::new(),
             cones,
             cones_layout,
-            finish: kernel("render::vxct::finish", &finish_layout)?,
+            finish: kernel("vxct::finish", &finish_layout)?,
             finish_layout,
-            cubes: kernel("render::vxct::cubes", &cubes_layout)?,
+            cubes: kernel("vxct::cubes", &cubes_layout)?,
             cubes_layout,
             drawn: None,
             layouts,
@@ -140,23 +132,29 @@ impl Passes {
             write_mask: wgpu::ColorWrites::ALL,
         };
         let (look, batch) = (&self.layouts.look, &self.layouts.batch);
-        slot.insert(
-            RasterPipeline {
-                shader: &self.shader,
-                vertex: "main",
-                fragment: Some("fragment"),
-                targets: &[Some(target), Some(NORMALS_FORMAT.into())],
-                vertex_buffers: &[],
-                groups: &[look, &scene.material_layout, batch, &self.cones_layout],
+        let groups = [look, &scene.material_layout, batch, &self.cones_layout];
+        slot.insert(pipelines.draw(DrawPlan {
+            fragment: Some(self.shader.entry("fragment")?),
+            targets: vec![Some(target), Some(NORMALS_FORMAT.into())],
+            groups: groups.map(Clone::clone).to_vec(),
+            primitive: wgpu::PrimitiveState {
+                front_face: wgpu::FrontFace::Ccw,
                 cull_mode: match sides {
                     Sides::Front => Some(wgpu::Face::Back),
                     Sides::Back => Some(wgpu::Face::Front),
                     Sides::Both => None,
                 },
-                writes_depth: true,
-            }
-            .create(pipelines)?,
-        );
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            ..DrawPlan::new(&self.shader, "main")?
+        }));
         Ok(())
     }
 
@@ -164,11 +162,11 @@ impl Passes {
     pub(super) fn draw(
         &mut self,
         recorder: &mut Recorder,
-        frame: &VxctFrame<'_>,
+        frame: &LookFrame<'_>,
         records: &Records,
         (look, batches): (&BindGroup, &[BindGroup]),
     ) {
-        let (targets, scene, size) = (frame.targets, frame.scene, frame.view.size);
+        let (scene, size) = (frame.scene, frame.view.size);
         let fits = |view: &TextureView| {
             let texture = view.texture();
             (texture.width(), texture.height()) == (size.x, size.y)
@@ -177,11 +175,9 @@ impl Passes {
             self.drawn = None;
         }
         let device = recorder.device().clone();
-        let drawn = self.drawn.get_or_insert_with(|| {
-            ScreenTextures::new(&device, size).target("drawn", DRAWN_FORMAT)
-        });
+        let drawn = self.drawn.get_or_insert_with(|| drawn_texture(&device, size).view());
         // What is drawn over the picture asks for depths and normals.
-        let colors = [&*drawn, &targets.gbuffer_textures.normals].map(|view| {
+        let colors = [&*drawn, frame.normals].map(|view| {
             Some(wgpu::RenderPassColorAttachment {
                 view,
                 depth_slice: None,
@@ -192,7 +188,14 @@ impl Passes {
                 },
             })
         });
-        let depth = raster::depth_attachment(&targets.gbuffer_textures.depth);
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: frame.depth,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.0),
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
+        };
         recorder.render("vxct::shade", &colors, Some(depth), |pass| {
             pass.bind(0, look);
             pass.bind(3, &self.cones);
@@ -208,7 +211,7 @@ impl Passes {
         });
         let own = BindGroupBuilder::new(&self.finish_layout)
             .view(drawn)
-            .view(&targets.composite.picture)
+            .view(frame.picture)
             .build(&device, "finish");
         let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
         self.finish.run(recorder, &groups, [size.x, size.y, 1]);
@@ -217,15 +220,31 @@ impl Passes {
     pub(super) fn draw_cubes(
         &self,
         recorder: &mut Recorder,
-        frame: &VxctFrame<'_>,
+        frame: &LookFrame<'_>,
         look: &BindGroup,
     ) {
         let own = BindGroupBuilder::new(&self.cubes_layout)
             .view(&self.voxels.view)
-            .view(&frame.targets.composite.picture)
+            .view(frame.picture)
             .build(recorder.device(), "VXCT's cubes");
         let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
         let size = frame.view.size;
         self.cubes.run(recorder, &groups, [size.x, size.y, 1]);
     }
+}
+
+fn drawn_texture(device: &wgpu::Device, size: UVec2) -> Texture {
+    Texture::new(
+        device,
+        &wgpu::TextureDescriptor {
+            label: Some("drawn"),
+            size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: DRAWN_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+    )
 }

@@ -5,11 +5,11 @@ use std::f32::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use lumivox::gpu::{Buffer, upload};
-use lumivox_scene::{Attenuation, Bounds, Environment, Light, LightKind, Material, Scene};
+use lumivox_render::look::{Attributes, LookScene};
+use lumivox_render::{Gpu, GpuScene, Lighting};
+use lumivox_scene::{Attenuation, Bounds, Environment, Light, LightKind, Material};
 
-use super::display::{has_display_values, share_of_lamps, vxct_display};
-use crate::Gpu;
-use crate::scene::{Attributes, GpuScene, Lighting};
+use super::display::{display_of, mean_radiance, share_of_lamps};
 
 /// `VXCT_OF_OTHERS`: a material that is not VXCT's.
 pub(super) const OF_OTHERS: u32 = 0;
@@ -24,33 +24,33 @@ const BACKGROUND: [f32; 2] = [0.1, 0.01];
 /// `VxctDraw` of `material.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct VxctDraw {
-    pub(crate) color: Vec3,
-    pub(crate) ambient: f32,
-    pub(crate) diffuse: f32,
-    pub(crate) specular: f32,
-    pub(crate) shininess: f32,
-    pub(crate) kind: u32,
-    pub(crate) first_index: u32,
-    pub(crate) base_vertex: i32,
-    pub(crate) first_triangle: u32,
-    pub(crate) attribute_words: u32,
-    pub(crate) is_rounded: u32,
-    pub(crate) is_voxelized: u32,
+pub(super) struct VxctDraw {
+    pub(super) color: Vec3,
+    pub(super) ambient: f32,
+    pub(super) diffuse: f32,
+    pub(super) specular: f32,
+    pub(super) shininess: f32,
+    pub(super) kind: u32,
+    pub(super) first_index: u32,
+    pub(super) base_vertex: i32,
+    pub(super) first_triangle: u32,
+    pub(super) attribute_words: u32,
+    pub(super) is_rounded: u32,
+    pub(super) is_voxelized: u32,
     padding: [u32; 2],
 }
 
 /// `VxctLight` of `lights.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct VxctLight {
-    pub(crate) position: Vec3,
-    pub(crate) is_parallel: u32,
-    pub(crate) color: Vec3,
-    pub(crate) spot_scale: f32,
-    pub(crate) spot_direction: Vec3,
-    pub(crate) spot_offset: f32,
-    pub(crate) attenuation: Vec3,
+pub(super) struct VxctLight {
+    pub(super) position: Vec3,
+    pub(super) is_parallel: u32,
+    pub(super) color: Vec3,
+    pub(super) spot_scale: f32,
+    pub(super) spot_direction: Vec3,
+    pub(super) spot_offset: f32,
+    pub(super) attenuation: Vec3,
     padding: u32,
 }
 
@@ -70,30 +70,23 @@ pub(super) struct Records {
 
 impl Records {
     /// Of a scene within `bounds`.
-    pub(super) fn new(scene: &Scene, bounds: Bounds) -> Self {
-        let mut records = Self {
+    pub(super) fn new(scene: &LookScene, bounds: Bounds) -> Self {
+        Self {
             materials: scene.materials.iter().map(of_material).collect(),
-            lighting: Lighting::of(scene),
-            has_display_values: has_display_values(scene),
-            center: Vec3::ZERO,
-            unit_m: 1.0,
-            white: vxct_display(scene).white,
-        };
-        records.set_bounds(bounds);
-        records
-    }
-
-    /// Takes another box: its middle, and its longest edge, are the cube's.
-    pub(super) fn set_bounds(&mut self, bounds: Bounds) {
-        self.center = 0.5 * (bounds.min + bounds.max);
-        self.unit_m = 0.5 * bounds.size().max_element();
+            lighting: scene.lighting.clone(),
+            has_display_values: scene.has_display_values,
+            // The middle of the box, and its longest edge, are the cube's.
+            center: 0.5 * (bounds.min + bounds.max),
+            unit_m: 0.5 * bounds.size().max_element(),
+            white: display_of(scene).white,
+        }
     }
 
     /// Takes other lights and surroundings.
-    pub(super) fn set_lights(&mut self, scene: &Scene) {
-        self.lighting = Lighting::of(scene);
-        self.has_display_values = has_display_values(scene);
-        self.white = vxct_display(scene).white;
+    pub(super) fn set_lights(&mut self, scene: &LookScene) {
+        self.lighting = scene.lighting.clone();
+        self.has_display_values = scene.has_display_values;
+        self.white = display_of(scene).white;
     }
 
     pub(super) fn light_count(&self) -> u32 {
@@ -181,12 +174,10 @@ impl Records {
 
     /// As a light from above.
     fn of_sky(&self, environment: &Environment) -> VxctLight {
-        let map = environment.map.as_ref();
-        let mean = environment.radiance * map.map_or(Vec3::ONE, |map| map.mean_radiance());
         VxctLight {
             position: Vec3::Y,
             is_parallel: 1,
-            color: mean / self.white,
+            color: mean_radiance(environment) / self.white,
             spot_scale: 0.0,
             spot_direction: Vec3::NEG_Y,
             spot_offset: 1.0,

@@ -4,7 +4,7 @@
 import package::constants::{VXCT_OF_EMITTER, VXCT_OF_STRENGTHS};
 import package::render::scene::material::material;
 import package::render::scene::point::PointSamples;
-import package::render::vxct::uniform::settings;
+import package::vxct::uniform::settings;
 import package::trace::brdf::alpha_from_roughness;
 
 // A draw of the scene.

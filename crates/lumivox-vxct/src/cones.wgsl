@@ -1,7 +1,7 @@
 // VXCT's three cones, step by step as it takes them.
 
 import package::constants::{VXCT_FRONT, VXCT_INTERMEDIATE, VXCT_LAST_LEVEL, VXCT_SIDES};
-import package::render::vxct::uniform::{has, settings, VxctCone};
+import package::vxct::uniform::{has, settings, VxctCone};
 
 @group(3) @binding(0) var voxels: texture_3d<f32>;
 @group(3) @binding(1) var voxels_sampler: sampler;

@@ -2,7 +2,7 @@
 // know all three of a triangle at each.
 
 import package::render::scene::draws::draws;
-import package::render::vxct::material::vxct_draws;
+import package::vxct::material::vxct_draws;
 
 // Three floats a vertex.
 @group(2) @binding(0) var<storage, read> positions: array<f32>;

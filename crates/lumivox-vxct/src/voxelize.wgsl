@@ -7,10 +7,10 @@
 
 import package::constants::VXCT_OF_EMITTER;
 import package::render::scene::point::{is_masked_out, sample_point, Point};
-import package::render::vxct::lights::{arriving_light, injected};
-import package::render::vxct::material::{material_of, vxct_draws};
-import package::render::vxct::uniform::{in_cube, settings};
-import package::render::vxct::vertex::{corner_of, position_of};
+import package::vxct::lights::{arriving_light, injected};
+import package::vxct::material::{material_of, vxct_draws};
+import package::vxct::uniform::{in_cube, settings};
+import package::vxct::vertex::{corner_of, position_of};
 
 // By voxel, x first: the number of the last triangle, from 1.
 @group(3) @binding(0) var<storage, read_write> owners: array<atomic<u32>>;

@@ -6,14 +6,16 @@
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::UVec2;
 use image::{Rgb, RgbImage};
-use lumivox_render::{Exposure, Look, RenderSettings, Renderer, ToneMap, View, VxctSettings};
+use lumivox::Directionality;
+use lumivox_render::{Exposure, RenderSettings, Renderer, ToneMap, View};
 use lumivox_scene::Scene;
+use lumivox_vxct::{VxctSettings, vxct_display};
 
-use crate::common::{camera, gpu, picture, renderer};
-use crate::snapshots::is_blessing;
+use crate::common::{builtin, camera, gpu, picture, renderer};
 
 /// Mean absolute difference of a channel that is allowed, of 255.
 const MOST: f64 = 3.0;
@@ -47,7 +49,7 @@ fn settings(what: &str) -> RenderSettings {
         frames: 1,
         exposure: Exposure::Stops(0.0),
         tone_map: ToneMap::Raw,
-        look: Look::Vxct(vxct),
+        look: Some(Arc::new(vxct)),
         view,
         voxel_level,
         ..RenderSettings::default()
@@ -147,4 +149,41 @@ fn pictures_are_those_of_the_program() {
         }
     }
     assert!(failures.is_empty(), "more than {MOST} of 255 off: {failures:#?}");
+}
+
+/// A scene that was not made for VXCT looks as before.
+#[test]
+fn a_box_looks_as_before() {
+    let scene = builtin("cornell");
+    let display = vxct_display(&scene);
+    let settings = RenderSettings {
+        size: UVec2::new(160, 90),
+        resolution: 64,
+        frames: 8,
+        look: Some(Arc::new(VxctSettings::for_resolution(64))),
+        directionality: Directionality::Isotropic,
+        bounces: 1,
+        exposure: display.exposure,
+        tone_map: display.tone_map,
+        ..RenderSettings::default()
+    };
+    let shown = picture(&mut renderer(&gpu(), &scene, settings));
+    let at = |x: u32, y: u32| shown.ldr[(y * shown.size.x + x) as usize];
+    let shown = RgbImage::from_fn(shown.size.x, shown.size.y, |x, y| {
+        let [r, g, b, _] = at(x, y);
+        Rgb([r, g, b])
+    });
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots/cornell.png");
+    if is_blessing() {
+        shown.save(&path).expect("a picture");
+    }
+    let before = image::open(&path).expect("a picture").to_rgb8();
+    let difference = mean_difference(&shown, &before);
+    // The adapter of the reference, Mesa's llvmpipe, repeats it to the bit.
+    assert!(difference < 0.5, "{difference} of 255");
+}
+
+/// Whether references are written.
+fn is_blessing() -> bool {
+    std::env::var("LUMIVOX_BLESS").is_ok_and(|value| value == "1")
 }

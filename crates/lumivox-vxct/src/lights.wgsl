@@ -1,6 +1,6 @@
 // Lights that fade by a polynomial, if at all.
 
-import package::render::vxct::material::VxctMaterial;
+import package::vxct::material::VxctMaterial;
 
 struct VxctLight {
     // In the cube; of parallel light the direction towards it, of unit length.

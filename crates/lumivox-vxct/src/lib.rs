@@ -1,5 +1,5 @@
 //! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse light
-//! (docs/vxct-look.md).
+//! (docs/vxct-look.md), as a [`Look`] for [`RenderSettings::look`].
 //!
 //! It has voxels of its own, a cube of them around the scene in one texture of 8 bits a channel ([`voxels`]), and draws the
 //! scene's triangles with one fragment shader that does all else (`shade.wgsl`). Nothing of it is there until it is
@@ -12,39 +12,124 @@ mod records;
 mod settings;
 mod voxels;
 
+use std::any::Any;
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
+use lumivox::Directionality;
 use lumivox::gpu::{BindGroup, BindGroupBuilder, Buffer, Recorder, ShaderLibrary};
-use lumivox::{GBuffer, Gi, Lights};
+use lumivox::settings::{Choice, check};
+use lumivox_render::look::{Look, LookFrame, LookParts, LookPasses, LookPreset, LookScene};
+use lumivox_render::parameters::{Group, Parameter};
+use lumivox_render::{
+    Companions, Exposure, Gpu, MemoryUse, PresetChoice, RenderError, RenderSettings, ToneMap, View,
+};
 use lumivox_scene::{Bounds, Scene};
 
-use crate::gpu::memory::MemoryUse;
-use crate::passes::targets::Targets;
-use crate::scene::GpuScene;
-use crate::{Gpu, RenderError, View};
-pub use display::{VxctDisplay, has_display_values, vxct_display};
+pub use display::{VxctDisplay, vxct_display};
 use passes::Passes;
 use records::{OF_EMITTER, OF_OTHERS, OF_STRENGTHS, Records};
-#[cfg(test)]
-pub(crate) use records::{VxctDraw, VxctLight};
-pub use settings::{ConeShape, Look, VxctSettings};
+pub use settings::{ConeShape, VxctSettings};
 
-/// Adds the shaders of this folder.
-pub(crate) fn add_shaders(library: &mut ShaderLibrary) {
+/// The name of the look.
+pub const NAME: &str = "vxct";
+
+/// The look among others.
+pub const CHOICE: Choice =
+    Choice::new(NAME, "Phong's light and VXCT's own cones (docs/vxct-look.md)");
+
+/// The group of its settings.
+pub const GROUP: Group = Group::Look(NAME);
+
+/// The preset that takes it, with what goes with it.
+pub const PRESET: PresetChoice = PresetChoice::Look(&LookPreset {
+    name: NAME,
+    summary: "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values",
+    look: |resolution| Arc::new(VxctSettings::for_resolution(resolution)),
+    companions: |usual| Companions {
+        directionality: Directionality::Isotropic,
+        bounces: 1,
+        exposure: USUAL_DISPLAY.0,
+        tone_map: USUAL_DISPLAY.1,
+        ..usual
+    },
+});
+
+/// It computes with display values.
+const USUAL_DISPLAY: (Exposure, ToneMap) = (Exposure::Stops(0.0), ToneMap::Raw);
+
+/// The rows of its settings, for a table of all.
+pub fn parameters() -> impl Iterator<Item = Parameter> {
+    let row = |row| {
+        Parameter::of_part(GROUP, row, settings_of, |all, vxct| all.look = Some(Arc::new(vxct)))
+    };
+    VxctSettings::SETTINGS.into_iter().map(row)
+}
+
+/// The settings of the look, or those that it would have.
+pub fn settings_of(settings: &RenderSettings) -> VxctSettings {
+    let given = settings.look.as_deref().and_then(of_look);
+    given.copied().unwrap_or_else(|| VxctSettings::for_resolution(settings.resolution))
+}
+
+fn of_look(look: &dyn Look) -> Option<&VxctSettings> {
+    (look as &dyn Any).downcast_ref()
+}
+
+impl Look for VxctSettings {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn is_same(&self, other: &dyn Look) -> bool {
+        of_look(other) == Some(self)
+    }
+
+    fn validate(&self) -> Result<(), RenderError> {
+        Ok(check(&Self::SETTINGS, self)?)
+    }
+
+    /// It has no octree to show.
+    fn shows(&self, view: View) -> bool {
+        !view.needs_octree()
+    }
+
+    fn last_level(&self) -> u32 {
+        LAST_LEVEL
+    }
+
+    fn display(&self, scene: Option<&Scene>) -> (Exposure, ToneMap) {
+        scene.map_or(USUAL_DISPLAY, |scene| {
+            let VxctDisplay { exposure, tone_map, .. } = vxct_display(scene);
+            (exposure, tone_map)
+        })
+    }
+
+    fn passes(&self, scene: &LookScene, grid: Bounds) -> Box<dyn LookPasses> {
+        let records = Records::new(scene, grid);
+        Box::new(VxctPasses { records, uploaded: None, passes: None, is_due: true })
+    }
+}
+
+/// A library's modules and this crate's beside them, as `package::vxct::...`.
+fn library(base: &ShaderLibrary) -> ShaderLibrary {
+    let mut library = base.clone();
     library
-        .add("render::vxct::cones", include_str!("cones.wgsl"))
-        .add("render::vxct::cubes", include_str!("cubes.wgsl"))
-        .add("render::vxct::finish", include_str!("finish.wgsl"))
-        .add("render::vxct::lights", include_str!("lights.wgsl"))
-        .add("render::vxct::material", include_str!("material.wgsl"))
-        .add("render::vxct::mip", include_str!("mip.wgsl"))
-        .add("render::vxct::shade", include_str!("shade.wgsl"))
-        .add("render::vxct::uniform", include_str!("uniform.wgsl"))
-        .add("render::vxct::vertex", include_str!("vertex.wgsl"))
-        .add("render::vxct::voxelize", include_str!("voxelize.wgsl"));
+        .add("vxct::cones", include_str!("cones.wgsl"))
+        .add("vxct::cubes", include_str!("cubes.wgsl"))
+        .add("vxct::finish", include_str!("finish.wgsl"))
+        .add("vxct::lights", include_str!("lights.wgsl"))
+        .add("vxct::material", include_str!("material.wgsl"))
+        .add("vxct::mip", include_str!("mip.wgsl"))
+        .add("vxct::shade", include_str!("shade.wgsl"))
+        .add("vxct::uniform", include_str!("uniform.wgsl"))
+        .add("vxct::vertex", include_str!("vertex.wgsl"))
+        .add("vxct::voxelize", include_str!("voxelize.wgsl"));
     for (name, value) in CONSTANTS {
         library.constant_u32(name, value);
     }
+    library
 }
 
 /// Bits of `VxctUniform::terms`.
@@ -80,45 +165,45 @@ const CONSTANTS: [(&str, u32); 15] = [
 ];
 
 /// The coarsest level of the voxels, at any resolution.
-pub(crate) const LAST_LEVEL: u32 = 6;
+const LAST_LEVEL: u32 = 6;
 
 /// `VxctCone` of `uniform.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct VxctCone {
-    pub(crate) width: f32,
-    pub(crate) offset: f32,
-    pub(crate) step_per_diameter: f32,
+struct VxctCone {
+    width: f32,
+    offset: f32,
+    step_per_diameter: f32,
     padding: u32,
 }
 
 /// `VxctUniform` of `uniform.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct VxctUniform {
-    pub(crate) clip_from_world: Mat4,
-    pub(crate) camera_in_world: Vec3,
-    pub(crate) white: f32,
-    pub(crate) center_in_world: Vec3,
-    pub(crate) unit_m: f32,
-    pub(crate) background: Vec3,
-    pub(crate) has_environment: u32,
-    pub(crate) diffuse: VxctCone,
-    pub(crate) occlusion: VxctCone,
-    pub(crate) specular: VxctCone,
-    pub(crate) shown: u32,
-    pub(crate) terms: u32,
-    pub(crate) light_count: u32,
-    pub(crate) resolution: u32,
-    pub(crate) origin_offset: f32,
-    pub(crate) shadow_strength: f32,
-    pub(crate) shininess_falloff: f32,
-    pub(crate) level: f32,
+struct VxctUniform {
+    clip_from_world: Mat4,
+    camera_in_world: Vec3,
+    white: f32,
+    center_in_world: Vec3,
+    unit_m: f32,
+    background: Vec3,
+    has_environment: u32,
+    diffuse: VxctCone,
+    occlusion: VxctCone,
+    specular: VxctCone,
+    shown: u32,
+    terms: u32,
+    light_count: u32,
+    resolution: u32,
+    origin_offset: f32,
+    shadow_strength: f32,
+    shininess_falloff: f32,
+    level: f32,
 }
 
 /// The look of a scene.
 #[derive(Debug)]
-pub(crate) struct VxctLook {
+struct VxctPasses {
     records: Records,
     /// Those of them that are on the GPU, unless they have changed.
     uploaded: Option<[Buffer; 2]>,
@@ -127,100 +212,36 @@ pub(crate) struct VxctLook {
     is_due: bool,
 }
 
-/// What one frame of the look is made from.
-pub(crate) struct VxctFrame<'a> {
-    pub(crate) scene: &'a GpuScene,
-    pub(crate) lights: &'a Lights,
-    pub(crate) gbuffer: &'a GBuffer,
-    pub(crate) targets: &'a Targets,
-    pub(crate) view: &'a lumivox::View,
-    pub(crate) shown: View,
-    pub(crate) level: u32,
-}
-
-impl VxctLook {
-    /// Of a scene within `bounds`.
-    pub(crate) fn new(scene: &Scene, bounds: Bounds) -> Self {
-        Self { records: Records::new(scene, bounds), uploaded: None, passes: None, is_due: true }
-    }
-
-    /// Takes other materials and other lights.
-    pub(crate) fn set_scene(&mut self, scene: &Scene, bounds: Bounds) {
-        self.records = Records::new(scene, bounds);
-        // Their layout may be another one, too.
-        self.unlink();
-    }
-
-    /// Takes up what has moved.
-    pub(crate) fn set_pose(&mut self) {
-        self.uploaded = None;
-    }
-
-    /// Goes on within other bounds.
-    pub(crate) fn relink(&mut self, bounds: Bounds) {
-        self.records.set_bounds(bounds);
-        self.unlink();
-    }
-
-    /// Takes other lights and surroundings.
-    pub(crate) fn set_lights(&mut self, scene: &Scene) {
+impl LookPasses for VxctPasses {
+    fn set_scene(&mut self, scene: &LookScene) {
         self.records.set_lights(scene);
         self.uploaded = None;
     }
 
-    /// Lets the next frame make the voxels anew.
-    pub(crate) fn revoxelize(&mut self) {
+    fn relight(&mut self) {
         self.is_due = true;
     }
 
-    /// Gives back what is on the GPU; the next use makes it anew.
-    pub(crate) fn unlink(&mut self) {
-        (self.passes, self.uploaded) = (None, None);
-    }
-
-    /// Links what the look needs and is not there yet.
-    ///
-    /// # Errors
-    /// When the device has no voxels of that resolution, or a shader does not link.
-    pub(crate) fn prepare(
-        &mut self,
-        gpu: &Gpu,
-        shaders: &ShaderLibrary,
-        gi: &Gi,
-        scene: &GpuScene,
-        resolution: u32,
-    ) -> Result<(), RenderError> {
-        let fits =
-            self.passes.as_ref().is_some_and(|passes| passes.voxels.resolution == resolution);
-        if !fits {
-            self.passes = None;
-            self.passes = Some(Passes::new(gpu, shaders, gi, scene, resolution)?);
-            self.is_due = true;
-        }
-        if let Some(passes) = &mut self.passes {
-            for draw in 0..scene.draws.len() {
-                passes.prepare(&gpu.pipelines, scene, self.records.sides(scene, draw))?;
+    fn prepare(&mut self, parts: &LookParts<'_>) -> Result<(), RenderError> {
+        let passes = self.passes.take().filter(|p| p.voxels.resolution == parts.resolution);
+        let passes = match passes {
+            Some(passes) => passes,
+            None => {
+                self.is_due = true;
+                Passes::new(parts)?
             }
+        };
+        let passes = self.passes.insert(passes);
+        for draw in 0..parts.scene.draws.len() {
+            let sides = self.records.sides(parts.scene, draw);
+            passes.prepare(&parts.gpu.pipelines, parts.scene, sides)?;
         }
         Ok(())
     }
 
-    /// GPU memory.
-    pub(crate) fn memory(&self) -> Option<MemoryUse> {
-        let passes = self.passes.as_ref()?;
-        Some(MemoryUse::new("VXCT's voxels", passes.voxels.bytes()))
-    }
-
-    /// Makes the picture; [`Self::prepare`] comes before. The settings take effect at the next submission: one frame per
-    /// recorder.
-    pub(crate) fn record(
-        &mut self,
-        gpu: &Gpu,
-        recorder: &mut Recorder,
-        frame: &VxctFrame<'_>,
-        settings: &VxctSettings,
-    ) {
+    fn record(&mut self, gpu: &Gpu, recorder: &mut Recorder, frame: &LookFrame<'_>) {
         let Self { records, uploaded, passes: Some(passes), is_due } = self else { return };
+        let Some(settings) = of_look(frame.look) else { return };
         let scene = frame.scene;
         let [draws, lights] = uploaded.get_or_insert_with(|| records.upload(gpu, scene));
         let uniform = uniform(records, passes, settings, frame);
@@ -255,13 +276,18 @@ impl VxctLook {
             passes.draw(recorder, frame, records, (&look, &batches));
         }
     }
+
+    fn memory(&self) -> Vec<MemoryUse> {
+        let bytes = self.passes.iter().map(|passes| passes.voxels.bytes());
+        bytes.map(|bytes| MemoryUse::new("VXCT's voxels", bytes)).collect()
+    }
 }
 
 fn uniform(
     records: &Records,
     passes: &Passes,
     settings: &VxctSettings,
-    frame: &VxctFrame<'_>,
+    frame: &LookFrame<'_>,
 ) -> VxctUniform {
     let cone = |cone: ConeShape| VxctCone {
         width: 2.0 * (0.5 * cone.aperture_rad).tan(),
@@ -303,3 +329,6 @@ fn uniform(
         level: passes.voxels.level(frame.level) as f32,
     }
 }
+
+#[cfg(test)]
+mod layouts;

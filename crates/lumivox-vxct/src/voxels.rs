@@ -8,8 +8,8 @@ use lumivox::gpu::{
 
 use super::LAST_LEVEL;
 use super::passes::Layouts;
-use crate::scene::GpuScene;
-use crate::{Gpu, RenderError};
+use lumivox_render::look::LookParts;
+use lumivox_render::{Gpu, GpuScene, RenderError};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// The picture that WebGPU wants to have; one byte a pixel, and never written.
@@ -38,12 +38,11 @@ impl Voxels {
     /// # Errors
     /// [`RenderError::Limit`] where the device has no such textures or buffers, and when a shader does not link.
     pub(super) fn new(
-        gpu: &Gpu,
+        parts: &LookParts<'_>,
         shaders: &ShaderLibrary,
         layouts: &Layouts,
-        scene: &GpuScene,
-        resolution: u32,
     ) -> Result<Self, RenderError> {
+        let LookParts { gpu, scene, resolution, .. } = *parts;
         check(gpu, resolution)?;
         let device = &gpu.pipelines;
         let levels = 1 + LAST_LEVEL.min(resolution.ilog2());
@@ -94,9 +93,9 @@ impl Voxels {
         Ok(Self {
             own: pipeline(device, shaders, groups, "own")?,
             paint: pipeline(device, shaders, groups, "paint")?,
-            clear: Kernel::new(device, shaders, "render::vxct::mip", "clear", &[&mip_layout])?,
+            clear: Kernel::new(device, shaders, "vxct::mip", "clear", &[&mip_layout])?,
             clear_group: from_to(1, 0),
-            mip: Kernel::new(device, shaders, "render::vxct::mip", "main", &[&mip_layout])?,
+            mip: Kernel::new(device, shaders, "vxct::mip", "main", &[&mip_layout])?,
             mip_groups: (1..levels).map(|level| from_to(level - 1, level)).collect(),
             owners,
             group,
@@ -206,7 +205,7 @@ fn pipeline(
     groups: [&wgpu::BindGroupLayout; 4],
     entry: &str,
 ) -> Result<DrawPipeline, ShaderError> {
-    let shader = device.shader(shaders, "render::vxct::voxelize")?;
+    let shader = device.shader(shaders, "vxct::voxelize")?;
     let target = wgpu::ColorTargetState {
         format: PICTURE_FORMAT,
         blend: None,

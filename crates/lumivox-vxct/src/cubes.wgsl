@@ -4,8 +4,8 @@
 import package::constants::{VIEW_LIT, VIEW_WIRE_VOXELS};
 import package::render::passes::voxel_view::cell_walk::{longest_walk, next_axis, walk_into, walked_on};
 import package::render::passes::voxel_view::view::distance_to_edge;
-import package::render::vxct::finish::background;
-import package::render::vxct::uniform::{in_cube, settings};
+import package::vxct::finish::background;
+import package::vxct::uniform::{in_cube, settings};
 import package::trace::gbuffer::{ray_direction, view};
 
 @group(1) @binding(0) var voxels: texture_3d<f32>;

@@ -10,13 +10,13 @@ import package::constants::{
     VXCT_SPECULAR_CONES,
 };
 import package::render::scene::point::{frame_at, is_masked_out, sample_point, Point, PointSamples};
-import package::render::vxct::cones::{
+import package::vxct::cones::{
     diffuse_cones, occlusion_cone, sample_voxels, specular_cone, Traced,
 };
-import package::render::vxct::lights::{arriving_light, vxct_lights, Arriving};
-import package::render::vxct::material::{material_of, vxct_draws, VxctMaterial};
-import package::render::vxct::uniform::{has, in_cube, settings};
-import package::render::vxct::vertex::corner_of;
+import package::vxct::lights::{arriving_light, vxct_lights, Arriving};
+import package::vxct::material::{material_of, vxct_draws, VxctMaterial};
+import package::vxct::uniform::{has, in_cube, settings};
+import package::vxct::vertex::corner_of;
 import package::trace::gbuffer::octahedral_encode;
 
 struct Fragment {

@@ -1,0 +1,71 @@
+use lumivox_render::RenderSettings;
+
+use super::*;
+
+fn values(kind: Kind) -> Vec<Value> {
+    match kind {
+        Kind::Switch => vec![Value::Switch(true), Value::Switch(false)],
+        Kind::Number { low, high, .. } => vec![Value::Number(low), Value::Number(high)],
+        Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
+        Kind::Whole { .. } | Kind::Vector { .. } => panic!("no look has such a setting"),
+    }
+}
+
+#[test]
+fn names_are_unique_and_groups_stand_together() {
+    let names: Vec<_> = PARAMETERS.iter().flat_map(Parameter::names).collect();
+    let mut sorted = names.clone();
+    sorted.sort_unstable();
+    sorted.dedup();
+    assert_eq!(sorted.len(), names.len());
+    let mut groups: Vec<_> = PARAMETERS.iter().map(|parameter| parameter.group).collect();
+    groups.dedup();
+    assert_eq!(groups, GROUPS);
+    assert_eq!(GROUPS[..Group::ALL.len()], Group::ALL);
+}
+
+#[test]
+fn what_is_set_in_a_look_is_what_is_got_and_changes_nothing_else() {
+    for parameter in of_looks() {
+        let defaults = RenderSettings::default();
+        let mut settings = defaults.clone();
+        for value in values(parameter.kind) {
+            parameter.set(&mut settings, value).expect("in range");
+            assert_eq!(parameter.get(&settings), value, "{parameter:?}");
+            assert_eq!(parameter.parse(&value.to_string()), Ok(value), "{parameter:?}");
+            settings.validate(&wgpu::Limits::default()).expect("in range");
+            for other in PARAMETERS.iter() {
+                let is_asked_for = parameter.needs.is_some_and(|(name, _)| name == other.name);
+                if other.name != parameter.name && !is_asked_for {
+                    assert_eq!(other.get(&settings), other.get(&defaults), "{parameter:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn presets_are_found_by_their_names() {
+    for known in PRESETS {
+        assert_eq!(find_preset(known.name()), Some(*known));
+        assert!(known.summary().len() > 10, "{}", known.name());
+    }
+    assert_eq!(PRESETS[..PresetChoice::PHYSICAL.len()], PresetChoice::PHYSICAL);
+    assert_eq!(find_preset("Fast"), None);
+}
+
+/// Whatever the settings were, the preset decides what is its own.
+#[test]
+fn presets_do_not_depend_on_what_was_before() {
+    let scene = lumivox_scene::builtin::scene("cornell").unwrap();
+    let fresh = RenderSettings::default();
+    for before in PRESETS {
+        for preset in PRESETS {
+            let direct = fresh.with_preset(*preset, Some(&scene));
+            let by_way = fresh.with_preset(*before, Some(&scene));
+            let by_way = by_way.with_preset(*preset, Some(&scene));
+            assert_eq!(by_way, direct, "{} after {}", preset.name(), before.name());
+            assert!(direct.look == preset.look(fresh.resolution));
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The look's resources on the GPU go when another look is taken, and with the renderer.
+//!
+//! Alone in a program of its own: the count is of the whole process.
+
+#[allow(dead_code, unused_imports)] // The renderer's own tests use the rest.
+#[path = "../../lumivox-render/tests/it/common/mod.rs"]
+mod common;
+
+use std::sync::Arc;
+
+use common::{builtin, gpu, picture, renderer};
+use glam::UVec2;
+use lumivox::gpu::LiveResources;
+use lumivox_render::RenderSettings;
+use lumivox_vxct::VxctSettings;
+
+#[test]
+fn nothing_outlives_the_look() {
+    let gpu = gpu();
+    let physical = RenderSettings {
+        size: UVec2::new(48, 32),
+        resolution: 24,
+        shadow_resolution: 128,
+        frames: 2,
+        ..RenderSettings::default()
+    };
+    let look = RenderSettings { look: Some(Arc::new(VxctSettings::default())), ..physical.clone() };
+    let scene = builtin("cornell");
+    let held = [&physical, &look].map(|settings| {
+        let mut renderer = renderer(&gpu, &scene, settings.clone());
+        picture(&mut renderer);
+        LiveResources::now()
+    });
+    let nothing = LiveResources { buffers: 0, textures: 0, buffer_bytes: 0 };
+    assert_eq!(LiveResources::now(), nothing);
+    let mut changing = renderer(&gpu, &scene, physical.clone());
+    picture(&mut changing);
+    for (settings, held) in [(&look, &held[1]), (&physical, &held[0])] {
+        pollster::block_on(changing.set_settings(settings.clone(), &mut |_| {}))
+            .expect("other settings");
+        picture(&mut changing);
+        assert_eq!(LiveResources::now(), *held);
+    }
+}
