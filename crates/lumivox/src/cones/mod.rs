@@ -47,8 +47,8 @@ impl TraceSettings {
             step_per_voxel: self.step_per_voxel,
             min_transmittance: self.min_transmittance,
             occlusion_distance: (self.occlusion_distance_m / voxel_size_m).min(3e38),
-            padding: [0; 2],
             model_values,
+            ..ConeSettings::zeroed()
         }
     }
 }

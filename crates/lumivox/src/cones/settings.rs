@@ -109,11 +109,11 @@ impl TraceSettings {
     /// # Errors
     /// [`GiError::Setting`], naming the first one that is out of range.
     pub fn validate(&self) -> Result<(), GiError> {
-        settings::check(&Self::SETTINGS, self).map_err(GiError::from)
+        settings::check(Self::SETTINGS, self).map_err(GiError::from)
     }
 
     /// The table of the settings: names, ranges and meaning.
-    pub const SETTINGS: [Setting<Self>; 10] = [
+    pub const SETTINGS: &'static [Setting<Self>] = &[
         Setting {
             name: "cones",
             unit: "",

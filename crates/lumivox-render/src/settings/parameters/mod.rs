@@ -105,7 +105,7 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         own(Group::Overlay, table::OVERLAY),
         own(Group::Volume, table::VOLUME),
         own(Group::Light, table::LIGHT),
-        cones.map(of_cones).into(),
+        cones.iter().copied().map(of_cones).collect(),
         report.map(of_report).into(),
     ]
     .into_iter()
