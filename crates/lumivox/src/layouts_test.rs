@@ -1,7 +1,7 @@
 //! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a GPU.
 
 use crate::cones::ConeSettings;
-use crate::gpu::{ShaderLibrary, assert_layout};
+use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{ScreenSettings, ViewUniform};
 use crate::volume::changes::{LevelWords, ListParams, MovedParams};
@@ -19,121 +19,23 @@ fn libraries() -> Vec<ShaderLibrary> {
 #[test]
 fn structs_lie_in_memory_alike() {
     let library = &libraries()[0];
-    assert_layout!(library, "voxels::list", "Node", NodeRecord { morton, lobes });
-    assert_layout!(
-        library,
-        "voxels::list",
-        "Face",
-        FaceRecord {
-            position_in_world,
-            voxel,
-            vector_area,
-            lobe,
-            reflectance,
-            visible_area,
-            emission,
-            gloss,
-        }
-    );
-    assert_layout!(
-        library,
-        "volume::octree::tree",
-        "Tree",
-        TreeUniform { root_level, table_level, table_words, slots, inverse_size, row_bits, levels }
-    );
-    assert_layout!(
-        library,
-        "volume::octree::locks",
-        "LockPass",
-        LockPass { pass_number, item_count, capacity, level_starts }
-    );
-    assert_layout!(
-        library,
-        "grid",
-        "Grid",
-        crate::grid::GridUniform { origin_in_world, voxel_size_m, dimensions, levels }
-    );
-    assert_layout!(
-        library,
-        "light::lights",
-        "Light",
-        LightRecord {
-            position_in_world,
-            kind,
-            direction,
-            range_m,
-            intensity,
-            radius,
-            spot_scale,
-            spot_offset,
-            shadow,
-            shadow_layer,
-        }
-    );
-    assert_layout!(
-        library,
-        "light::lights",
-        "LightGlobals",
-        LightGlobals { environment, light_count, environment_turn, mirror_alpha }
-    );
-    assert_layout!(
-        library,
-        "light::shadow_map",
-        "ShadowLayer",
-        ShadowLayerRecord { clip_from_world, texel_size, is_perspective }
-    );
-    assert_layout!(
-        library,
-        "light::bounce",
-        "BounceSettings",
-        BounceSettings { cones, cone_count }
-    );
-    assert_layout!(
-        library,
-        "cones::cone",
-        "ConeSettings",
-        ConeSettings {
-            voxel_per_diameter,
-            clearance,
-            normal_offset,
-            step_per_voxel,
-            min_transmittance,
-            occlusion_distance,
-            model_values,
-        }
-    );
-    assert_layout!(
-        library,
-        "trace::screen",
-        "ScreenSettings",
-        ScreenSettings { cones, diffuse_cones, scale, specular_share, gathers }
-    );
-    assert_layout!(
-        library,
-        "trace::gbuffer",
-        "View",
-        ViewUniform { clip_from_world, world_from_clip, position_in_world, frame, size }
-    );
-    assert_layout!(
-        library,
-        "volume::level_range",
-        "NodeRange",
-        NodeRange { level, first, count, first_mask_entry }
-    );
-    assert_layout!(
-        library,
-        "volume::changes::moved",
-        "MovedParams",
-        MovedParams { voxel_count, finest_words, all }
-    );
-    assert_layout!(library, "volume::changes::list", "ListParams", ListParams { only_occupied });
-    assert_layout!(
-        library,
-        "volume::changes::cells",
-        "LevelWords",
-        LevelWords { level, first_word, end_word }
-    );
-    assert_layout!(library, "volume::dense::masks", "MaskLevels", MaskLevels { first_entry });
+    library.check_struct::<NodeRecord>("voxels::list", "Node").unwrap();
+    library.check_struct::<FaceRecord>("voxels::list", "Face").unwrap();
+    library.check_struct::<TreeUniform>("volume::octree::tree", "Tree").unwrap();
+    library.check_struct::<LockPass>("volume::octree::locks", "LockPass").unwrap();
+    library.check_struct::<crate::grid::GridUniform>("grid", "Grid").unwrap();
+    library.check_struct::<LightRecord>("light::lights", "Light").unwrap();
+    library.check_struct::<LightGlobals>("light::lights", "LightGlobals").unwrap();
+    library.check_struct::<ShadowLayerRecord>("light::shadow_map", "ShadowLayer").unwrap();
+    library.check_struct::<BounceSettings>("light::bounce", "BounceSettings").unwrap();
+    library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
+    library.check_struct::<ScreenSettings>("trace::screen", "ScreenSettings").unwrap();
+    library.check_struct::<ViewUniform>("trace::gbuffer", "View").unwrap();
+    library.check_struct::<NodeRange>("volume::level_range", "NodeRange").unwrap();
+    library.check_struct::<MovedParams>("volume::changes::moved", "MovedParams").unwrap();
+    library.check_struct::<ListParams>("volume::changes::list", "ListParams").unwrap();
+    library.check_struct::<LevelWords>("volume::changes::cells", "LevelWords").unwrap();
+    library.check_struct::<MaskLevels>("volume::dense::masks", "MaskLevels").unwrap();
 }
 
 /// How many entry points a module's own source declares.

@@ -5,8 +5,6 @@ mod bindings;
 mod buffers;
 mod indirect;
 mod kernel;
-#[cfg(test)]
-mod layouts;
 mod memory;
 mod passes;
 pub mod pipelines;
@@ -20,8 +18,6 @@ pub use buffers::{read_buffer, storage_buffer, submitted_work_done, uniform_buff
 pub(crate) use indirect::{Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
-#[cfg(test)]
-pub(crate) use layouts::assert_layout;
 pub(crate) use memory::{Memory, Remedy};
 pub use passes::{ComputePass, RenderPass};
 pub use pipelines::Pipelines;

@@ -8,8 +8,10 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::fmt::{Debug, Write as _};
 use std::sync::Arc;
+
+use bytemuck::Pod;
 
 use crate::gpu::LINEAR_WORKGROUP_SIZE;
 
@@ -174,4 +176,51 @@ impl ShaderLibrary {
             .collect();
         Ok(StructLayout { size: *span, members })
     }
+
+    /// Compares the struct `name` of the module `path` with its Rust side: the names of its members, where each lies,
+    /// and its size. Members whose names begin with `padding` do not count.
+    ///
+    /// # Errors
+    /// As [`Self::struct_layout`], and when the two differ.
+    pub fn check_struct<T: Pod + Debug>(&self, path: &str, name: &str) -> Result<(), ShaderError> {
+        let StructLayout { size, members } = self.struct_layout(path, name)?;
+        let counts = |(name, _): &(String, u32)| !name.starts_with("padding");
+        let wgsl: Vec<_> = members.into_iter().filter(counts).collect();
+        let rust: Vec<_> = members_of::<T>().into_iter().filter(counts).collect();
+        if (&rust, size_of::<T>() as u32) == (&wgsl, size) {
+            return Ok(());
+        }
+        let message = format!(
+            "`{name}` has {size} bytes and {wgsl:?}, {} has {} bytes and {rust:?}",
+            std::any::type_name::<T>(),
+            size_of::<T>()
+        );
+        Err(ShaderError { module: path.to_owned(), message })
+    }
+}
+
+/// The members of a struct of 32-bit numbers with their byte offsets, read off how it is printed: plain old data has no
+/// gaps.
+fn members_of<T: Pod + Debug>() -> Vec<(String, u32)> {
+    let text = format!("{:?}", T::zeroed());
+    let mut members: Vec<(String, u32)> = Vec::new();
+    let (mut depth, mut bytes, mut word) = (0, 0, String::new());
+    for letter in text.chars().chain([' ']) {
+        if letter.is_ascii_alphanumeric() || "_.-".contains(letter) {
+            word.push(letter);
+            continue;
+        }
+        if word.starts_with(|c: char| c.is_ascii_digit() || c == '-') {
+            bytes += 4;
+        } else if depth == 1 && letter == ':' {
+            members.push((word.clone(), bytes));
+        }
+        word.clear();
+        match letter {
+            '{' | '(' | '[' => depth += 1,
+            '}' | ')' | ']' => depth -= 1,
+            _ => {}
+        }
+    }
+    members
 }

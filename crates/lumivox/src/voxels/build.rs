@@ -220,23 +220,12 @@ impl ListBuilder {
 #[cfg(test)]
 mod tests {
     use super::InnerParams;
-    use crate::gpu::assert_layout;
     use crate::voxels::pyramid::PyramidParams;
 
     #[test]
     fn structs_lie_in_memory_alike() {
         let library = crate::shaders::library();
-        assert_layout!(
-            library,
-            "voxels::pyramid",
-            "PyramidParams",
-            PyramidParams { child_first_word, child_words, parent_first_word, parent_words }
-        );
-        assert_layout!(
-            library,
-            "voxels::inner_lobes",
-            "InnerParams",
-            InnerParams { first_node, end_node, child_first_word }
-        );
+        library.check_struct::<PyramidParams>("voxels::pyramid", "PyramidParams").unwrap();
+        library.check_struct::<InnerParams>("voxels::inner_lobes", "InnerParams").unwrap();
     }
 }
