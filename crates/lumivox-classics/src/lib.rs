@@ -3,6 +3,7 @@
 
 pub mod photons;
 pub mod raster;
+pub mod report;
 
 use lumivox::gpu::ShaderLibrary;
 

@@ -7,6 +7,7 @@ use lumivox::hooks::{Injection, Voxelization};
 use lumivox::settings::Choice;
 use lumivox_classics::photons::{self, photons};
 use lumivox_classics::raster::Raster;
+pub use lumivox_classics::report::ReportCones;
 
 use crate::RenderSettings;
 

@@ -36,8 +36,8 @@ fn nothing_outlives_the_look() {
     let mut changing = renderer(&gpu, &scene, physical.clone());
     picture(&mut changing);
     for (settings, held) in [(&look, &held[1]), (&physical, &held[0])] {
-        let change = changing.set_settings(settings.clone(), &mut |_| {});
-        pollster::block_on(change).expect("other settings");
+        pollster::block_on(changing.set_settings(settings.clone(), &mut |_| {}))
+            .expect("other settings");
         picture(&mut changing);
         assert_eq!(LiveResources::now(), *held);
     }

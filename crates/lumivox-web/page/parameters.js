@@ -73,9 +73,9 @@ function line(info, change, reset) {
 
 /** @param {ParameterInfo} info */
 function hintText(info) {
-    const { min, max, unit, word } = info;
+    const { min, max, unit, words: names = [] } = info;
     const range = min === undefined || max === undefined ? "" : ` ${plain(min)} to ${plain(max)}${unit ? ` ${unit}` : ""}`;
-    const words = word === undefined ? "" : range ? ` or ${word}` : ` ${word}`;
+    const words = names.map((name, index) => (range || index ? ` or ${name}` : ` ${name}`)).join("");
     return `${info.summary}.${range || words ? `${range}${words}.` : ""}`;
 }
 

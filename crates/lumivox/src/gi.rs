@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::UVec2;
 
-use crate::cones::{TraceResolution, TraceSettings};
+use crate::cones::{ConeModel, TraceResolution, TraceSettings};
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowMaps, lights_layout};
@@ -31,6 +31,8 @@ pub struct GiConfig {
     pub voxelizer: Option<Arc<dyn Voxelization>>,
     /// How the light of lamps and suns comes into the voxels; `None` (the default): each face asks each light.
     pub injection: Option<Arc<dyn Injection>>,
+    /// Where cones start and point, and what their samples show; `None` (the default): the physics.
+    pub cones: Option<Arc<dyn ConeModel>>,
 }
 
 impl GiConfig {
@@ -43,6 +45,7 @@ impl GiConfig {
             memory_budget: None,
             voxelizer: None,
             injection: None,
+            cones: None,
         }
     }
 }
@@ -81,6 +84,8 @@ pub struct Gi {
     white: EnvironmentMap,
     /// Gathers of the last call of `light`, the one on screen included.
     bounces: u32,
+    /// Those of the cone model; nothing reads them without one.
+    cone_values: [f32; 4],
 }
 
 impl Gi {
@@ -110,6 +115,10 @@ impl Gi {
         config: GiConfig,
     ) -> Result<Self, GiError> {
         let mut shaders = crate::shaders::library();
+        if let Some(model) = &config.cones {
+            shaders.add("cones::model", model.module());
+        }
+        let cone_values = config.cones.as_ref().map_or([0.0; 4], |model| model.values());
         let volume = Volume::new(
             device,
             &mut shaders,
@@ -140,6 +149,7 @@ impl Gi {
             gbuffer_layout,
             white: EnvironmentMap::white(device, queue),
             bounces: 0,
+            cone_values,
         })
     }
 
@@ -231,8 +241,15 @@ impl Gi {
         self.bounces = bounces;
         let gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
-        self.lighting.run(recorder, volume, lights, gathers, settings);
+        let cones = (settings, self.cone_values);
+        self.lighting.run(recorder, volume, lights, gathers, cones);
         Ok(())
+    }
+
+    /// Takes other values of its [`ConeModel`], from the next calls of [`Self::light`] and
+    /// [`Self::trace`] on. Another model needs another `Gi`.
+    pub fn set_cone_values(&mut self, values: [f32; 4]) {
+        self.cone_values = values;
     }
 
     /// Lets the next call of [`Self::light`] store and filter all voxels, even those whose light is what the
@@ -284,7 +301,8 @@ impl Gi {
         if targets.resolution() == TraceResolution::Half {
             self.prepare_half()?;
         }
-        targets.set(&self.queue, settings, self.config.grid.voxel_size_m, self.bounces);
+        let cones = (settings, self.cone_values);
+        targets.set(&self.queue, cones, self.config.grid.voxel_size_m, self.bounces);
         let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
         self.tracer.run(recorder, &bound, targets);
         Ok(())

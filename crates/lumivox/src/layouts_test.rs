@@ -99,10 +99,7 @@ fn structs_lie_in_memory_alike() {
             step_per_voxel,
             min_transmittance,
             occlusion_distance,
-            width_attenuation,
-            level_gain_stops,
-            has_jitter,
-            is_clear_of_walls,
+            model_values,
         }
     );
     assert_layout!(

@@ -6,19 +6,20 @@ use lumivox_console::values::choices::among;
 use lumivox_explorer::parameters::PRESETS;
 use lumivox_render::PresetChoice;
 
-/// How much is spent on the cones.
-pub fn preset() -> impl TypedValueParser<Value = Preset> {
-    among(&[Preset::Fast, Preset::Balanced, Preset::High, Preset::Report], |preset| {
-        (preset_name(preset), PresetChoice::Cones(preset).summary())
-    })
+/// The presets whose pictures are measured in physical units.
+const PHYSICAL: [PresetChoice; 4] = [
+    PresetChoice::Cones(Preset::Fast),
+    PresetChoice::Cones(Preset::Balanced),
+    PresetChoice::Cones(Preset::High),
+    PresetChoice::Report,
+];
+
+/// A preset whose pictures are measured in physical units.
+pub fn physical_preset() -> impl TypedValueParser<Value = PresetChoice> {
+    among(&PHYSICAL, |choice| (choice.name(), choice.summary()))
 }
 
 /// A preset of the cones, or a look.
 pub fn preset_or_look() -> impl TypedValueParser<Value = PresetChoice> {
     among(PRESETS, |choice| (choice.name(), choice.summary()))
-}
-
-/// The name of a preset of the cones.
-pub const fn preset_name(preset: Preset) -> &'static str {
-    PresetChoice::Cones(preset).name()
 }

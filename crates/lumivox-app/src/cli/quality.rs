@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use glam::UVec2;
-use lumivox::Preset;
+use lumivox_render::PresetChoice;
 
 use super::GpuArgs;
 use crate::args::{choices, number, size};
@@ -39,9 +39,9 @@ pub struct QualityArgs {
     pub kept: bool,
 
     /// Presets that are measured, separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choices::preset())]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choices::physical_preset())]
     #[arg(default_value = "fast,balanced,high", help_heading = "Measurement")]
-    pub presets: Vec<Preset>,
+    pub presets: Vec<PresetChoice>,
 
     /// Voxels along the scene's longest axis, separated by commas: multiples of 8 from 16 to 1024
     ///

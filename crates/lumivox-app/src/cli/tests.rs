@@ -220,7 +220,8 @@ fn a_preset_brings_its_companions_unless_told_otherwise() {
         directionality: Directionality::Isotropic,
         volume: VolumeKind::Octree(OctreeOptions::default()),
         injection: lumivox_render::classics::injection("photons"),
-        trace: lumivox::TraceSettings::preset(lumivox::Preset::Report),
+        trace: lumivox_render::PresetChoice::Report.trace(),
+        report_cones: lumivox_render::classics::ReportCones::REPORT,
         bounces: 1,
         ..RenderSettings::default()
     };

@@ -1,6 +1,7 @@
 //! The classics against closed forms, definitions and Lumivox's own ways.
 
 mod photons;
+mod report;
 #[allow(dead_code)] // Lumivox's own tests use the rest, here and below.
 #[path = "../../../lumivox/src/testing.rs"]
 mod testing;

@@ -7,6 +7,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use lumivox::gpu::Recorder;
+use lumivox::hooks::ConeModel as _;
 use lumivox::{Grid, Voxelized};
 use lumivox_scene::Scene;
 
@@ -39,7 +40,10 @@ impl Redo {
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
-        let volume = !is_same_grid || changed.contains(&Redoes::Voxels);
+        // Another model of the cones is other shaders, other values of the same model are not.
+        let is_same_model =
+            old.report_cones.model().is_some() == new.report_cones.model().is_some();
+        let volume = !is_same_grid || !is_same_model || changed.contains(&Redoes::Voxels);
         let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;
         let light = volume
             || changed.contains(&Redoes::Light)
@@ -98,6 +102,7 @@ impl Renderer {
             compile(&self.gpu, progress).await?;
         }
         let was = std::mem::replace(&mut self.settings, settings);
+        self.gi.set_cone_values(self.settings.report_cones.values());
         self.drop_look_of(&was);
         if let Some(pass) = self.targets.overlay.take_if(|_| !self.settings.overlay.is_on()) {
             self.targets.bytes -= pass.bytes;

@@ -10,7 +10,7 @@ use lumivox::gpu::Timing;
 use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
-use crate::classics::{InjectionChoice, VoxelizerChoice};
+use crate::classics::{InjectionChoice, ReportCones, VoxelizerChoice};
 use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
 use crate::{Overlay, RenderError};
@@ -112,6 +112,9 @@ pub struct RenderSettings {
     pub look: LookChoice,
     /// The cones.
     pub trace: TraceSettings,
+    /// Where the cones depart from the physics, as those of the sparse voxel octree report do.
+    /// Default: nowhere.
+    pub report_cones: ReportCones,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
     /// light alone, 1 is light over one other surface. Default: 8, which leaves out a^8 of the light in a
     /// room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the voxels, once.
@@ -154,6 +157,7 @@ impl Default for RenderSettings {
             injection: None,
             look: None,
             trace: TraceSettings::default(),
+            report_cones: ReportCones::default(),
             bounces: 8,
             frames: 16,
             view: View::default(),
@@ -178,6 +182,7 @@ impl RenderSettings {
             memory_budget: self.volume_memory,
             voxelizer: self.voxelizer.clone(),
             injection: self.injection.clone(),
+            cones: self.report_cones.model(),
         }
     }
 

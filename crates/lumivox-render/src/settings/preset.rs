@@ -7,15 +7,17 @@
 use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
-use crate::classics::{self, InjectionChoice};
+use crate::classics::{self, InjectionChoice, ReportCones};
 use crate::look::{LookChoice, LookPreset};
 use crate::{Exposure, PHYSICAL, RenderSettings, ToneMap};
 
-/// What a picture starts from: presets of the cones, or a look with cones of its own. Default: the default [`Preset`].
+/// What a picture starts from: presets of the cones, or the look of another renderer. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetChoice {
-    /// The physical look, or what is left of it.
+    /// The physical look.
     Cones(Preset),
+    /// The tuning of the sparse voxel octree report.
+    Report,
     /// A look.
     Look(&'static LookPreset),
 }
@@ -32,7 +34,7 @@ impl PresetChoice {
         Self::Cones(Preset::Fast),
         Self::Cones(Preset::Balanced),
         Self::Cones(Preset::High),
-        Self::Cones(Preset::Report),
+        Self::Report,
     ];
 
     /// The name in lower case.
@@ -41,7 +43,7 @@ impl PresetChoice {
             Self::Cones(Preset::Fast) => "fast",
             Self::Cones(Preset::Balanced) => "balanced",
             Self::Cones(Preset::High) => "high",
-            Self::Cones(Preset::Report) => "report",
+            Self::Report => "report",
             Self::Look(preset) => preset.name,
         }
     }
@@ -54,25 +56,26 @@ impl PresetChoice {
             Self::Cones(Preset::High) => {
                 "12 cones, every pixel, samples half as large: fewest leaks"
             }
-            Self::Cones(Preset::Report) => {
+            Self::Report => {
                 "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
             }
             Self::Look(preset) => preset.summary,
         }
     }
 
-    /// The preset of the physical look's cones; other looks do not use them, and leave the default ones.
-    pub fn cones(self) -> Preset {
+    /// The settings of the cones; looks do not use them, and leave the default ones.
+    pub fn trace(self) -> TraceSettings {
         match self {
-            Self::Cones(preset) => preset,
-            Self::Look(_) => Preset::default(),
+            Self::Cones(preset) => TraceSettings::preset(preset),
+            Self::Report => ReportCones::trace_settings(),
+            Self::Look(_) => TraceSettings::default(),
         }
     }
 
     /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
     pub fn look(self, resolution: u32) -> LookChoice {
         match self {
-            Self::Cones(_) => None,
+            Self::Cones(_) | Self::Report => None,
             Self::Look(preset) => Some((preset.look)(resolution)),
         }
     }
@@ -87,6 +90,8 @@ pub struct Companions {
     pub volume: VolumeKind,
     /// How light comes into the voxels.
     pub injection: InjectionChoice,
+    /// Where the cones depart from the physics.
+    pub report_cones: ReportCones,
     /// Reflections of indirect light.
     pub bounces: u32,
     /// How radiance becomes brightness. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
@@ -99,16 +104,25 @@ impl Companions {
     /// Those of a preset.
     pub fn of(preset: PresetChoice) -> Self {
         let RenderSettings {
-            directionality, volume, injection, bounces, exposure, tone_map, ..
+            directionality,
+            volume,
+            injection,
+            report_cones,
+            bounces,
+            exposure,
+            tone_map,
+            ..
         } = RenderSettings::default();
-        let usual = Self { directionality, volume, injection, bounces, exposure, tone_map };
+        let usual =
+            Self { directionality, volume, injection, report_cones, bounces, exposure, tone_map };
         match preset {
-            PresetChoice::Cones(Preset::Fast | Preset::Balanced | Preset::High) => usual,
+            PresetChoice::Cones(_) => usual,
             // What is seen are photons that were reflected once.
-            PresetChoice::Cones(Preset::Report) => Self {
+            PresetChoice::Report => Self {
                 directionality: Directionality::Isotropic,
                 volume: VolumeKind::Octree(OctreeOptions::default()),
                 injection: classics::injection("photons"),
+                report_cones: ReportCones::REPORT,
                 bounces: 1,
                 ..usual
             },
@@ -132,10 +146,11 @@ impl RenderSettings {
         };
         Self {
             look,
-            trace: TraceSettings::preset(preset.cones()),
+            trace: preset.trace(),
             directionality: companions.directionality,
             volume: companions.volume,
             injection: companions.injection,
+            report_cones: companions.report_cones,
             bounces: companions.bounces,
             exposure,
             tone_map,
@@ -171,7 +186,7 @@ mod tests {
                 let by_way = fresh.with_preset(before, Some(&scene));
                 let by_way = by_way.with_preset(preset, Some(&scene));
                 assert_eq!(by_way, direct, "{} after {}", preset.name(), before.name());
-                let cones = direct.trace == TraceSettings::preset(preset.cones());
+                let cones = direct.trace == preset.trace();
                 assert!(cones && direct.look == preset.look(fresh.resolution));
             }
         }

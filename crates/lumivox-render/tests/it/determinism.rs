@@ -5,8 +5,8 @@
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
 use glam::UVec2;
-use lumivox::{Directionality, Preset, TraceResolution, TraceSettings};
-use lumivox_render::{Picture, RenderSettings, ShadowMethod, classics};
+use lumivox::{Directionality, TraceResolution, TraceSettings};
+use lumivox_render::{Picture, PresetChoice, RenderSettings, ShadowMethod};
 
 use crate::common::{builtin, gpu, picture, renderer};
 
@@ -47,10 +47,9 @@ fn isotropic_voxels_repeat_to_the_bit() {
 /// With all that belongs to the report's look.
 #[test]
 fn photons_repeat_to_the_bit() {
-    let trace = TraceSettings::preset(Preset::Report);
-    let (directionality, injection) = (Directionality::Isotropic, classics::injection("photons"));
-    let settings = RenderSettings { trace, directionality, injection, ..RenderSettings::default() };
-    assert_two_runs_agree(&settings);
+    let report = RenderSettings::default().with_preset(PresetChoice::Report, None);
+    let RenderSettings { volume, bounces, .. } = RenderSettings::default();
+    assert_two_runs_agree(&RenderSettings { volume, bounces, ..report });
 }
 
 #[test]

@@ -10,7 +10,7 @@ const known = {
     parameters: [
         { name: "view", kind: "choice", choices: ["final", "direct", "wire-voxels"], default: "final" },
         { name: "resolution", kind: "whole", min: 16, max: 1024, default: 64 },
-        { name: "exposure", kind: "number", min: -64, max: 64, word: "auto", default: "auto" },
+        { name: "exposure", kind: "number", min: -64, max: 64, words: ["auto"], default: "auto" },
         { name: "specular", kind: "switch", default: true },
         { name: "grid_offset", kind: "vector", default: [0, 0, 0] },
     ],

@@ -23,7 +23,8 @@
 // SURPLUS at most; what comes farther, past a gap or from outside, pays it back: it counts negative until T is
 // zero again. In the mean over cones that takes away what leaks elsewhere.
 
-import package::grid::grid;
+import package::cones::model::{shown_share, start_of_cones};
+import package::grid::{grid, grid_from_world};
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
 
 // How cones are marched; the shader's side of TraceSettings.
@@ -37,16 +38,10 @@ struct ConeSettings {
     min_transmittance: f32,
     // Voxels; where openness is read off.
     occlusion_distance: f32,
-    // Share of the radiance that is lost for each longest side of the grid of the cone's width; 0: none, the physics.
-    width_attenuation: f32,
-    // Powers of two that the radiance is multiplied by for each level; 0: none, the physics.
-    level_gain_stops: f32,
-    // Whether directions are drawn at random.
-    has_jitter: u32,
-    // Whether cones start farther where walls are felt.
-    is_clear_of_walls: u32,
     padding_0: u32,
     padding_1: u32,
+    // Those of the cone model.
+    model_values: vec4f,
 }
 
 struct Cone {
@@ -87,6 +82,12 @@ fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
         && transmittance >= -min(settings.min_transmittance, LEAST_SURPLUS);
 }
 
+// Where the cones of a surface start, in the grid's coordinates.
+fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -> vec3f {
+    let above = grid_from_world(position_in_world) + normal * settings.normal_offset;
+    return start_of_cones(above, normal, settings.model_values);
+}
+
 // The growth of a cone with a half angle, leaving a surface at a cosine against its normal: cells stay
 // `voxel_per_diameter` of the diameter, and clear of the plane that they come from.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
@@ -103,16 +104,6 @@ fn taken_by(covered: f32, transmittance: f32, may_exceed: bool, pays_back: bool)
         return -min(covered, -transmittance);
     }
     return min(covered, transmittance + select(0.0, SURPLUS, may_exceed));
-}
-
-// The share of a cone that shows a sample's radiance: what it takes of the transmittance, but for looks that are not
-// physical (docs/report-look.md). Coarse levels may be gained, up to what a full cell would take; the width, in
-// longest sides of the grid, dims.
-fn shown_of(taken: f32, transmittance: f32, level: u32, width: f32, settings: ConeSettings) -> f32 {
-    let gain = exp2(f32(level) * settings.level_gain_stops);
-    let gained = min(taken * gain, max(transmittance, taken));
-    return select(taken, gained, taken > 0.0)
-        * max(1.0 - settings.width_attenuation * width, 0.0);
 }
 
 fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
@@ -174,8 +165,8 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
                 let taken = taken_by(
                     seen.a * counted / cell, traced.transmittance, may_exceed, pays_back);
                 let diameter = cone.growth / settings.voxel_per_diameter * (distance - 0.5 * length);
-                let shown = shown_of(
-                    taken, traced.transmittance, level, diameter / side, settings);
+                let shown = shown_share(
+                    taken, traced.transmittance, level, diameter / side, settings.model_values);
                 traced.radiance += seen.rgb * (shown / seen.a);
                 traced.transmittance -= taken;
                 pays_back = pays_back || traced.transmittance <= -SURPLUS;

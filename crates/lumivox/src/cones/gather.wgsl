@@ -2,9 +2,9 @@
 // the environment through what is left open.
 
 import package::environment::environment_radiance;
-import package::cones::cone::{cone_growth, trace_cone, Cone, ConeSettings};
-import package::cones::hemisphere::{basis, cell_cone, cell_jitter, cell_middle};
-import package::cones::start::cone_start;
+import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone, ConeSettings};
+import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
+import package::cones::model::place_in_cell;
 
 const PI: f32 = 3.14159265359;
 
@@ -33,7 +33,7 @@ fn gather(
     let weight = PI / f32(cone_count);
     var sum = Gathered(vec3f(0.0), 0.0, 0u);
     for (var cell = 0u; cell < cone_count; cell++) {
-        let place = select(cell_middle(cell, cone_count), jitter, settings.has_jitter != 0u);
+        let place = place_in_cell(jitter, cell, cone_count, settings.model_values);
         let local = cell_cone(cell, cone_count, place);
         var direction = world_from_normal * local.direction;
         // With a normal map a part of the hemisphere lies below the surface; it is folded up.

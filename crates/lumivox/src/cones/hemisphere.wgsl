@@ -36,11 +36,6 @@ fn cell_cone(cell: u32, cell_count: u32, jitter: vec2f) -> CellCone {
     return CellCone(direction, tan_half_angle);
 }
 
-// Where a cone that stands still points in its cell: at the middle; alone in its ring, along the normal.
-fn cell_middle(cell: u32, cell_count: u32) -> vec2f {
-    return vec2f(select(0.5, 0.0, cell == 0u && inner_ring(cell_count) == 1u), 0.5);
-}
-
 // Columns: two tangents and the normal. Duff et al. 2017, "Building an orthonormal basis, revisited".
 fn basis(normal: vec3f) -> mat3x3f {
     let side = select(-1.0, 1.0, normal.z >= 0.0);

@@ -1,15 +1,17 @@
 //! Cones through the volume: where they start, how they are spread over a hemisphere and marched, and what can be
-//! set about them.
+//! set about them. A caller's own [`ConeModel`] decides where they start and point, and what their samples show.
 //!
 //! The bounces in the voxels (`light/bounce.wgsl`), the cones of shadows and those from the screen (`trace/`) are all
 //! made of these modules.
 
+mod hook;
 mod settings;
 #[cfg(test)]
 mod tests;
 
 use bytemuck::{Pod, Zeroable};
 
+pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
 
 /// The shader modules of this folder.
@@ -17,6 +19,7 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("cones::cone", include_str!("cone.wgsl")),
     ("cones::gather", include_str!("gather.wgsl")),
     ("cones::hemisphere", include_str!("hemisphere.wgsl")),
+    ("cones::model", include_str!("model.wgsl")),
     ("cones::start", include_str!("start.wgsl")),
 ];
 
@@ -30,16 +33,13 @@ pub(crate) struct ConeSettings {
     pub(crate) step_per_voxel: f32,
     pub(crate) min_transmittance: f32,
     pub(crate) occlusion_distance: f32,
-    pub(crate) width_attenuation: f32,
-    pub(crate) level_gain_stops: f32,
-    pub(crate) has_jitter: u32,
-    pub(crate) is_clear_of_walls: u32,
     pub(crate) padding: [u32; 2],
+    pub(crate) model_values: [f32; 4],
 }
 
 impl TraceSettings {
-    /// The part that single cones need, in voxels of the given size.
-    pub(crate) fn cones(&self, voxel_size_m: f32) -> ConeSettings {
+    /// The part that single cones need, in voxels of the given size, with the values of the cone model.
+    pub(crate) fn cones(&self, voxel_size_m: f32, model_values: [f32; 4]) -> ConeSettings {
         ConeSettings {
             voxel_per_diameter: self.voxel_per_diameter,
             clearance: self.clearance,
@@ -47,11 +47,8 @@ impl TraceSettings {
             step_per_voxel: self.step_per_voxel,
             min_transmittance: self.min_transmittance,
             occlusion_distance: (self.occlusion_distance_m / voxel_size_m).min(3e38),
-            width_attenuation: self.width_attenuation,
-            level_gain_stops: self.level_gain.log2(),
-            has_jitter: u32::from(self.jitter),
-            is_clear_of_walls: u32::from(self.clear_of_walls),
-            padding: [0; 2],
+            model_values,
+            ..ConeSettings::zeroed()
         }
     }
 }

@@ -3,8 +3,7 @@
 use crate::GiError;
 use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
 
-/// How much is spent on the cones. All presets but the last obey the same physics; they differ in noise and
-/// sharpness.
+/// How much is spent on the cones. All presets obey the same physics; they differ in noise and sharpness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
     /// 6 diffuse cones at half resolution, voxels of half the cone's diameter.
@@ -14,9 +13,6 @@ pub enum Preset {
     Balanced,
     /// 12 diffuse cones at full resolution, voxels of a sixteenth of the cone's diameter.
     High,
-    /// The tuning of the sparse voxel octree report, for comparison (docs/report-look.md): it is not physical.
-    /// Isotropic voxels and photons belong to it, which are settings of [`crate::GiConfig`].
-    Report,
 }
 
 /// The share of the picture's pixels that cones are traced for.
@@ -71,19 +67,6 @@ pub struct TraceSettings {
     pub occlusion_distance_m: f32,
     /// Full or half resolution.
     pub resolution: TraceResolution,
-    /// Whether cones draw their directions at random, in each frame others. Default: yes. Without, a fixed set of
-    /// cones stands in the middle of the cells: less noise, but bands, and the mean over frames brings little.
-    pub jitter: bool,
-    /// Whether cones start farther where a wall is felt at their start. Default: yes. Without, the constant offset
-    /// alone counts, and light leaks along walls.
-    pub clear_of_walls: bool,
-    /// What a sample's radiance loses for the cone's width there, as a share for each longest side of the grid, 0 to
-    /// 64. 0, the default, is the physics: radiance does not change with distance. Higher: darker, most of all
-    /// what wide cones see from afar.
-    pub width_attenuation: f32,
-    /// What a sample's radiance is multiplied by for each level above the finest, 1 to 8. 1, the default, is the
-    /// physics. Higher: brighter where coarse levels are read, up to what they would give if they were full.
-    pub level_gain: f32,
 }
 
 impl Default for TraceSettings {
@@ -106,10 +89,6 @@ impl TraceSettings {
             specular_share: 0.25,
             occlusion_distance_m: f32::INFINITY,
             resolution: TraceResolution::Full,
-            jitter: true,
-            clear_of_walls: true,
-            width_attenuation: 0.0,
-            level_gain: 1.0,
         };
         match preset {
             Preset::Fast => Self {
@@ -122,17 +101,6 @@ impl TraceSettings {
             Preset::High => {
                 Self { diffuse_cones: 12, voxel_per_diameter: 0.0625, clearance: 0.0, ..balanced }
             }
-            Preset::Report => Self {
-                voxel_per_diameter: 1.0,
-                clearance: 0.0,
-                normal_offset_voxels: 1.0,
-                specular_share: 1.0,
-                jitter: false,
-                clear_of_walls: false,
-                width_attenuation: 1.0,
-                level_gain: 8.0,
-                ..balanced
-            },
         }
     }
 
@@ -141,11 +109,11 @@ impl TraceSettings {
     /// # Errors
     /// [`GiError::Setting`], naming the first one that is out of range.
     pub fn validate(&self) -> Result<(), GiError> {
-        settings::check(&Self::SETTINGS, self).map_err(GiError::from)
+        settings::check(Self::SETTINGS, self).map_err(GiError::from)
     }
 
     /// The table of the settings: names, ranges and meaning.
-    pub const SETTINGS: [Setting<Self>; 14] = [
+    pub const SETTINGS: &'static [Setting<Self>] = &[
         Setting {
             name: "cones",
             unit: "",
@@ -263,43 +231,6 @@ impl TraceSettings {
                 reach_m => Value::Number(reach_m),
             },
             set: |s, v| s.occlusion_distance_m = v.number().unwrap_or(f32::INFINITY),
-            ..CONES
-        },
-        Setting {
-            name: "jitter",
-            summary: "Draw the cones' directions at random, in each frame others",
-            help: "Without, a fixed set of cones makes bands in place of noise.",
-            get: |s| Value::Switch(s.jitter),
-            set: |s, v| s.jitter = v.is_on(),
-            ..CONES
-        },
-        Setting {
-            name: "clear_of_walls",
-            summary: "Start cones farther where a wall is felt at their start",
-            help: "Without, only the offset along the normal counts, and light leaks along walls.",
-            get: |s| Value::Switch(s.clear_of_walls),
-            set: |s, v| s.clear_of_walls = v.is_on(),
-            ..CONES
-        },
-        Setting {
-            name: "width_attenuation",
-            summary: "Radiance that is lost for the cone's width; 0 is the physics",
-            help: "The share of a sample's radiance that is lost when the cone is as wide as the scene. Higher dims what is \
-                   far away.",
-            kind: Kind::number(0.0, 64.0),
-            get: |s| Value::Number(s.width_attenuation),
-            set: |s, v| s.width_attenuation = number(v),
-            ..CONES
-        },
-        Setting {
-            name: "level_gain",
-            unit: "factor",
-            summary: "Radiance that is gained with each level; 1 is the physics",
-            help: "A sample's radiance is multiplied by it for each level of its voxel. Higher brightens what is far away, \
-                   up to what full voxels would give.",
-            kind: Kind::number(1.0, 8.0),
-            get: |s| Value::Number(s.level_gain),
-            set: |s, v| s.level_gain = number(v),
             ..CONES
         },
     ];

@@ -1,4 +1,4 @@
-// Where cones start: above their surface, and clear of walls that are felt there and must not be.
+// Starts of cones that are clear of walls which are felt there and must not be.
 //
 // A wall is felt for a voxel around the middle of its cells. A cone that starts within that reach counts a part of
 // the wall wrongly:
@@ -13,8 +13,6 @@
 // the middle. Which way is out then the side tells on which the wall is seen, and of a wall that is seen on both the
 // surface below the start: a floor ends at the wall and goes on where the start is.
 
-import package::grid::grid_from_world;
-import package::cones::cone::ConeSettings;
 import package::volume::wall_coverage;
 
 // The axis of the largest component: walls are in the lobes of that axis.
@@ -41,9 +39,8 @@ fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     return -sign(rise) * felt;
 }
 
-// In the grid's coordinates.
-fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -> vec3f {
-    let start = grid_from_world(position_in_world) + normal * settings.normal_offset;
+// A start above a surface, in the grid's coordinates, moved to where no such wall is felt.
+fn clear_of_walls(start: vec3f, normal: vec3f) -> vec3f {
     let own_axis = main_axis(normal);
     var beside = vec3f(0.0);
     var back = 0.0;
@@ -60,6 +57,5 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, settings: ConeSettings) -
         let opposite = select(here.x, here.y, normal[axis] > 0.0);
         back = select(back, opposite, axis == own_axis);
     }
-    let clear = start + beside - normal * dot(beside, normal) + normal * back;
-    return select(start, clear, settings.is_clear_of_walls != 0u);
+    return start + beside - normal * dot(beside, normal) + normal * back;
 }

@@ -375,7 +375,13 @@ import package::gpu::random::random_pair;
 import package::cones::cone::ConeSettings;
 import package::cones::gather::gather;
 fn answer(question: vec4f, index: u32) -> vec3f {
-    let settings = ConeSettings(0.125, 0.3333, 0.5, 1.0, 0.03, 3e38, 0.0, 0.0, 1u, 1u, 0u, 0u);
+    var settings = ConeSettings();
+    settings.voxel_per_diameter = 0.125;
+    settings.clearance = 0.3333;
+    settings.normal_offset = 0.5;
+    settings.step_per_voxel = 1.0;
+    settings.min_transmittance = 0.03;
+    settings.occlusion_distance = 3e38;
     let start = random_pair(index, 7u);
     return gather(vec3f(0.0), question.xyz, vec3f(0.0, 1.0, 0.0), 12u, start, index, settings).irradiance;
 }";

@@ -204,14 +204,14 @@ impl Lighting {
         (volume, changes): (&mut Volume, &mut Changes),
         lights: &Lights,
         gathers: u32,
-        settings: &TraceSettings,
+        (settings, model_values): (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else {
             return;
         };
         let bounce_settings = BounceSettings {
             // Occlusion is not read, so its distance needs no unit.
-            cones: settings.cones(1.0),
+            cones: settings.cones(1.0, model_values),
             cone_count: settings.diffuse_cones,
             padding: [0; 3],
         };

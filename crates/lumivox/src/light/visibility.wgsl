@@ -9,7 +9,13 @@ import package::cones::cone::{cone_growth, trace_cone, Cone, ConeSettings};
 // Shadow cones are narrow, so cells of half their diameter do, and they start a voxel and a half off the
 // surface: a light at a grazing angle would meet the receiver's own neighbourhood otherwise.
 fn shadow_cone_settings() -> ConeSettings {
-    return ConeSettings(0.5, 0.0, 1.5, 1.0, 0.004, 3e38, 0.0, 0.0, 1u, 1u, 0u, 0u);
+    var settings = ConeSettings();
+    settings.voxel_per_diameter = 0.5;
+    settings.normal_offset = 1.5;
+    settings.step_per_voxel = 1.0;
+    settings.min_transmittance = 0.004;
+    settings.occlusion_distance = 3e38;
+    return settings;
 }
 
 fn shadow_cone_visibility(

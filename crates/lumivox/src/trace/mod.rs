@@ -323,12 +323,12 @@ impl TraceTargets {
     pub(crate) fn set(
         &self,
         queue: &wgpu::Queue,
-        settings: &TraceSettings,
+        (settings, model_values): (&TraceSettings, [f32; 4]),
         voxel_size_m: f32,
         gathers: u32,
     ) {
         let uniform = ScreenSettings {
-            cones: settings.cones(voxel_size_m),
+            cones: settings.cones(voxel_size_m, model_values),
             diffuse_cones: settings.diffuse_cones,
             scale: self.resolution.scale(),
             // Without glossy cones every share is zero.

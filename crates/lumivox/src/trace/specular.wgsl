@@ -7,8 +7,6 @@
 //
 // Under a clear coat there are two lobes. A frame draws one of them, as often as it reflects more, and divides by
 // that probability.
-//
-// Without jitter it is the lobe's middle that is drawn, always, which is not the integral any more.
 
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::environment::environment_reflection;
@@ -17,10 +15,10 @@ import package::trace::brdf::{
     sample_visible_normal,
 };
 import package::trace::coat::{below_coat, coat_fresnel, load_coat};
-import package::cones::cone::{cone_growth, trace_cone, Cone};
+import package::cones::cone::{cone_growth, cone_start, trace_cone, Cone};
 import package::trace::gbuffer::{gbuffer_specular, load_surface, view};
 import package::cones::hemisphere::basis;
-import package::cones::start::cone_start;
+import package::cones::model::glossy_half_vector;
 import package::trace::screen::{settings, traced_pixel, traced_size};
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
@@ -56,7 +54,7 @@ fn trace_specular(pixel: vec2u, samples: f32) -> vec4f {
     let is_coat = choice < coat_share;
     let alpha = select(alpha_from_roughness(material.a), coat.alpha, is_coat);
     let drawn = sample_visible_normal(local_view, alpha, sequence_pair(start, view.frame));
-    let half_vector = select(vec3f(0.0, 0.0, 1.0), drawn, settings.cones.has_jitter != 0u);
+    let half_vector = glossy_half_vector(drawn, settings.cones.model_values);
     let local_light = reflect(-local_view, half_vector);
     let direction = world_from_normal * local_light;
     let cos_plane = dot(direction, surface.geometric_normal);

@@ -4,8 +4,8 @@ use std::fmt;
 
 use glam::Vec3;
 use lumivox::Preset;
+use lumivox_render::PresetChoice;
 
-use crate::args::choices;
 use crate::cli::QualityArgs;
 
 /// How a scene is turned against the grid.
@@ -35,7 +35,7 @@ impl Turn {
 pub struct Case {
     pub scene: String,
     pub turn: Turn,
-    pub preset: Preset,
+    pub preset: PresetChoice,
     pub resolution: u32,
 }
 
@@ -43,12 +43,7 @@ impl Case {
     /// What tells it apart from all others.
     pub fn key(&self) -> String {
         let [x, y, z] = self.turn.degrees;
-        format!(
-            "{} {x},{y},{z} {} {}",
-            self.scene,
-            choices::preset_name(self.preset),
-            self.resolution
-        )
+        format!("{} {x},{y},{z} {} {}", self.scene, self.preset.name(), self.resolution)
     }
 
     /// Places of the grid that its figures are the mean of: what is held against goals along the grid is measured in
@@ -61,7 +56,7 @@ impl Case {
     /// The file of its strip, if it has one: the best preset at the middle resolution.
     pub fn picture(&self, resolutions: &[u32]) -> Option<String> {
         let is_shown = self.turn == Turn::NONE
-            && self.preset == Preset::High
+            && self.preset == PresetChoice::Cones(Preset::High)
             && self.resolution == middle(resolutions);
         is_shown.then(|| format!("{}.png", self.scene))
     }
@@ -69,7 +64,7 @@ impl Case {
 
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let preset = choices::preset_name(self.preset);
+        let preset = self.preset.name();
         write!(f, "{}, {preset}, {} voxels", self.scene, self.resolution)?;
         if self.turn != Turn::NONE {
             let [x, y, z] = self.turn.degrees;
@@ -87,7 +82,7 @@ pub fn middle(resolutions: &[u32]) -> u32 {
 }
 
 /// All measurements, scene by scene.
-pub fn cases(scenes: &[String], presets: &[Preset], resolutions: &[u32]) -> Vec<Case> {
+pub fn cases(scenes: &[String], presets: &[PresetChoice], resolutions: &[u32]) -> Vec<Case> {
     let mut cases = Vec::new();
     for scene in scenes {
         let mut add = |turn, preset, resolution| {
@@ -101,7 +96,7 @@ pub fn cases(scenes: &[String], presets: &[Preset], resolutions: &[u32]) -> Vec<
         for turn in Turn::ODD {
             for &preset in presets {
                 // The fast preset has no target of its own.
-                if preset != Preset::Fast {
+                if preset != PresetChoice::Cones(Preset::Fast) {
                     add(turn, preset, middle(resolutions));
                 }
             }
@@ -117,7 +112,7 @@ mod tests {
     #[test]
     fn every_case_is_there_once() {
         let scenes = ["a".to_owned(), "b".to_owned()];
-        let presets = [Preset::Fast, Preset::High];
+        let presets = [Preset::Fast, Preset::High].map(PresetChoice::Cones);
         let cases = cases(&scenes, &presets, &[64, 128, 256]);
         // Nine combinations would be 3 x 2, and three turns of one preset.
         assert_eq!(cases.len(), 2 * (3 * 2 + 3));

@@ -1,16 +1,15 @@
 //! Reflections by roughness: each sphere of the scene `spheres` held against its reference.
 
 use glam::{UVec2, Vec3};
-use lumivox::{Preset, TraceSettings};
+use lumivox::Preset;
 use lumivox_render::compare::{ErrorFigures, LinearPicture};
 use lumivox_render::reference::{
     PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
 };
-use lumivox_render::{Gpu, RenderSettings, Renderer, View};
+use lumivox_render::{Companions, Gpu, PresetChoice, RenderSettings, Renderer, View};
 use lumivox_scene::{Camera, Scene, builtin};
 
 use super::cases::middle;
-use crate::args::choices;
 use crate::cli::QualityArgs;
 use crate::progress::Progress;
 use crate::quality::check_wish;
@@ -21,6 +20,8 @@ pub const SCENE: &str = "spheres";
 const ENLARGED: u32 = 2;
 /// ... and their references have so many times fewer samples.
 const FEWER: u32 = 8;
+/// The preset that has no goal for them.
+const FAST: PresetChoice = PresetChoice::Cones(Preset::Fast);
 
 /// The errors of one sphere, for one preset.
 #[derive(Clone, Debug)]
@@ -48,12 +49,13 @@ pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Re
         parts.map(|(all, direct)| Vec3::from(*all) - Vec3::from(*direct)).collect();
 
     let mut spheres = Vec::new();
-    for &preset in args.presets.iter().filter(|preset| **preset != Preset::Fast) {
+    for &preset in args.presets.iter().filter(|preset| **preset != FAST) {
         let settings = RenderSettings {
             size,
             frames: args.frames,
             resolution: middle(&args.resolutions),
-            trace: TraceSettings::preset(preset),
+            trace: preset.trace(),
+            report_cones: Companions::of(preset).report_cones,
             view: View::Indirect,
             ..RenderSettings::default()
         };
@@ -94,7 +96,7 @@ pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Re
             )?;
             spheres.push(Sphere {
                 name: name.clone(),
-                preset: choices::preset_name(preset),
+                preset: preset.name(),
                 figures,
                 pixels: pixels.len(),
             });

@@ -9,10 +9,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Context as _;
-use lumivox::TraceSettings;
 use lumivox_console::Failure;
 use lumivox_render::reference::ReferenceSettings;
-use lumivox_render::{Companions, Gpu, PresetChoice, RenderSettings, describe};
+use lumivox_render::{Companions, Gpu, RenderSettings, describe};
 use lumivox_scene::{Scene, builtin};
 
 use super::compare::write_strip;
@@ -170,7 +169,7 @@ impl Work<'_> {
             truths.insert(case.scene.clone(), truth);
         }
         let truth = &truths[&case.scene];
-        let companions = Companions::of(PresetChoice::Cones(case.preset));
+        let companions = Companions::of(case.preset);
         let settings = RenderSettings {
             directionality: companions.directionality,
             volume: companions.volume,
@@ -179,7 +178,8 @@ impl Work<'_> {
             size: self.args.size,
             frames: self.args.frames,
             resolution: case.resolution,
-            trace: TraceSettings::preset(case.preset),
+            trace: case.preset.trace(),
+            report_cones: companions.report_cones,
             ..RenderSettings::default()
         };
         let measured = Measured::new(&subject(&scene), truth, &settings, case.offsets(self.args))?;

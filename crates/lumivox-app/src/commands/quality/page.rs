@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use lumivox::Preset;
+use lumivox_render::PresetChoice;
 use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
 use super::PICTURES;
 use super::cases::{Case, Turn, middle};
 use super::glossy::Sphere;
 use super::store::{Entry, Store};
-use crate::args::choices;
 use crate::cli::QualityArgs;
 use crate::quality::{Point, error_against_cost};
 
@@ -54,7 +54,7 @@ pub fn chart(cases: &[Case], store: &Store) -> anyhow::Result<String> {
         let entry = store.get(case)?;
         Some(Point {
             scene: case.scene.clone(),
-            preset: choices::preset_name(case.preset).to_owned(),
+            preset: case.preset.name().to_owned(),
             resolution: case.resolution,
             ms: entry.cost.frame_ms,
             samples: entry.cost.samples_per_pixel,
@@ -113,6 +113,7 @@ impl Page<'_> {
     }
 
     fn entry(&self, scene: &str, turn: Turn, preset: Preset, resolution: u32) -> Option<&Entry> {
+        let preset = PresetChoice::Cones(preset);
         let case = Case { scene: scene.to_owned(), turn, preset, resolution };
         self.store.get(&case)
     }
@@ -149,7 +150,7 @@ impl Page<'_> {
                     text,
                     "| {} | {} | {:+.1} | {bias} | {:.1} | {} | {} | {:+.1} | {} |",
                     goal.scene,
-                    choices::preset_name(preset),
+                    PresetChoice::Cones(preset).name(),
                     one.bias_percent,
                     one.rmse_percent,
                     rmse.map_or("-".to_owned(), |rmse| rmse.to_string()),
@@ -188,7 +189,7 @@ impl Page<'_> {
                         text,
                         "| {} | {x}, {y}, {z} | {} | {:+.1} | {:.1} | {} | {:+.1} | {} |",
                         goal.scene,
-                        choices::preset_name(preset),
+                        PresetChoice::Cones(preset).name(),
                         one.bias_percent,
                         one.rmse_percent,
                         rmse.map_or("-".to_owned(), |rmse| format!("{rmse:.1}")),
@@ -216,7 +217,7 @@ impl Page<'_> {
                 text,
                 "| {} | {x}, {y}, {z} | {} | {} | {:.2} | {:.2} |",
                 case.scene,
-                choices::preset_name(case.preset),
+                case.preset.name(),
                 case.resolution,
                 leak.one_bounce_percent,
                 leak.full_percent
@@ -304,7 +305,7 @@ fn rows(case: &Case, entry: &Entry) -> String {
             text,
             "| {} | {} | {layer} | {:+.1} | {} | {:.1} | {flip} | {} | {:.1} | {:.0} |",
             case.resolution,
-            choices::preset_name(case.preset),
+            case.preset.name(),
             figures.bias_percent,
             rmse(figures),
             figures.p95_percent,

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use lumivox::{TraceResolution, TraceSettings};
+use lumivox_render::classics::ReportCones;
 use lumivox_render::{RenderSettings, View};
 use lumivox_scene::{Material, Scene};
 
@@ -63,8 +64,11 @@ fn half_resolution_traces_what_no_neighbour_fits() {
     let white = Material::diffuse("white", Vec3::ONE);
     add(&mut scene, quad(middle, 0.5 * pixel * Vec3::X, Vec3::Y * HALF), white);
     let [full, half] = [TraceResolution::Full, TraceResolution::Half].map(|resolution| {
-        let trace = TraceSettings { resolution, jitter: false, ..TraceSettings::default() };
-        let settings = RenderSettings { bounces: 1, frames: 1, trace, ..settings(View::Diffuse) };
+        let trace = TraceSettings { resolution, ..TraceSettings::default() };
+        let report_cones = ReportCones { jitter: false, ..ReportCones::default() };
+        let (bounces, frames) = (1, 1);
+        let settings =
+            RenderSettings { bounces, frames, trace, report_cones, ..settings(View::Diffuse) };
         let picture = render(&scene, settings);
         [14, 15, 16].map(|x: u32| mean_of(&picture, (x, 8).into(), (x + 1, 24).into()).x)
     });

@@ -1,0 +1,125 @@
+//! The cones of the sparse voxel octree report, with the constants that make its look
+//! (docs/report-look.md).
+//!
+//! Each of its measures is a setting of its own, whose default is the physics ([`ReportCones`]).
+//! The values are a uniform of the model, so that they can change while a picture is on the screen.
+
+use std::sync::Arc;
+
+use lumivox::TraceSettings;
+use lumivox::hooks::ConeModel;
+use lumivox::settings::{Kind, Redoes, Setting, Value};
+
+/// What the report's cones do otherwise than the physics asks for. The default is the physics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReportCones {
+    /// Whether cones draw their directions at random, in each frame others. Without, a fixed set of
+    /// cones stands in the middle of the cells: less noise, but bands, and the mean over frames
+    /// brings little.
+    pub jitter: bool,
+    /// Whether cones start farther where a wall is felt at their start. Without, the constant
+    /// offset counts only, and light leaks along walls.
+    pub clear_of_walls: bool,
+    /// What a sample's radiance loses for the cone's width there, as a share for each longest side
+    /// of the grid, 0 to 64. 0 is the physics: radiance does not change with distance. Higher:
+    /// darker, most of all what wide cones see from afar.
+    pub width_attenuation: f32,
+    /// What a sample's radiance is multiplied by for each level above the finest, 1 to 8. 1 is the
+    /// physics. Higher: brighter where coarse levels are read, up to what they would give if they
+    /// were full.
+    pub level_gain: f32,
+}
+
+impl Default for ReportCones {
+    fn default() -> Self {
+        Self { jitter: true, clear_of_walls: true, width_attenuation: 0.0, level_gain: 1.0 }
+    }
+}
+
+impl ReportCones {
+    /// The report's own tuning. Isotropic voxels, photons and one bounce belong to it.
+    pub const REPORT: Self =
+        Self { jitter: false, clear_of_walls: false, width_attenuation: 1.0, level_gain: 8.0 };
+
+    /// What goes with [`Self::REPORT`] among the settings that all cones have.
+    pub fn trace_settings() -> TraceSettings {
+        TraceSettings {
+            voxel_per_diameter: 1.0,
+            clearance: 0.0,
+            normal_offset_voxels: 1.0,
+            specular_share: 1.0,
+            ..TraceSettings::default()
+        }
+    }
+
+    /// As [`lumivox::GiConfig::cones`]; `None` where it is the physics, which Lumivox's own model
+    /// is faster at.
+    pub fn model(self) -> Option<Arc<dyn ConeModel>> {
+        (self != Self::default()).then(|| Arc::new(self) as Arc<dyn ConeModel>)
+    }
+
+    /// The table of the settings: names, ranges and meaning.
+    pub const SETTINGS: [Setting<Self>; 4] = [
+        Setting {
+            name: "jitter",
+            summary: "Draw the cones' directions at random, in each frame others",
+            help: "Without, a fixed set of cones makes bands in place of noise.",
+            get: |s| Value::Switch(s.jitter),
+            set: |s, v| s.jitter = v.is_on(),
+            ..ROW
+        },
+        Setting {
+            name: "clear_of_walls",
+            summary: "Start cones farther where a wall is felt at their start",
+            help: "Without, only the offset along the normal counts, and light leaks along walls.",
+            get: |s| Value::Switch(s.clear_of_walls),
+            set: |s, v| s.clear_of_walls = v.is_on(),
+            ..ROW
+        },
+        Setting {
+            name: "width_attenuation",
+            summary: "Radiance that is lost for the cone's width; 0 is the physics",
+            help: "The share of a sample's radiance that is lost when the cone is as wide as the scene. Higher dims what is \
+                   far away.",
+            kind: Kind::number(0.0, 64.0),
+            get: |s| Value::Number(s.width_attenuation),
+            set: |s, v| s.width_attenuation = number(v),
+            ..ROW
+        },
+        Setting {
+            name: "level_gain",
+            unit: "factor",
+            summary: "Radiance that is gained with each level; 1 is the physics",
+            help: "A sample's radiance is multiplied by it for each level of its voxel. Higher brightens what is far away, \
+                   up to what full voxels would give.",
+            kind: Kind::number(1.0, 8.0),
+            get: |s| Value::Number(s.level_gain),
+            set: |s, v| s.level_gain = number(v),
+            ..ROW
+        },
+    ];
+}
+
+/// A row of the table: the light of the voxels is gathered by the same cones as the picture's.
+const ROW: Setting<ReportCones> = Setting { redoes: Redoes::Light, ..Setting::ROW };
+
+/// A number of a row whose values are all numbers.
+fn number(value: Value) -> f32 {
+    value.number().unwrap_or(f32::NAN)
+}
+
+impl ConeModel for ReportCones {
+    fn name(&self) -> &'static str {
+        "report"
+    }
+
+    fn module(&self) -> &'static str {
+        include_str!("model.wgsl")
+    }
+
+    fn values(&self) -> [f32; 4] {
+        let switch = |on| f32::from(u8::from(on));
+        let gain_stops = self.level_gain.log2();
+        [self.width_attenuation, gain_stops, switch(self.jitter), switch(self.clear_of_walls)]
+    }
+}
