@@ -224,12 +224,11 @@ impl LookPasses for VxctPasses {
 
     fn prepare(&mut self, parts: &LookParts<'_>) -> Result<(), RenderError> {
         let passes = self.passes.take().filter(|p| p.voxels.resolution == parts.resolution);
-        let passes = match passes {
-            Some(passes) => passes,
-            None => {
-                self.is_due = true;
-                Passes::new(parts)?
-            }
+        let passes = if let Some(passes) = passes {
+            passes
+        } else {
+            self.is_due = true;
+            Passes::new(parts)?
         };
         let passes = self.passes.insert(passes);
         for draw in 0..parts.scene.draws.len() {
