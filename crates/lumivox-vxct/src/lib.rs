@@ -6,6 +6,9 @@
 //! used, so that a physical rendering starts as fast as without it. Places and lengths are in the cube from -1 to 1
 //! that VXCT's scenes fill.
 
+// Tests compare floats that must be equal to the bit.
+#![cfg_attr(test, allow(clippy::float_cmp))]
+
 mod display;
 mod passes;
 mod records;
