@@ -6,6 +6,9 @@
 //! used, so that a physical rendering starts as fast as without it. Places and lengths are in the cube from -1 to 1
 //! that VXCT's scenes fill.
 
+// Tests compare floats that must be equal to the bit.
+#![cfg_attr(test, allow(clippy::float_cmp))]
+
 mod display;
 mod passes;
 mod records;
@@ -224,12 +227,11 @@ impl LookPasses for VxctPasses {
 
     fn prepare(&mut self, parts: &LookParts<'_>) -> Result<(), RenderError> {
         let passes = self.passes.take().filter(|p| p.voxels.resolution == parts.resolution);
-        let passes = match passes {
-            Some(passes) => passes,
-            None => {
-                self.is_due = true;
-                Passes::new(parts)?
-            }
+        let passes = if let Some(passes) = passes {
+            passes
+        } else {
+            self.is_due = true;
+            Passes::new(parts)?
         };
         let passes = self.passes.insert(passes);
         for draw in 0..parts.scene.draws.len() {

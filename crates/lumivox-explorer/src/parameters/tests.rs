@@ -52,6 +52,8 @@ fn presets_are_found_by_their_names() {
     }
     assert_eq!(PRESETS[..PresetChoice::PHYSICAL.len()], PresetChoice::PHYSICAL);
     assert_eq!(find_preset("Fast"), None);
+    let angle = find_parameter("da").expect("a parameter of a look");
+    assert_eq!(angle.default(PresetChoice::default()), Value::Number(0.55));
 }
 
 /// Whatever the settings were, the preset decides what is its own.

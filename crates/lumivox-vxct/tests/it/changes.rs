@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use glam::{UVec2, Vec3};
-use lumivox_render::look::LookChoice;
+use lumivox_render::look::Look;
 use lumivox_render::{Exposure, RenderSettings, View};
 use lumivox_vxct::{VxctSettings, vxct_display};
 
 use crate::common::{builtin, gpu, picture, renderer};
 
-fn vxct(change: impl FnOnce(&mut VxctSettings)) -> LookChoice {
+fn vxct(change: impl FnOnce(&mut VxctSettings)) -> Arc<dyn Look> {
     let mut vxct = VxctSettings::for_resolution(32);
     change(&mut vxct);
-    Some(Arc::new(vxct))
+    Arc::new(vxct)
 }
 
 /// Whatever comes before, the picture is the one that a new renderer makes, and so is the memory.
@@ -31,15 +31,15 @@ fn the_look_comes_and_goes() {
     let mut changing = renderer(&gpu, &scene, asked.clone());
     let mut before = picture(&mut changing);
     let changes: [fn(&mut RenderSettings); 9] = [
-        |s| s.look = vxct(|_| {}),
-        |s| s.look = vxct(|vxct| vxct.diffuse = false),
+        |s| s.look = Some(vxct(|_| {})),
+        |s| s.look = Some(vxct(|vxct| vxct.diffuse = false)),
         |s| s.size = UVec2::new(40, 24),
         |s| s.resolution = 48,
         |s| s.view = View::Voxels,
         |s| s.voxel_level = 2,
         |s| s.look = None,
         |s| (s.view, s.voxel_level) = (View::Final, 0),
-        |s| (s.look, s.bounces) = (vxct(|_| {}), 0),
+        |s| (s.look, s.bounces) = (Some(vxct(|_| {})), 0),
     ];
     for (step, change) in changes.into_iter().enumerate() {
         change(&mut asked);
@@ -67,7 +67,7 @@ fn the_look_comes_and_goes() {
     changing.set_look(None).expect("the physical look");
     asked.look = None;
     assert!(picture(&mut changing) == picture(&mut renderer(&gpu, &other, asked)));
-    assert!(changing.set_look(vxct(|vxct| vxct.shadow_strength = 99.0)).is_err());
+    assert!(changing.set_look(Some(vxct(|vxct| vxct.shadow_strength = 99.0))).is_err());
 }
 
 #[test]

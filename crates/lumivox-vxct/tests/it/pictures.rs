@@ -179,6 +179,7 @@ fn a_box_looks_as_before() {
     }
     let before = image::open(&path).expect("a picture").to_rgb8();
     let difference = mean_difference(&shown, &before);
+    println!("cornell: {difference} of 255");
     // The adapter of the reference, Mesa's llvmpipe, repeats it to the bit.
     assert!(difference < 0.5, "{difference} of 255");
 }

@@ -45,9 +45,12 @@ pub struct Parameter {
     pub needs: Option<(&'static str, &'static str)>,
     /// What is made again when it changes.
     pub redoes: Redoes,
-    get: Arc<dyn Fn(&RenderSettings) -> Value + Send + Sync>,
-    set: Arc<dyn Fn(&mut RenderSettings, Value) + Send + Sync>,
+    get: Arc<Get>,
+    set: Arc<Set>,
 }
+
+type Get = dyn Fn(&RenderSettings) -> Value + Send + Sync;
+type Set = dyn Fn(&mut RenderSettings, Value) + Send + Sync;
 
 /// What settings belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -135,12 +138,7 @@ impl Parameter {
         Self::new(group, &row, Arc::new(get), Arc::new(set))
     }
 
-    fn new<S>(
-        group: Group,
-        row: &Setting<S>,
-        get: Arc<dyn Fn(&RenderSettings) -> Value + Send + Sync>,
-        set: Arc<dyn Fn(&mut RenderSettings, Value) + Send + Sync>,
-    ) -> Self {
+    fn new<S>(group: Group, row: &Setting<S>, get: Arc<Get>, set: Arc<Set>) -> Self {
         Self {
             name: row.name,
             aliases: row.aliases,

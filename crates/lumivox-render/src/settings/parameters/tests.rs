@@ -176,5 +176,4 @@ fn presets_give_their_values() {
     let value = |name| Parameter::find(name).expect("a parameter").default(high);
     assert_eq!(value("cones"), Value::Choice("12"));
     assert_eq!(value("bounces"), Value::Whole(8));
-    assert_eq!(value("da"), Value::Number(0.55));
 }
