@@ -104,8 +104,8 @@ fn of_command(command: &Command) -> String {
 
 fn of_parameter(parameter: &Parameter) -> String {
     let Parameter { name, aliases, unit, summary, kind, .. } = parameter;
-    let aliases: String = aliases.iter().map(|alias| format!(", `{alias}`")).collect();
-    format!("| `{name}`{aliases} | {unit} | {} | {summary} |\n", escaped(&kind.in_words()))
+    let names = aliases.iter().fold(format!("`{name}`"), |text, alias| text + ", `" + alias + "`");
+    format!("| {names} | {unit} | {} | {summary} |\n", escaped(&kind.in_words()))
 }
 
 fn escaped(text: &str) -> String {

@@ -159,6 +159,13 @@ fn shortage(needed_mib: Option<u64>, available_mib: Option<u64>) -> String {
     }
 }
 
+impl From<SettingError> for RenderError {
+    fn from(error: SettingError) -> Self {
+        let SettingError { name, expected, got } = error;
+        Self::Setting { name, value: got, expected }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,12 +188,5 @@ mod tests {
         );
         assert!(text(None, Some(700)).contains("more GPU memory than the 700 MiB that are free"));
         assert!(text(None, None).contains("more GPU memory than the driver gave, which"));
-    }
-}
-
-impl From<SettingError> for RenderError {
-    fn from(error: SettingError) -> Self {
-        let SettingError { name, expected, got } = error;
-        Self::Setting { name, value: got, expected }
     }
 }

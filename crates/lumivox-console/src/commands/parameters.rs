@@ -97,7 +97,7 @@ pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Res
             // Vectors may be written with blanks, too.
             let text = words.join(",");
             let value = parameter.parse(&text).map_err(|error| {
-                let like = suggest::like(&text, parameter.kind.words().into_iter());
+                let like = suggest::like(&text, parameter.kind.words());
                 let like = like.map(|like| format!("; did you mean \"{like}\"?"));
                 Failure::input(format!("{error}{}", like.unwrap_or_default()))
             })?;

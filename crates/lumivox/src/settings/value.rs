@@ -164,8 +164,9 @@ impl Kind {
             }
             Self::Number { low, high, words, off } => {
                 let off = off.map(|off| format!(", or {off}")).unwrap_or_default();
-                let words: String = words.iter().map(|word| format!(", or {word}")).collect();
-                format!("a number from {} to {}{off}{words}", in_digits(low), in_digits(high))
+                let numbers =
+                    format!("a number from {} to {}{off}", in_digits(low), in_digits(high));
+                words.iter().fold(numbers, |text, word| text + ", or " + word)
             }
             Self::Vector { low, below } => {
                 format!("three numbers x,y,z, each from {low} to below {below}")

@@ -155,7 +155,7 @@ pub fn measure(
     gpu: &Gpu,
     scene: &Scene,
     uploaded: &GpuScene,
-    config: GiConfig,
+    config: &GiConfig,
     moves: u32,
     progress: &Progress,
 ) -> anyhow::Result<Report> {

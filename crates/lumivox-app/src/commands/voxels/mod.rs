@@ -52,7 +52,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
     let config = settings.gi_config(grid);
     if args.dynamic_share.is_some() {
-        let report = dynamic::measure(&gpu, &scene, &uploaded, config, args.moves, &progress)?;
+        let report = dynamic::measure(&gpu, &scene, &uploaded, &config, args.moves, &progress)?;
         drop(progress);
         return report.print(args.json, host);
     }
