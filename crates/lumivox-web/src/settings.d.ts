@@ -62,7 +62,7 @@ export interface Settings {
   specular?: boolean;
   /** Width of a glossy cone as a share of the lobe's solid angle: a number from 0.02 to 1, share. Default: 0.25. */
   specular_share?: number;
-  /** Reach of ambient occlusion; it never changes the light: a number from 0 to 1000000000, or unlimited, m. Default: unlimited. */
+  /** Reach of ambient occlusion; it never changes the light: a number from 0 to 1e9, or unlimited, m. Default: unlimited. */
   occlusion_distance?: number | "unlimited";
   /** Draw the cones' directions at random, in each frame others: on or off. Default: true. */
   jitter?: boolean;
