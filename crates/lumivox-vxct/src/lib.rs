@@ -1,7 +1,7 @@
 //! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse light
 //! (docs/vxct-look.md), as a [`Look`] for [`RenderSettings::look`].
 //!
-//! It has voxels of its own, a cube of them around the scene in one texture of 8 bits a channel ([`voxels`]), and draws the
+//! It has voxels of its own, a cube of them around the scene in one texture of 8 bits a channel (`voxels.rs`), and draws the
 //! scene's triangles with one fragment shader that does all else (`shade.wgsl`). Nothing of it is there until it is
 //! used, so that a physical rendering starts as fast as without it. Places and lengths are in the cube from -1 to 1
 //! that VXCT's scenes fill.
