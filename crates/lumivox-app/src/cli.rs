@@ -184,7 +184,7 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE|FOLDER", help_heading = "Picture")]
     pub output: PathBuf,
 
-    /// What it shows, and how.
+    /// Size, camera, view and exposure of the picture.
     #[command(flatten)]
     pub picture: PictureArgs,
 

@@ -36,6 +36,8 @@ mod console;
 #[cfg(target_arch = "wasm32")]
 mod edits;
 #[cfg(target_arch = "wasm32")]
+mod js;
+#[cfg(target_arch = "wasm32")]
 mod listener;
 #[cfg(target_arch = "wasm32")]
 mod load;

@@ -9,11 +9,12 @@ use glam::{UVec2, Vec2};
 use lumivox_explorer::ChangeQueue;
 use lumivox_explorer::parameters::PRESETS;
 use lumivox_render::PresetChoice;
-use tsify::{Ts, Tsify};
+use tsify::Ts;
 use wasm_bindgen::prelude::*;
 
 use crate::console::ran;
 use crate::error::{Code, WebError};
+use crate::js::{from_js, keys, of_text_of, to_js};
 use crate::listener::Listener;
 use crate::load::{load, load_panorama};
 use crate::present::Canvas;
@@ -489,30 +490,4 @@ impl Renderer {
         let session = self.session().await;
         self.changes.borrow_mut().take(ticket).map(|()| session)
     }
-}
-
-fn to_js<T: Tsify + serde::Serialize>(value: &T) -> Result<Ts<T>, JsValue> {
-    value.into_ts().map_err(|error| WebError::value(error.to_string()).into())
-}
-
-/// The names of an object's properties.
-fn keys(object: &JsValue) -> String {
-    let object: Option<&js_sys::Object> = object.dyn_ref();
-    object.map_or_else(String::new, |object| js_sys::Object::keys(object).join(" ").into())
-}
-
-/// An object of the page.
-fn from_js<T: Tsify + serde::de::DeserializeOwned>(
-    value: &Ts<T>,
-    what: &str,
-) -> Result<T, WebError> {
-    of_text_of(&value.js_value(), what)
-}
-
-/// By way of its text, since that refuses unknown properties; properties that are left out are
-/// null.
-fn of_text_of<T: serde::de::DeserializeOwned>(value: &JsValue, what: &str) -> Result<T, WebError> {
-    let text = js_sys::JSON::stringify(value).ok().and_then(|text| text.as_string());
-    serde_json::from_str(text.as_deref().unwrap_or("null"))
-        .map_err(|error| WebError::value(format!("this is not {what}: {error}")))
 }

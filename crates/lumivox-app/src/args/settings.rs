@@ -23,16 +23,16 @@ pub trait Groups {
     const GROUPS: &'static [Group];
 }
 
-/// What a picture shows, and how.
+/// The groups of a picture: its frames, exposure, view and overlay.
 #[derive(Clone, Debug)]
 pub struct Picture;
-/// How voxels are made and stored.
+/// The group of voxels, and where they are stored.
 #[derive(Clone, Debug)]
 pub struct Volume;
-/// How light is found.
+/// The group of light and shadows.
 #[derive(Clone, Debug)]
 pub struct Light;
-/// Cones and looks.
+/// The groups of the cones and of looks.
 #[derive(Clone, Debug)]
 pub struct Cones;
 
@@ -63,7 +63,7 @@ pub struct SettingArgs<G> {
 }
 
 impl<G> SettingArgs<G> {
-    /// What the command line gives, in the order of the table.
+    /// The settings that the command line gives, in the order of the table.
     pub fn given(&self) -> &[Given] {
         &self.given
     }

@@ -26,7 +26,7 @@ pub struct PictureArgs {
     #[arg(allow_hyphen_values = true)]
     pub camera: Option<CameraChoice>,
 
-    /// What it shows, and how.
+    /// Frames, exposure, view and overlay.
     #[command(flatten)]
     pub settings: SettingArgs<Picture>,
 }

@@ -93,7 +93,7 @@ pub fn report(settings: &RenderSettings) -> Map<String, serde_json::Value> {
 /// Writes settings as [`report`] has them.
 ///
 /// # Errors
-/// Those of the writer.
+/// The errors of the writer `to`.
 pub fn serialize<S: Serializer>(settings: &RenderSettings, to: S) -> Result<S::Ok, S::Error> {
     report(settings).serialize(to)
 }

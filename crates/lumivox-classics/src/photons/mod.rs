@@ -46,7 +46,7 @@ pub fn photons() -> Arc<dyn Injection> {
     Arc::new(PhotonInjection)
 }
 
-/// What became of the photons of the last call of [`Gi::light`]: one [`PhotonFates`]. `None` without photons.
+/// The fates of the photons of the last call of [`Gi::light`]: one [`PhotonFates`]. `None` without photons.
 pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
     let injector: &dyn Any = gi.injector()?;
     injector.downcast_ref::<Photons>().map(|photons| &photons.fates)

@@ -67,7 +67,7 @@ impl Raster {
     }
 
     /// The library with the modules of this folder.
-    fn library(self, shaders: &ShaderLibrary) -> ShaderLibrary {
+    fn link_into(self, shaders: &ShaderLibrary) -> ShaderLibrary {
         let mut library = with_modules(shaders, MODULES);
         library
             .constant_u32("RASTER_CONSERVATIVE", Self::Conservative as u32)
@@ -88,7 +88,7 @@ impl Voxelization for Raster {
 
     fn make(&self, parts: &VoxelizationShares<'_>) -> Result<Box<dyn Walker>, GiError> {
         let device = parts.device;
-        let shaders = self.library(parts.shaders);
+        let shaders = self.link_into(parts.shaders);
         let corners = device.shader(&shaders, "classics::raster::corners")?;
         let pipelines = |module: &str, entries: [&str; 3], step: WalkStep| {
             let fragments = device.shader(&shaders, module)?;
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn shaders_are_valid() {
         for way in Raster::ALL {
-            let library = way.library(&lumivox::shaders::library());
+            let library = way.link_into(&lumivox::shaders::library());
             for (path, _) in MODULES {
                 library.reflect(path).unwrap_or_else(|error| panic!("{error}"));
             }

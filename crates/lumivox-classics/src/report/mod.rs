@@ -10,7 +10,7 @@ use lumivox::TraceSettings;
 use lumivox::hooks::ConeModel;
 use lumivox::settings::{Kind, Redoes, Setting, Value};
 
-/// What the report's cones do otherwise than the physics asks for. The default is the physics.
+/// Departures of the report's cones from the physics. The default is the physics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportCones {
     /// Whether cones draw their directions at random, in each frame others. Without, a fixed set of
@@ -20,11 +20,11 @@ pub struct ReportCones {
     /// Whether cones start farther where a wall is felt at their start. Without, the constant
     /// offset counts only, and light leaks along walls.
     pub clear_of_walls: bool,
-    /// What a sample's radiance loses for the cone's width there, as a share for each longest side
+    /// Loss of a sample's radiance for the cone's width there, as a share for each longest side
     /// of the grid, 0 to 64. 0 is the physics: radiance does not change with distance. Higher:
     /// darker, most of all what wide cones see from afar.
     pub width_attenuation: f32,
-    /// What a sample's radiance is multiplied by for each level above the finest, 1 to 8. 1 is the
+    /// Factor of a sample's radiance for each level above the finest, 1 to 8. 1 is the
     /// physics. Higher: brighter where coarse levels are read, up to what they would give if they
     /// were full.
     pub level_gain: f32,
