@@ -15,7 +15,7 @@ import package::render::reference::world::{materials, triangles, vertices, VERTE
 import package::trace::brdf::alpha_from_roughness;
 import package::trace::coat::Coat;
 
-// The directional albedo of velvet: cosine along u, roughness along v (upload/sheen.rs).
+// The directional albedo of velvet: cosine along u, roughness along v (scene/sheen.rs).
 @group(0) @binding(11) var sheen_albedo: texture_2d<f32>;
 
 struct Met {
