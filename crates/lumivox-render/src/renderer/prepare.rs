@@ -8,7 +8,7 @@ use lumivox::{
 };
 use lumivox_scene::{Bounds, Scene};
 
-use super::Progress;
+use super::RenderProgress;
 use crate::classics::is_by_photons;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::renderer::estimate::MemoryEstimate;
@@ -43,9 +43,9 @@ pub(super) async fn upload(
 /// When the device refuses one.
 pub(super) async fn compile(
     gpu: &Gpu,
-    progress: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
-    let mut report = |done, total| progress(Progress { stage: "compile", done, total });
+    let mut report = |done, total| progress(RenderProgress { stage: "compile", done, total });
     gpu.pipelines.compile(&mut report).await;
     gpu.check("compiling pipelines")
 }

@@ -9,7 +9,7 @@ use std::time::Instant;
 use lumivox::gpu::Timing;
 use lumivox::{Gi, Grid, VoxelizeStats};
 use lumivox_console::report::{
-    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, Times, count,
+    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, TimesReport, count,
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
@@ -23,7 +23,7 @@ use crate::args::scene;
 use crate::cli::VoxelsArgs;
 use crate::commands::settings;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Voxelizes and reports.
 ///
@@ -35,7 +35,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
     if let Some(share) = args.dynamic_share {
@@ -71,7 +71,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     gpu.check("voxelizing")?;
     drop(progress);
 
-    let report = Report::new(&scene, &gi, voxelized.stats, Times::new(&timed.times), wall_ms);
+    let report = Report::new(&scene, &gi, voxelized.stats, TimesReport::new(&timed.times), wall_ms);
     let report = Report { adapter: Some(AdapterReport::new(&gpu.adapter_info)), ..report };
     if args.json {
         return host.print_json(&report);
@@ -107,7 +107,7 @@ struct Report {
     /// Of one voxelization as a whole, by the clock on the wall, without times being taken.
     wall_ms: f64,
     #[serde(flatten)]
-    times: Times,
+    times: TimesReport,
     adapter: Option<AdapterReport>,
 }
 
@@ -125,7 +125,7 @@ struct LevelReport {
 }
 
 impl Report {
-    fn new(scene: &Scene, gi: &Gi, stats: VoxelizeStats, times: Times, wall_ms: f64) -> Self {
+    fn new(scene: &Scene, gi: &Gi, stats: VoxelizeStats, times: TimesReport, wall_ms: f64) -> Self {
         let grid = gi.grid();
         let named = |(name, bytes): (&'static str, u64)| MemoryReport { name: name.into(), bytes };
         let memory: Vec<_> = gi.memory().into_iter().map(named).collect();
