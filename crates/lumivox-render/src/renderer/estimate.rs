@@ -20,9 +20,10 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
 /// On the built-in scenes it is 0.9 to 1.5.
 const FACES_PER_VOXEL: f64 = 1.25;
-/// The record of the list (80 bytes), and its light: two colours in full floats.
-const FACE_BYTES: u64 = 80 + 32;
-const NODE_BYTES: u64 = 8;
+/// The record of the list (80 bytes), and its light: five colours in full floats.
+const FACE_BYTES: u64 = 80 + 80;
+/// The record (8 bytes), the place of its faces, and room in two lists of changed cells.
+const NODE_BYTES: u64 = 8 + 4 + 24;
 /// 160 to 430 on the scenes of docs/octree.md, from 128 voxels on.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
 /// The same with one value a voxel.
@@ -52,14 +53,12 @@ impl MemoryEstimate {
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
         let voxels = voxel_count(scene, &grid, |_| true);
-        // Of static instances among others their own sums are kept.
+        // Where some instances may move, all is collected in shares of its own, which stay.
         let voxelized = || scene.shown().filter(|instance| instance.is_voxelized);
         let fixed = voxelized().filter(|instance| instance.is_static).count();
         let fixed_voxels = || voxel_count(scene, &grid, |instance| instance.is_static);
-        let is_mixed = (1..voxelized().count()).contains(&fixed);
-        let kept = if is_mixed { kept_bytes(&grid, fixed_voxels()) } else { 0 };
-        // Without bounces in the voxels, what the volume holds is remembered.
-        let held = if settings.bounces < 2 { held_bytes(voxels) } else { 0 };
+        let moves = fixed < voxelized().count();
+        let kept = if moves { kept_bytes(&grid, fixed_voxels(), voxels) } else { 0 };
         // Clear glass has none either; it is too little to look for.
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
@@ -70,7 +69,7 @@ impl MemoryEstimate {
             ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
-            ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept + held),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept),
             ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
@@ -169,7 +168,7 @@ fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool)
     (voxels.ceil() as u64).min(grid.voxel_count())
 }
 
-/// Bits and ranks, of what is occupied and of what has changed; nodes of all levels, twice; faces and their light.
+/// Bits and ranks, of what is occupied and twice of what has changed; nodes of all levels; faces and their light.
 fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // A surface of the next level has a quarter of the cells.
@@ -178,20 +177,19 @@ fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let own_bytes = settings.injection.as_ref().map_or(0, |injection| injection.bytes_per_face());
     let face_bytes = FACE_BYTES + own_bytes;
     // The ranks: a word for each word of bits.
-    4 * cells.div_ceil(8) + 2 * nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
+    5 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes
 }
 
-/// Bits, ranks, both side by side, lobes, and the faces' sums.
-fn kept_bytes(grid: &Grid, voxels: u64) -> u64 {
-    let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
-    let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
-    let sums = size_of::<lumivox::voxels::FaceRecord>() as u64;
-    4 * cells.div_ceil(8) + voxels * 20 + faces * sums
-}
-
-/// A colour in full floats for each face.
-fn held_bytes(voxels: u64) -> u64 {
-    (voxels as f64 * FACES_PER_VOXEL) as u64 * 16
+/// Of each share bits, ranks, both side by side, lobes, and the faces' sums; of what moves its faces besides, with a
+/// quarter to spare; and the bits of both together.
+fn kept_bytes(grid: &Grid, fixed: u64, voxels: u64) -> u64 {
+    let cells = u64::from(grid.morton_edge(0)).pow(3);
+    let faces = |voxels: u64| (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let face = size_of::<lumivox::voxels::FaceRecord>() as u64;
+    let moving = voxels.saturating_sub(fixed);
+    let share = |voxels: u64| 4 * cells.div_ceil(8) + voxels * 32 + faces(voxels) * face;
+    let united = moving * 32 + faces(moving) * (face + 32);
+    share(fixed) + 5 * (share(moving) + united) / 4 + 3 * cells.div_ceil(8)
 }
 
 /// Each texture with its mips, once as colours and once as data if it is used as both.

@@ -3,6 +3,8 @@
 //! One unit of radiance runs through the whole library: if lights come in lux and candela, radiance is in
 //! cd/m². The volumes hold half floats (6e-5 to 65504), so very bright scenes are given in a larger unit.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
@@ -241,6 +243,8 @@ pub struct Lights {
     pub group: BindGroup,
     /// How many lights there are.
     pub count: u32,
+    /// Differs from that of all others, and changes with what is bound.
+    pub(crate) version: u64,
     /// Whether any of them gets its shadows by cones.
     pub(crate) has_cone_shadows: bool,
     /// Those that have shadow maps.
@@ -369,11 +373,18 @@ impl Lights {
         Self {
             group,
             count: records.len() as u32,
+            version: next_version(),
             has_cone_shadows: records.iter().any(|light| light.shadow == SHADOW_CONE),
             mapped,
             map_size,
         }
     }
+}
+
+/// A number that was not given out before.
+fn next_version() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// The lights that have layers of the maps, which the records have checked.
