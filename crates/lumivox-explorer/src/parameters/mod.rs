@@ -74,5 +74,5 @@ fn table() -> Vec<Parameter> {
     table
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "classics"))]
 mod tests;
