@@ -39,7 +39,7 @@ pub use voxels::VoxelsArgs;
 pub use window::WindowArgs;
 
 use crate::args::number;
-use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 use crate::commands::settings;
 use crate::exit;
 use crate::motion::{AnimationName, animation};
@@ -194,7 +194,7 @@ pub struct RenderArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
     /// What shines.
     #[command(flatten)]
@@ -243,7 +243,7 @@ pub struct InfoArgs {
 
     /// The voxels whose memory is told.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
     /// Print one JSON object instead of text [default: off]
     #[arg(long, help_heading = "Messages")]

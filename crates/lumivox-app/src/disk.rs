@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::io::Write as _;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
-use lumivox_console::{Failure, Opening, Outside, Reading, SceneSource, is_scene, suggest};
+use lumivox_console::{Failure, Outside, Reading, SceneRequest, SceneSource, is_scene, suggest};
 use lumivox_scene::{builtin, extensions_in_words, write_atomically};
 
 use crate::args::output;
@@ -16,11 +16,11 @@ use crate::commands::light;
 pub struct Disk;
 
 impl Outside for Disk {
-    fn scenes(&self, open: Option<&Opening>) -> Vec<String> {
+    fn scenes(&self, open: Option<&SceneRequest>) -> Vec<String> {
         scenes(&folders(open))
     }
 
-    fn find(&self, name: &str, open: Option<&Opening>) -> anyhow::Result<SceneSource> {
+    fn find(&self, name: &str, open: Option<&SceneRequest>) -> anyhow::Result<SceneSource> {
         let source = scene::source(name.into());
         let SceneSource::File(path) = &source else { return Ok(source) };
         if path.is_file() {
@@ -50,7 +50,7 @@ impl Outside for Disk {
         .into())
     }
 
-    fn check(&self, opening: &Opening) -> anyhow::Result<()> {
+    fn check(&self, opening: &SceneRequest) -> anyhow::Result<()> {
         scene::check(&opening.source)?;
         Ok(light::check(&opening.light)?)
     }
@@ -85,7 +85,7 @@ pub fn read(file: &Path) -> Result<Vec<u8>, Failure> {
 
 /// The folders where scenes are looked for by name: `scenes` in the working folder, beside the scene that is open, and
 /// beside its folder (VXCT keeps `models` there).
-fn folders(open: Option<&Opening>) -> Vec<PathBuf> {
+fn folders(open: Option<&SceneRequest>) -> Vec<PathBuf> {
     let mut folders = vec![PathBuf::from("scenes")];
     if let Some(SceneSource::File(file)) = open.map(|opening| &opening.source) {
         let beside = file.parent().unwrap_or(Path::new("")).to_owned();

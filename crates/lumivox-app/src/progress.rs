@@ -25,7 +25,7 @@ const PARTS: f64 = 1000.0;
 
 /// Shows how far the work is until it is dropped.
 #[derive(Debug)]
-pub struct Progress {
+pub struct ProgressDisplay {
     /// Its prefix is the stage, its message the steps; it has a length where there are several.
     bar: ProgressBar,
     /// Shows the bar until the channel is closed.
@@ -33,7 +33,7 @@ pub struct Progress {
     stop: Arc<AtomicBool>,
 }
 
-impl Progress {
+impl ProgressDisplay {
     /// Starts with a stage of one step.
     pub fn start(host: &Host, stage: &'static str) -> Self {
         let mut progress = Self::silent(stage);
@@ -45,7 +45,7 @@ impl Progress {
         progress
     }
 
-    /// Shows nothing by itself; a [`Watch`] reads it.
+    /// Shows nothing by itself; a [`ProgressReader`] reads it.
     pub fn silent(stage: &'static str) -> Self {
         let bar = ProgressBar::hidden().with_style(style(false)).with_prefix(stage);
         Self { bar, shown: None, stop: Arc::default() }
@@ -71,8 +71,8 @@ impl Progress {
     }
 
     /// Reads it from another thread.
-    pub fn watch(&self) -> Watch {
-        Watch(self.bar.clone())
+    pub fn watch(&self) -> ProgressReader {
+        ProgressReader(self.bar.clone())
     }
 
     /// Reports how far the work is: `done` steps of `total`.
@@ -114,7 +114,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressDisplay {
     fn drop(&mut self) {
         if let Some((sender, thread)) = self.shown.take() {
             drop(sender);
@@ -124,11 +124,11 @@ impl Drop for Progress {
     }
 }
 
-/// Reads how far the work of a [`Progress`] is, from another thread.
+/// Reads how far the work of a [`ProgressDisplay`] is, from another thread.
 #[derive(Clone, Debug)]
-pub struct Watch(ProgressBar);
+pub struct ProgressReader(ProgressBar);
 
-impl Watch {
+impl ProgressReader {
     /// The stage, how far it is, and how long it will take.
     pub fn words(&self) -> String {
         let (stage, steps) = (self.0.prefix(), self.0.message());
@@ -158,7 +158,7 @@ fn show(bar: &ProgressBar, host: &Host, over: &Receiver<()>) {
     let lasts = |time| over.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
     if !host.has_terminal_for_errors() || host.bars().is_hidden() {
         while lasts(LINE_EVERY) {
-            host.complain(&format!("{}\n", Watch(bar.clone()).words()));
+            host.complain(&format!("{}\n", ProgressReader(bar.clone()).words()));
         }
     } else if lasts(SHOW_AFTER) {
         host.bars().add(bar.clone());
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn the_words_say_the_stage_the_steps_and_the_time() {
-        let progress = Progress::silent("loading");
+        let progress = ProgressDisplay::silent("loading");
         let watch = progress.watch();
         assert_eq!((watch.words(), watch.share()), ("loading, 00:00:00".to_owned(), None));
         progress.set_share("loading", 123_456, 987_654);
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn it_ends_at_once() {
         let start = std::time::Instant::now();
-        let progress = Progress::start(&Host::of_process(), "testing");
+        let progress = ProgressDisplay::start(&Host::of_process(), "testing");
         progress.set("testing", 1, 2);
         drop(progress);
         assert!(start.elapsed() < SHOW_AFTER);

@@ -54,8 +54,8 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
-use lumivox_explorer::{Asked, Explorer, Revoxelize};
-use lumivox_render::{PresetChoice, Progress, RenderSettings};
+use lumivox_explorer::{Explorer, RequestedSettings, Revoxelize};
+use lumivox_render::{PresetChoice, RenderProgress, RenderSettings};
 use lumivox_scene::{EnvironmentMap, Scene};
 use wgpu::WasmNotSend;
 
@@ -68,7 +68,7 @@ pub use failure::{Blame, Failure};
 pub use line::{LineError, Word, Words, commands as begun, is_obeyed, quote, split};
 pub use lumivox_explorer::suggest;
 pub use names::{Names, is_scene};
-pub use opening::{BUILTIN, LoadArgs, Opening, Ready, SceneSource, SourceArgs};
+pub use opening::{BUILTIN, LoadArgs, OpenedScene, SceneRequest, SceneSource, SourceArgs};
 pub use outside::{Outside, Reading};
 pub use queue::{Line, Queue, script};
 
@@ -79,7 +79,7 @@ pub enum Effect {
     #[default]
     Nothing,
     /// Read a scene and give it to [`Console::open`].
-    Open(Box<Opening>),
+    Open(Box<SceneRequest>),
     /// Render this number of frames before the next command.
     Wait(u32),
     /// Do these lines next, before any that wait: [`Queue::interpose`].
@@ -110,14 +110,14 @@ impl Reply {
 }
 
 /// Hears how far a command is that takes long; those that can be broken off end when it breaks.
-pub trait Hear: WasmNotSend {
+pub trait ProgressListener: WasmNotSend {
     /// Hears of a step.
-    fn hear(&mut self, progress: Progress) -> ControlFlow<()>;
+    fn progress(&mut self, step: RenderProgress) -> ControlFlow<()>;
 }
 
-impl<F: FnMut(Progress) -> ControlFlow<()> + WasmNotSend> Hear for F {
-    fn hear(&mut self, progress: Progress) -> ControlFlow<()> {
-        self(progress)
+impl<F: FnMut(RenderProgress) -> ControlFlow<()> + WasmNotSend> ProgressListener for F {
+    fn progress(&mut self, step: RenderProgress) -> ControlFlow<()> {
+        self(step)
     }
 }
 
@@ -126,10 +126,10 @@ pub struct Console {
     /// The state that the commands work on.
     pub explorer: Explorer,
     /// How its scene was opened.
-    opening: Option<Opening>,
+    opening: Option<SceneRequest>,
     /// How scenes are read and lit that `load` says nothing of.
     defaults: Option<(LoadArgs, SourceArgs)>,
-    hear: Box<dyn Hear>,
+    listener: Box<dyn ProgressListener>,
     outside: Box<dyn Outside>,
     /// The scene that the following is about.
     generation: u32,
@@ -141,7 +141,7 @@ pub struct Console {
     /// Panoramas and skies, with the commands that made them.
     maps: Vec<(Weak<EnvironmentMap>, String)>,
     /// The ray that is marked.
-    ray: Option<commands::ray::Mark>,
+    ray: Option<commands::ray::RayMarker>,
     /// The interval of voxelizations when `dynamic` is on again.
     dynamic: Option<Revoxelize>,
 }
@@ -159,7 +159,7 @@ impl Console {
             explorer,
             opening: None,
             defaults: None,
-            hear: Box::new(|_| ControlFlow::Continue(())),
+            listener: Box::new(|_| ControlFlow::Continue(())),
             outside,
             generation: 0,
             bounces: None,
@@ -180,33 +180,33 @@ impl Console {
 
     /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the
     /// camera stays, unless one was asked for: they fill the same cube.
-    pub fn open(&mut self, ready: Ready) {
+    pub fn open(&mut self, scene: OpenedScene) {
         let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && scene.has_display_values();
-        let stays = ready.opening.camera.is_none()
-            && is_of_vxct(ready.opened.scene())
+        let stays = scene.request.camera.is_none()
+            && is_of_vxct(scene.prepared.scene())
             && self.explorer.scene().is_some_and(is_of_vxct);
         let camera = stays.then(|| self.explorer.camera().clone());
-        self.explorer.open(ready.opened);
+        self.explorer.open(scene.prepared);
         if let Some(camera) = camera {
             self.explorer.set_camera(camera);
         }
-        self.opening = Some(ready.opening);
+        self.opening = Some(scene.request);
     }
 
     /// Shows a scene that was read again, with the changes of its objects: [`Explorer::reopen`].
-    pub fn reopen(&mut self, ready: Ready) -> usize {
-        self.opening = Some(ready.opening);
-        self.explorer.reopen(ready.opened)
+    pub fn reopen(&mut self, scene: OpenedScene) -> usize {
+        self.opening = Some(scene.request);
+        self.explorer.reopen(scene.prepared)
     }
 
     /// How the scene was opened that is shown.
-    pub fn opening(&self) -> Option<&Opening> {
+    pub fn scene_request(&self) -> Option<&SceneRequest> {
         self.opening.as_ref().filter(|_| self.explorer.scene().is_some())
     }
 
     /// Sets the listener for the progress of long commands, such as `screenshot` and `compare`.
-    pub fn on_progress(&mut self, hear: Box<dyn Hear>) {
-        self.hear = hear;
+    pub fn on_progress(&mut self, listener: Box<dyn ProgressListener>) {
+        self.listener = listener;
     }
 
     /// Executes a line; an empty one, or a comment, does nothing. Several commands in a line come
@@ -264,17 +264,17 @@ impl Console {
 
     /// Settings that take memory for voxels are applied at once, where there is a picture: a
     /// refusal of the renderer is then reported at its own line, and affects nothing else.
-    async fn confirm(&mut self, before: Asked) -> anyhow::Result<()> {
+    async fn confirm(&mut self, before: RequestedSettings) -> anyhow::Result<()> {
         let of_voxels = |s: &RenderSettings| {
             let grid = (s.resolution, s.grid_offset, s.grid_bounds);
             (grid, s.directionality, s.volume, s.volume_memory, s.injection.clone())
         };
-        let Self { explorer, hear, .. } = self;
+        let Self { explorer, listener, .. } = self;
         if of_voxels(explorer.settings()) != of_voxels(&before.settings) {
-            let mut tell = |progress| {
-                let _ = hear.hear(progress);
+            let mut progress = |step| {
+                let _ = listener.progress(step);
             };
-            explorer.confirm(before, &mut tell).await?;
+            explorer.confirm(before, &mut progress).await?;
         }
         Ok(())
     }
@@ -325,11 +325,11 @@ impl Console {
     /// # Errors
     /// When there is nothing to show, or as [`Explorer::update`].
     async fn update(&mut self) -> anyhow::Result<()> {
-        let Self { explorer, hear, .. } = self;
-        let mut tell = |progress| {
-            let _ = hear.hear(progress);
+        let Self { explorer, listener, .. } = self;
+        let mut progress = |step| {
+            let _ = listener.progress(step);
         };
-        explorer.update(&mut tell).await?;
+        explorer.update(&mut progress).await?;
         if explorer.renderer().is_some() { Ok(()) } else { Err(nothing_to_show().into()) }
     }
 }

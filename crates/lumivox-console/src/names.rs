@@ -46,7 +46,7 @@ impl Console {
                 .collect(),
             stored: explorer.stored_cameras().map(|(name, _)| name.to_owned()).collect(),
             animations: animations.into_iter().chain(all).collect(),
-            scenes: self.outside.scenes(self.opening()),
+            scenes: self.outside.scenes(self.scene_request()),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::pin::Pin;
 
 use wgpu::WasmNotSend;
 
-use crate::{Opening, SceneSource};
+use crate::{SceneRequest, SceneSource};
 
 /// A file that is being read.
 pub type Reading<'a> = Pin<Box<dyn Future<Output = anyhow::Result<Vec<u8>>> + 'a>>;
@@ -14,19 +14,19 @@ pub type Reading<'a> = Pin<Box<dyn Future<Output = anyhow::Result<Vec<u8>>> + 'a
 /// Errors name the file and the remedy.
 pub trait Outside: Debug + WasmNotSend {
     /// The scenes that are found by name, where one is open or none.
-    fn scenes(&self, open: Option<&Opening>) -> Vec<String>;
+    fn scenes(&self, open: Option<&SceneRequest>) -> Vec<String>;
 
     /// The scene of a name or a path.
     ///
     /// # Errors
     /// When it is known that there is none.
-    fn find(&self, name: &str, open: Option<&Opening>) -> anyhow::Result<SceneSource>;
+    fn find(&self, name: &str, open: Option<&SceneRequest>) -> anyhow::Result<SceneSource>;
 
     /// Checks everything that is cheap to check before a scene is opened.
     ///
     /// # Errors
     /// When it is known that it cannot be.
-    fn check(&self, opening: &Opening) -> anyhow::Result<()>;
+    fn check(&self, opening: &SceneRequest) -> anyhow::Result<()>;
 
     /// A file's bytes.
     fn read<'a>(&'a self, file: &'a str) -> Reading<'a>;

@@ -280,14 +280,14 @@ pub struct TimeReport {
 
 /// The times of stages and passes, in order.
 #[derive(Clone, Debug, Serialize)]
-pub struct Times {
+pub struct TimesReport {
     /// Sums by stage.
     pub stages: Vec<TimeReport>,
     /// Each pass by itself.
     pub passes: Vec<TimeReport>,
 }
 
-impl Times {
+impl TimesReport {
     /// Sums by stage and by pass, each in the order in which they first ran.
     pub fn new(times: &[StageTime]) -> Self {
         let mut sums = Self { stages: Vec::new(), passes: Vec::new() };
@@ -357,7 +357,7 @@ mod tests {
             duration: Duration::from_millis(ms),
         };
         let times = [time("a", "x", 1), time("b", "y", 2), time("a", "z", 4), time("a", "x", 8)];
-        let times = Times::new(&times);
+        let times = TimesReport::new(&times);
         let stages: Vec<_> = times.stages.iter().map(|s| (s.stage.as_str(), s.ms)).collect();
         assert_eq!(stages, [("a", 13.0), ("b", 2.0)]);
         assert_eq!(times.passes.len(), 3);

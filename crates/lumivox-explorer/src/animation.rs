@@ -3,7 +3,7 @@
 use lumivox_scene::{AnimationChoice, Instance, InstanceBounds};
 use web_time::Instant;
 
-use crate::opened::Opened;
+use crate::opened::PreparedScene;
 use crate::{Explorer, ExplorerError};
 
 /// An animation that plays, or stands still.
@@ -22,7 +22,7 @@ pub struct Playback {
 }
 
 impl Playback {
-    pub(crate) fn of(opened: &Opened) -> Self {
+    pub(crate) fn of(opened: &PreparedScene) -> Self {
         let animations = opened.scene.animations();
         let first = animations.first();
         Self {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use glam::UVec2;
-use lumivox_render::{Metering, Photometry, Picture, Progress};
+use lumivox_render::{Metering, Photometry, Picture, RenderProgress};
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
@@ -48,9 +48,12 @@ impl Explorer {
     ///
     /// # Errors
     /// As [`Explorer::update`], and when the device fails.
-    pub async fn frame(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<bool, ExplorerError> {
+    pub async fn frame(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<bool, ExplorerError> {
         self.catch_up();
-        self.update(tell).await?;
+        self.update(progress).await?;
         let frames = self.settings.frames;
         let Some(renderer) = &mut self.renderer else { return Ok(false) };
         let is_complete = renderer.frame_count() >= frames;
@@ -100,12 +103,12 @@ impl Explorer {
     /// As [`Self::frame`].
     pub async fn picture(
         &mut self,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Option<Picture>, ExplorerError> {
-        while self.frame(tell).await? {
+        while self.frame(progress).await? {
             if let Some(renderer) = &self.renderer {
                 let done = renderer.frame_count();
-                tell(Progress { stage: "render", done, total: self.settings.frames });
+                progress(RenderProgress { stage: "render", done, total: self.settings.frames });
             }
         }
         if let Some(renderer) = &mut self.renderer {

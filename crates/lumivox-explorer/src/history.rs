@@ -31,7 +31,7 @@ pub(crate) enum Key {
 /// What was there.
 #[derive(Clone, Debug)]
 pub(crate) enum Value {
-    Settings(Box<Asked>),
+    Settings(Box<SettingsSnapshot>),
     Lights(Vec<Light>),
     Environment(Environment),
     Material(Box<Material>),
@@ -40,13 +40,13 @@ pub(crate) enum Value {
 
 /// Settings as somebody asked for them.
 #[derive(Clone, Debug)]
-pub(crate) struct Asked {
+pub(crate) struct SettingsSnapshot {
     settings: RenderSettings,
     preset: PresetChoice,
     has_fitted_grid: bool,
 }
 
-impl Asked {
+impl SettingsSnapshot {
     /// These settings where nobody has asked for something: the size is the window's, times are taken for its panels,
     /// and the box widens by itself.
     fn beside(mut self, now: &RenderSettings, has_fitted_grid: bool) -> RenderSettings {
@@ -234,7 +234,7 @@ impl Explorer {
     fn value_of(&self, key: &Key) -> Option<Value> {
         let opened = self.opened.as_ref();
         Some(match key {
-            Key::Settings => Value::Settings(Box::new(Asked {
+            Key::Settings => Value::Settings(Box::new(SettingsSnapshot {
                 settings: self.settings.clone(),
                 preset: self.preset,
                 has_fitted_grid: self.has_fitted_grid(),
@@ -309,7 +309,7 @@ impl Explorer {
         words.join(", ")
     }
 
-    fn words_of_settings(&self, before: &Asked) -> String {
+    fn words_of_settings(&self, before: &SettingsSnapshot) -> String {
         if before.preset != self.preset {
             return format!("preset {}", self.preset.name());
         }

@@ -5,19 +5,19 @@
 //! What the renderer refuses is taken back, so that there is always a state that can be shown.
 //!
 //! Nothing here knows of windows, files, command lines or threads, so that it works in browsers, too. What waits for the
-//! GPU is `async` and is to be awaited to its end: a change that is dropped halfway may be lost. [`Opened::new`] needs no
+//! GPU is `async` and is to be awaited to its end: a change that is dropped halfway may be lost. [`PreparedScene::new`] needs no
 //! GPU, so that a scene can be made ready beside the frames of another.
 //!
 //! ```no_run
 //! # async fn show() -> Result<(), Box<dyn std::error::Error>> {
-//! use lumivox_explorer::{Explorer, Opened};
+//! use lumivox_explorer::{Explorer, PreparedScene};
 //! use lumivox_render::{Gpu, GpuOptions, PresetChoice, RenderSettings};
 //! use lumivox_scene::SightOptions;
 //!
 //! let gpu = Gpu::new(&GpuOptions::default()).await?;
 //! let mut explorer = Explorer::new(gpu, RenderSettings::default(), PresetChoice::default());
 //! let scene = lumivox_scene::builtin::scene("cornell")?;
-//! explorer.open(Opened::new(scene, &SightOptions::default(), &mut |_| {})?);
+//! explorer.open(PreparedScene::new(scene, &SightOptions::default(), &mut |_| {})?);
 //! while explorer.frame(&mut |_| {}).await? {
 //!     let stops = explorer.meter().await?.stops;
 //!     let pixels = explorer.screen(stops).await?; // show them
@@ -72,7 +72,7 @@ mod update;
 use std::collections::BTreeMap;
 
 use glam::{UVec2, Vec3};
-use lumivox_render::{Gpu, PresetChoice, Progress, RenderSettings, Renderer};
+use lumivox_render::{Gpu, PresetChoice, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, InstanceBounds, Scene};
 use web_time::Instant;
 
@@ -84,7 +84,7 @@ use history::{History, Key};
 pub use metering::ExposureMeter;
 pub use names::NotFound;
 pub use objects::Placement;
-pub use opened::{Opened, first_look};
+pub use opened::{PreparedScene, first_look};
 pub use original::Original;
 pub use pacing::{Pacing, REST};
 pub use split::{Side, SplitSchedule};
@@ -106,7 +106,7 @@ pub enum Revoxelize {
 
 /// Settings that are asked for, and what they started from.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct RequestedSettings {
     /// The settings.
     pub settings: RenderSettings,
     preset: PresetChoice,
@@ -117,7 +117,7 @@ pub struct Asked {
 #[derive(Debug)]
 pub struct Explorer {
     gpu: Gpu,
-    opened: Option<Opened>,
+    opened: Option<PreparedScene>,
     /// What is asked for; [`Explorer::update`] makes it so.
     settings: RenderSettings,
     preset: PresetChoice,
@@ -182,7 +182,7 @@ impl Explorer {
     }
 
     /// Shows another scene from its camera. Settings stay; what was stored of the last scene goes.
-    pub fn open(&mut self, mut opened: Opened) {
+    pub fn open(&mut self, mut opened: PreparedScene) {
         self.camera = opened.camera.clone();
         self.positions = opened.positions();
         self.stored.clear();
@@ -286,16 +286,20 @@ impl Explorer {
         &mut self,
         settings: RenderSettings,
         preset: PresetChoice,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), ExplorerError> {
         let before = self.asked();
         self.choose_settings(settings, preset)?;
-        self.confirm(before, tell).await
+        self.confirm(before, progress).await
     }
 
     /// What is asked for now, for [`Self::confirm`].
-    pub fn asked(&self) -> Asked {
-        Asked { settings: self.settings.clone(), preset: self.preset, fitted: self.fitted }
+    pub fn asked(&self) -> RequestedSettings {
+        RequestedSettings {
+            settings: self.settings.clone(),
+            preset: self.preset,
+            fitted: self.fitted,
+        }
     }
 
     /// Makes the settings so at once that are asked for: where the renderer refuses them, those of before are asked for
@@ -305,15 +309,19 @@ impl Explorer {
     /// As [`Self::update`].
     pub async fn confirm(
         &mut self,
-        before: Asked,
-        tell: &mut dyn FnMut(Progress),
+        before: RequestedSettings,
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), ExplorerError> {
         if self.renderer.is_none() {
             return Ok(());
         }
-        let updated = self.update(tell).await;
+        let updated = self.update(progress).await;
         if updated.is_err() {
-            Asked { settings: self.settings, preset: self.preset, fitted: self.fitted } = before;
+            RequestedSettings {
+                settings: self.settings,
+                preset: self.preset,
+                fitted: self.fitted,
+            } = before;
         }
         updated
     }

@@ -6,12 +6,12 @@ use lumivox::gpu::{StageTime, Timing};
 use lumivox_render::PresetChoice;
 
 use crate::Explorer;
-use crate::opened::Opened;
+use crate::opened::PreparedScene;
 
 impl Explorer {
     /// Shows a scene that was read again: the camera, those that were stored and the changes of objects that are still there
     /// stay. Returns for how many objects changes were kept.
-    pub fn reopen(&mut self, mut opened: Opened) -> usize {
+    pub fn reopen(&mut self, mut opened: PreparedScene) -> usize {
         let (camera, positions) = (self.camera.clone(), self.positions.clone());
         let stored = std::mem::take(&mut self.stored);
         if let Some(old) = &mut self.opened {

@@ -5,7 +5,7 @@ use glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
 use crate::Explorer;
 use crate::history::Key;
 use crate::names::NotFound;
-use crate::opened::Opened;
+use crate::opened::PreparedScene;
 
 /// What was changed of an object.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl Placement {
     }
 }
 
-impl Opened {
+impl PreparedScene {
     /// Brings the instances up to date with the edits.
     pub(crate) fn apply_edits(&mut self) {
         for object in 0..self.scene.instances.len() {

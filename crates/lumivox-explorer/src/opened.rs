@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use glam::Mat4;
-use lumivox_render::{Progress, RenderSettings};
+use lumivox_render::{RenderProgress, RenderSettings};
 use lumivox_scene::{AnimationChoice, Bounds, Camera, Framing, Note, Scene, Sight, SightOptions};
 
 use crate::ExplorerError;
@@ -14,7 +14,7 @@ use crate::original::Original;
 
 /// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it since.
 #[derive(Debug)]
-pub struct Opened {
+pub struct PreparedScene {
     /// As it is shown.
     pub(crate) scene: Scene,
     pub(crate) camera: Camera,
@@ -36,35 +36,35 @@ pub struct Opened {
 /// Steps of an animation at which the room that it takes is measured.
 const POSES: u32 = 32;
 
-impl Opened {
+impl PreparedScene {
     /// Decides how a scene is seen, lights it where it needs light, and measures the room that its animation takes. This
-    /// may take seconds and needs no GPU; `tell` hears how far it is.
+    /// may take seconds and needs no GPU; `progress` is called at each step.
     ///
     /// # Errors
     /// When nothing of the scene is left at some time of its animation.
     pub fn new(
         scene: Scene,
         options: &SightOptions,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Self, ExplorerError> {
-        Self::surveyed(scene, options, &OnceCell::new(), tell)
+        Self::surveyed(scene, options, &OnceCell::new(), progress)
     }
 
     /// The same for a scene that was surveyed before, if its triangles are still the same.
     ///
     /// # Errors
-    /// As [`Opened::new`].
+    /// As [`PreparedScene::new`].
     pub fn surveyed(
         mut scene: Scene,
         options: &SightOptions,
         framing: &OnceCell<Framing>,
-        tell: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Self, ExplorerError> {
-        tell(Progress { stage: "looking at the scene", done: 0, total: 1 });
+        progress(RenderProgress { stage: "looking at the scene", done: 0, total: 1 });
         let sight = Sight::of(&scene, options, framing);
         scene.light_up(&sight);
         let Sight { camera, notes, .. } = sight;
-        let grid_bounds = bounds_of_all_poses(&mut scene, tell)?;
+        let grid_bounds = bounds_of_all_poses(&mut scene, progress)?;
         let posed = scene.instances.iter().map(|instance| instance.world_from_local).collect();
         let marks = scene.instances.iter().map(Marks::of).collect();
         let (names, original) = (names_of_objects(&scene), Original::of(&scene));
@@ -96,14 +96,14 @@ impl Opened {
 /// The box around what moves, in all its poses; a grid that follows them would flicker.
 fn bounds_of_all_poses(
     scene: &mut Scene,
-    tell: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<Option<Bounds>, ExplorerError> {
     let animations = scene.animations();
     let Some(first) = animations.first() else { return Ok(None) };
     let rest = scene.clone();
     let mut bounds = scene.bounds();
     for step in 0..=POSES {
-        tell(Progress { stage: "measuring the animation", done: step, total: POSES });
+        progress(RenderProgress { stage: "measuring the animation", done: step, total: POSES });
         let time_s = first.duration_s * step as f32 / POSES as f32;
         scene.pose(AnimationChoice::One(0), time_s)?;
         bounds = bounds.union(scene.bounds());

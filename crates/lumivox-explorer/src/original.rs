@@ -31,7 +31,7 @@ impl Explorer {
         self.opened.as_ref().map(|opened| &opened.original)
     }
 
-    /// What was chosen when the scene was opened: [`Opened::notes`](crate::Opened::notes).
+    /// What was chosen when the scene was opened: [`PreparedScene::notes`](crate::PreparedScene::notes).
     pub fn notes(&self) -> &[lumivox_scene::Note] {
         self.opened.as_ref().map_or(&[], |opened| opened.notes())
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use lumivox::GiError;
-use lumivox_render::{Progress, RenderError, Renderer};
+use lumivox_render::{RenderError, RenderProgress, Renderer};
 use lumivox_scene::Scene;
 
 use crate::{Explorer, ExplorerError, Revoxelize};
@@ -41,11 +41,14 @@ impl Explorer {
     }
 
     /// Brings the renderer up to date with all changes since the last call; without a scene, or with an empty one, there
-    /// is nothing to bring. `tell` hears how far it is.
+    /// is nothing to bring. `progress` is called at each step.
     ///
     /// # Errors
     /// When the renderer refuses. Settings that it refuses are those of before again.
-    pub async fn update(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<(), ExplorerError> {
+    pub async fn update(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let has_grid = opened.scene.grid_bounds.is_some();
         if opened.scene.shown().next().is_none() && !has_grid {
@@ -53,10 +56,13 @@ impl Explorer {
             return Ok(());
         }
         self.fit_grid();
-        self.bring(tell).await
+        self.bring(progress).await
     }
 
-    async fn bring(&mut self, tell: &mut dyn FnMut(Progress)) -> Result<(), ExplorerError> {
+    async fn bring(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
         let Some(renderer) = &mut self.renderer else {
@@ -66,7 +72,7 @@ impl Explorer {
                 self.settings.grid_bounds = self.fitted;
             }
             let (camera, settings) = (Some(&self.camera), self.settings.clone());
-            match Renderer::new(&self.gpu, scene, camera, settings, tell).await {
+            match Renderer::new(&self.gpu, scene, camera, settings, progress).await {
                 Ok(renderer) => self.renderer = Some(renderer),
                 Err(error) => {
                     self.settings = self.accepted.clone();
@@ -80,7 +86,7 @@ impl Explorer {
             return Ok(());
         };
         if *renderer.settings() != self.settings
-            && let Err(error) = renderer.set_settings(self.settings.clone(), tell).await
+            && let Err(error) = renderer.set_settings(self.settings.clone(), progress).await
         {
             let is_fitted = self.settings.grid_bounds == self.fitted;
             self.settings = renderer.settings().clone();
@@ -95,12 +101,12 @@ impl Explorer {
         self.accepted_preset = self.preset;
         self.history.accept();
         let pending = std::mem::take(&mut self.pending);
-        if let Err(error) = show(renderer, scene, pending, self.revoxelize, tell).await {
+        if let Err(error) = show(renderer, scene, pending, self.revoxelize, progress).await {
             // Whatever it holds now: the next one is made from the scene as it stands.
             self.renderer = None;
             let is_empty = matches!(error, RenderError::Gi(GiError::NothingToVoxelize { .. }));
             if is_empty && scene.grid_bounds.is_some() {
-                return Box::pin(self.bring(tell)).await;
+                return Box::pin(self.bring(progress)).await;
             }
             return Err(error.into());
         }
@@ -139,25 +145,25 @@ async fn show(
     scene: &Scene,
     pending: Pending,
     revoxelize: Revoxelize,
-    tell: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
     let follows = revoxelize == Revoxelize::WhenMoved || pending.voxels;
     if pending.materials {
-        return renderer.set_materials(scene, tell).await;
+        return renderer.set_materials(scene, progress).await;
     }
     let has_moved = pending.shapes || !pending.objects.is_empty();
     if has_moved && follows {
         if pending.shapes {
-            return renderer.set_scene(scene, tell).await;
+            return renderer.set_scene(scene, progress).await;
         }
         let moved: Vec<usize> = pending.objects.into_iter().collect();
-        return renderer.move_instances(scene, &moved, tell).await;
+        return renderer.move_instances(scene, &moved, progress).await;
     }
     if has_moved {
         renderer.place(scene).await?;
     }
     if pending.lights {
-        renderer.set_lights(scene, tell).await?;
+        renderer.set_lights(scene, progress).await?;
     }
-    if pending.voxels { renderer.revoxelize(tell).await } else { Ok(()) }
+    if pending.voxels { renderer.revoxelize(progress).await } else { Ok(()) }
 }

@@ -135,7 +135,7 @@ pub struct LookFrame<'a> {
     /// The G-buffer's bindings, with the view.
     pub gbuffer: &'a GBuffer,
     /// The camera and the picture's size.
-    pub view: &'a lumivox::View,
+    pub view: &'a lumivox::CameraView,
     /// What is shown: a view that [`Look::shows`].
     pub shown: View,
     /// The level of voxels that is shown.

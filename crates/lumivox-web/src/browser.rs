@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use lumivox_console::{BUILTIN, Failure, Opening, Outside, Reading, SceneSource, suggest};
+use lumivox_console::{BUILTIN, Failure, Outside, Reading, SceneRequest, SceneSource, suggest};
 use lumivox_scene::{SceneError, builtin, extensions_in_words};
 
 use crate::listener::Listener;
@@ -28,11 +28,11 @@ impl Browser {
 }
 
 impl Outside for Browser {
-    fn scenes(&self, _: Option<&Opening>) -> Vec<String> {
+    fn scenes(&self, _: Option<&SceneRequest>) -> Vec<String> {
         builtin::names().iter().map(|name| format!("{BUILTIN}{name}")).collect()
     }
 
-    fn find(&self, name: &str, _: Option<&Opening>) -> anyhow::Result<SceneSource> {
+    fn find(&self, name: &str, _: Option<&SceneRequest>) -> anyhow::Result<SceneSource> {
         let source = SceneSource::named(name);
         if let SceneSource::File(path) = &source
             && path.extension().is_none()
@@ -47,7 +47,7 @@ impl Outside for Browser {
         Ok(source)
     }
 
-    fn check(&self, opening: &Opening) -> anyhow::Result<()> {
+    fn check(&self, opening: &SceneRequest) -> anyhow::Result<()> {
         match &opening.source {
             SceneSource::Builtin(name) if !builtin::names().contains(&name.as_str()) => {
                 let known = builtin::names().to_vec();

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use lumivox_console::complete::complete;
-use lumivox_console::{Effect, Hear, LineInfo, Queue, Reply, script};
-use lumivox_render::Progress;
+use lumivox_console::{Effect, LineInfo, ProgressListener, Queue, Reply, script};
+use lumivox_render::RenderProgress;
 use wasm_bindgen::prelude::*;
 
 use crate::error::WebError;
@@ -14,9 +14,9 @@ use crate::renderer::Renderer;
 use crate::session::Session;
 
 /// Tells a page how far a command is, which may break it off.
-fn hearer(listener: &Listener) -> Box<dyn Hear> {
+fn listener_of(listener: &Listener) -> Box<dyn ProgressListener> {
     let listener = listener.clone();
-    Box::new(move |step: Progress| {
+    Box::new(move |step: RenderProgress| {
         listener.tell(step.stage, step.done.into(), step.total.into());
         if listener.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })
@@ -31,7 +31,7 @@ impl Session {
         self.show_view_of_left()?;
         self.fit(self.full_size(), listener).await?;
         let size = self.full_size();
-        self.console.on_progress(hearer(listener));
+        self.console.on_progress(listener_of(listener));
         let reply = self.console.run(line).await;
         self.console.on_progress(Box::new(|_| ControlFlow::Continue(())));
         self.view = self.explorer().settings().view;

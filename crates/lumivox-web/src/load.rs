@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use js_sys::{Array, Uint8Array};
-use lumivox_console::{LoadArgs, Opening, SceneSource};
+use lumivox_console::{LoadArgs, SceneRequest, SceneSource};
 use lumivox_scene::{EnvironmentMap, LoadOptions, MemoryBudget, Scene, builtin};
 use wasm_bindgen::prelude::*;
 
@@ -101,7 +101,7 @@ pub async fn load(
 ///
 /// # Errors
 /// As [`load`].
-pub async fn load_as(opening: &Opening, listener: &Listener) -> Result<Scene, WebError> {
+pub async fn load_as(opening: &SceneRequest, listener: &Listener) -> Result<Scene, WebError> {
     opening.load.check(&opening.source)?;
     let mut scene = match &opening.source {
         SceneSource::Builtin(name) => builtin::scene(name)?,

@@ -2,7 +2,7 @@
 //! it was asked for.
 
 use lumivox_console::values::camera::CameraChoice;
-use lumivox_console::{Opening, SceneSource};
+use lumivox_console::{SceneRequest, SceneSource};
 use lumivox_explorer::{ExposureMeter, first_look};
 use lumivox_render::RenderSettings;
 use lumivox_scene::Scene;
@@ -30,7 +30,7 @@ impl Session {
         if let Some(map) = panorama {
             scene.environment = of_panorama(map);
         }
-        let mut opening = Opening::plain(SceneSource::named(&name), self.aspect());
+        let mut opening = SceneRequest::plain(SceneSource::named(&name), self.aspect());
         opening.light.surroundings = Some(asked.surroundings.into());
         opening.camera = asked.from.map(|from| CameraChoice::Name(from.name().to_owned()));
         self.show_as(scene, opening, notes, Some(asked.camera), listener).await?;
@@ -51,14 +51,14 @@ impl Session {
     pub async fn show_as(
         &mut self,
         scene: Scene,
-        opening: Opening,
+        opening: SceneRequest,
         notes: Vec<String>,
         place: Option<Option<Camera>>,
         listener: &Listener,
     ) -> Result<(), WebError> {
         let before = (scene.instances.len(), scene.lights.len());
-        let ready = opening.ready(scene, &mut tell_of(listener))?;
-        let opened = &ready.opened;
+        let scene = opening.prepare(scene, &mut tell_of(listener))?;
+        let opened = &scene.prepared;
         let first = opened.camera().clone();
         let place = match place {
             None => None,
@@ -71,7 +71,7 @@ impl Session {
         self.notes.extend(notes);
         self.notes
             .extend(opened.notes().iter().map(|note| format!("{}: {}", note.about, note.text)));
-        self.console.open(ready);
+        self.console.open(scene);
         if let Some(place) = place {
             self.console.explorer.set_camera(place);
         }

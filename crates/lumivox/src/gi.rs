@@ -8,7 +8,9 @@ use crate::cones::{ConeModel, TraceResolution, TraceSettings};
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowMaps, lights_layout};
-use crate::trace::{Bound, GBuffer, GBufferViews, TraceTargets, Tracer, View, gbuffer_layout};
+use crate::trace::{
+    Bound, CameraView, GBuffer, GBufferViews, TraceTargets, Tracer, gbuffer_layout,
+};
 use crate::volume::changes::Changes;
 use crate::volume::{Cells, Directionality, Lists, OctreeStats, Volume, VolumeKind};
 use crate::voxelize::{KeptStatic, Voxelization, VoxelizeStats, Voxelizer};
@@ -239,10 +241,10 @@ impl Gi {
     ) -> Result<(), GiError> {
         settings.validate()?;
         self.bounces = bounces;
-        let gathers = bounces.saturating_sub(1);
+        let face_gathers = bounces.saturating_sub(1);
         let volume = (&mut self.volume, &mut self.changes);
         let cones = (settings, self.cone_values);
-        self.lighting.run(recorder, volume, lights, gathers, cones);
+        self.lighting.run(recorder, volume, lights, face_gathers, cones);
         Ok(())
     }
 
@@ -280,7 +282,7 @@ impl Gi {
     }
 
     /// Binds the caller's G-buffer for [`Self::trace`].
-    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: View) -> GBuffer {
+    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: CameraView) -> GBuffer {
         GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
     }
 

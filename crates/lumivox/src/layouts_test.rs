@@ -3,7 +3,7 @@
 use crate::cones::ConeSettings;
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
-use crate::trace::{ScreenSettings, ViewUniform};
+use crate::trace::{CameraViewUniform, ScreenSettings};
 use crate::volume::changes::{LevelWords, ListParams, MovedParams};
 use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
@@ -30,7 +30,7 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<BounceSettings>("light::bounce", "BounceSettings").unwrap();
     library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
     library.check_struct::<ScreenSettings>("trace::screen", "ScreenSettings").unwrap();
-    library.check_struct::<ViewUniform>("trace::gbuffer", "View").unwrap();
+    library.check_struct::<CameraViewUniform>("trace::gbuffer", "CameraView").unwrap();
     library.check_struct::<NodeRange>("volume::level_range", "NodeRange").unwrap();
     library.check_struct::<MovedParams>("volume::changes::moved", "MovedParams").unwrap();
     library.check_struct::<ListParams>("volume::changes::list", "ListParams").unwrap();

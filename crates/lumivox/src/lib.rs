@@ -47,7 +47,7 @@ pub use gi::{Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
-pub use trace::{GBuffer, GBufferViews, TraceTargets, View};
+pub use trace::{CameraView, GBuffer, GBufferViews, TraceTargets};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
 pub use voxelize::{KeptStatic, VoxelizeStats, Voxelizer};

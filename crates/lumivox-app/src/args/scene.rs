@@ -9,7 +9,7 @@ use lumivox_scene::{
     EXTENSIONS, LoadOptions, LoadProgress, Scene, SceneError, builtin, check_regular,
 };
 
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// The scene of a name on the command line; names of files are looked for in `scenes`, too.
 pub fn source(text: OsString) -> SceneSource {
@@ -77,7 +77,11 @@ pub fn check(source: &SceneSource) -> anyhow::Result<()> {
 /// # Errors
 /// As [`Scene::load_with`] and [`builtin::scene`], and when options for files are given with a
 /// built-in scene.
-pub fn load(source: &SceneSource, args: &LoadArgs, progress: &Progress) -> anyhow::Result<Scene> {
+pub fn load(
+    source: &SceneSource,
+    args: &LoadArgs,
+    progress: &ProgressDisplay,
+) -> anyhow::Result<Scene> {
     args.check(source)?;
     let mut scene = match source {
         SceneSource::Builtin(name) => builtin::scene(name)?,

@@ -25,30 +25,30 @@ pub trait Groups {
 
 /// The groups of a picture: its frames, exposure, view and overlay.
 #[derive(Clone, Debug)]
-pub struct Picture;
+pub struct PictureGroups;
 /// The group of voxels, and where they are stored.
 #[derive(Clone, Debug)]
-pub struct Volume;
+pub struct VolumeGroups;
 /// The group of light and shadows.
 #[derive(Clone, Debug)]
-pub struct Light;
+pub struct LightGroups;
 /// The groups of the cones and of looks.
 #[derive(Clone, Debug)]
-pub struct Cones;
+pub struct ConeGroups;
 
-impl Groups for Picture {
+impl Groups for PictureGroups {
     const GROUPS: &'static [Group] = &[Group::Picture, Group::View, Group::Overlay];
 }
 
-impl Groups for Volume {
+impl Groups for VolumeGroups {
     const GROUPS: &'static [Group] = &[Group::Volume];
 }
 
-impl Groups for Light {
+impl Groups for LightGroups {
     const GROUPS: &'static [Group] = &[Group::Light];
 }
 
-impl Groups for Cones {
+impl Groups for ConeGroups {
     const GROUPS: &'static [Group] = &[Group::Cones, OF_VXCT];
 }
 
@@ -307,13 +307,13 @@ mod tests {
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
-        picture: SettingArgs<Picture>,
+        picture: SettingArgs<PictureGroups>,
         #[command(flatten)]
-        volume: SettingArgs<Volume>,
+        volume: SettingArgs<VolumeGroups>,
         #[command(flatten)]
-        light: SettingArgs<Light>,
+        light: SettingArgs<LightGroups>,
         #[command(flatten)]
-        cones: SettingArgs<Cones>,
+        cones: SettingArgs<ConeGroups>,
     }
 
     fn given(line: &str) -> Vec<(&'static str, String)> {

@@ -8,7 +8,7 @@ use lumivox_console::{LoadArgs, SceneSource};
 
 use super::load::scene_source;
 use super::{ConeArgs, GpuArgs, LightArgs, ViewArgs};
-use crate::args::settings::{SettingArgs, Volume};
+use crate::args::settings::{SettingArgs, VolumeGroups};
 use crate::args::{number, size};
 
 /// Examples for the help.
@@ -94,7 +94,7 @@ pub struct CompareArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
     /// What shines.
     #[command(flatten)]

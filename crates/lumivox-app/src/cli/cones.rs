@@ -4,7 +4,7 @@ use clap::Args;
 use lumivox_render::PresetChoice;
 
 use crate::args::choices;
-use crate::args::settings::{Cones, SettingArgs};
+use crate::args::settings::{ConeGroups, SettingArgs};
 
 /// The cones.
 #[derive(Args, Clone, Debug)]
@@ -20,7 +20,7 @@ pub struct ConeArgs {
 
     /// Changes to it.
     #[command(flatten)]
-    pub settings: SettingArgs<Cones>,
+    pub settings: SettingArgs<ConeGroups>,
 }
 
 impl ConeArgs {

@@ -6,7 +6,7 @@ use lumivox_render::RenderSettings;
 
 use super::load::scene_source;
 use super::{ConeArgs, GpuArgs, LightArgs, PictureArgs};
-use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 use crate::commands::settings;
 
 /// A scene, or none yet, and the settings that its first picture has.
@@ -28,7 +28,7 @@ pub struct ExploreArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
     /// What shines.
     #[command(flatten)]

@@ -3,7 +3,7 @@
 use clap::Args;
 use lumivox_console::SourceArgs;
 
-use crate::args::settings::{Light, SettingArgs};
+use crate::args::settings::{LightGroups, SettingArgs};
 
 /// Light, and how it is found.
 #[derive(Args, Debug)]
@@ -15,5 +15,5 @@ pub struct LightArgs {
 
     /// How its light is found.
     #[command(flatten)]
-    pub settings: SettingArgs<Light>,
+    pub settings: SettingArgs<LightGroups>,
 }

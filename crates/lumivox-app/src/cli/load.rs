@@ -8,7 +8,7 @@ use lumivox_console::{LoadArgs, SceneSource};
 use lumivox_scene::Scene;
 
 use crate::args::scene;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// A scene to work on.
 #[derive(Args, Debug)]
@@ -30,7 +30,7 @@ impl SceneArg {
     ///
     /// # Errors
     /// As [`scene::load`].
-    pub fn load(&self, progress: &Progress) -> anyhow::Result<Scene> {
+    pub fn load(&self, progress: &ProgressDisplay) -> anyhow::Result<Scene> {
         scene::load(&self.scene, &self.load, progress)
     }
 }

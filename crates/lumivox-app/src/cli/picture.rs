@@ -4,7 +4,7 @@ use clap::Args;
 use glam::UVec2;
 
 use crate::args::camera::{self, CameraChoice};
-use crate::args::settings::{Picture, SettingArgs};
+use crate::args::settings::{PictureGroups, SettingArgs};
 use crate::args::size;
 
 /// A picture.
@@ -28,7 +28,7 @@ pub struct PictureArgs {
 
     /// Frames, exposure, view and overlay.
     #[command(flatten)]
-    pub settings: SettingArgs<Picture>,
+    pub settings: SettingArgs<PictureGroups>,
 }
 
 impl PictureArgs {

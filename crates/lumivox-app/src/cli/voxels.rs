@@ -7,7 +7,7 @@ use glam::UVec2;
 
 use super::{GpuArgs, SceneArg};
 use crate::args::camera::{self, CameraChoice};
-use crate::args::settings::{SettingArgs, Volume};
+use crate::args::settings::{SettingArgs, VolumeGroups};
 use crate::args::{number, size};
 
 /// The arguments of `voxels`.
@@ -19,7 +19,7 @@ pub struct VoxelsArgs {
 
     /// The voxels.
     #[command(flatten)]
-    pub voxels: SettingArgs<Volume>,
+    pub voxels: SettingArgs<VolumeGroups>,
 
     /// Share of the triangles that moves, 0.0001 to 1: measure what it saves to keep the others
     /// [default: measure one voxelization of everything]

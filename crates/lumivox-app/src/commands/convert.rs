@@ -9,7 +9,7 @@ use crate::args::scene;
 use crate::cli::ConvertArgs;
 use crate::host::Host;
 use crate::motion::choose;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Reads, poses if asked to, writes.
 ///
@@ -18,7 +18,7 @@ use crate::progress::Progress;
 pub fn run(args: &ConvertArgs, host: &Host) -> anyhow::Result<()> {
     output::check_kind(&args.output, "glb", "scenes are written as GLB")?;
     scene::check(&args.scene.scene)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let mut scene = args.scene.load(&progress)?;
     if args.time.is_some() || args.animation.is_some() {
         let Some(animation) = choose(args.animation.as_ref(), &scene)? else {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
 use crate::args::scene::stamp;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// The remedy for a picture with too little light, or too much.
 pub const REMEDY: &str = "light it otherwise with --surroundings studio or sky, --sun or --environment, or set --exposure";
@@ -27,7 +27,11 @@ pub fn check(args: &SourceArgs) -> Result<(), SceneError> {
 ///
 /// # Errors
 /// When a panorama cannot be read.
-pub fn add(scene: &mut Scene, args: &SourceArgs, progress: &Progress) -> Result<(), SceneError> {
+pub fn add(
+    scene: &mut Scene,
+    args: &SourceArgs,
+    progress: &ProgressDisplay,
+) -> Result<(), SceneError> {
     progress.set("loading the surroundings", 0, 1);
     let panorama = args.panorama().map(EnvironmentMap::load).transpose()?;
     args.light(scene, panorama)

@@ -20,7 +20,7 @@ use crate::args::scene;
 use crate::cli::ReferenceArgs;
 use crate::host::Host;
 use crate::lock::Lock;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -39,7 +39,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     let checkpoint = args.checkpoint.as_deref();
     let _lock = checkpoint.map(|file| Lock::take(file, "keeps its sums there")).transpose()?;
     let start = Instant::now();
-    let mut progress = Progress::start(host, "loading");
+    let mut progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let (scene, camera) = stage(
         &args.scene.scene,
@@ -55,7 +55,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
         size: args.size,
         samples: args.samples,
         seed: args.seed,
-        gathers: args.bounces,
+        bounces: args.bounces,
         occlusion_distance_m: args.occlusion_distance.unwrap_or(f32::INFINITY),
     };
     let tracer = PathTracer::new(&gpu, &scene, Some(&camera), settings);
@@ -106,7 +106,11 @@ fn stopped(args: &ReferenceArgs, samples: u32) -> Failure {
 
 /// Traces until all samples are there or Ctrl-C is pressed, and keeps the checkpoint. Batches are finished: a run that
 /// goes on later then has the bits, and the estimate of its noise, of one that was never stopped.
-fn trace(tracer: &mut PathTracer, args: &ReferenceArgs, progress: &Progress) -> anyhow::Result<()> {
+fn trace(
+    tracer: &mut PathTracer,
+    args: &ReferenceArgs,
+    progress: &ProgressDisplay,
+) -> anyhow::Result<()> {
     let mut written = Instant::now();
     let mut is_told = false;
     let mut hear = |step: ReferenceProgress| {

@@ -5,17 +5,17 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use lumivox_console::{
-    Console, Effect, Failure, LineInfo, Opening, Queue, help, page, script, script_of_bytes,
+    Console, Effect, Failure, LineInfo, Queue, SceneRequest, help, page, script, script_of_bytes,
 };
 use lumivox_explorer::Explorer;
-use lumivox_render::Progress as Step;
+use lumivox_render::RenderProgress as Step;
 
 use crate::cli::RunArgs;
 use crate::disk::{self, Disk};
 use crate::exit::{self, Located, Told};
 use crate::host::Host;
 use crate::opening;
-use crate::progress::{Progress, words};
+use crate::progress::{ProgressDisplay, words};
 use crate::prompt::Prompt;
 
 /// What a frame that a script waits for stands for, s.
@@ -65,7 +65,7 @@ fn read_stdin(host: &Host) -> Result<String, Failure> {
 }
 
 /// The bar of the command that runs, if one does.
-type Shown = Mutex<Option<Progress>>;
+type Shown = Mutex<Option<ProgressDisplay>>;
 
 /// Shows how far a command is.
 fn tell(shown: &Shown, step: Step) {
@@ -134,7 +134,7 @@ impl Runner {
             tracing::warn!("`{name}` is a command of the window; it is passed over");
             return Ok(());
         }
-        self.show(Some(Progress::start(&self.host, "working")));
+        self.show(Some(ProgressDisplay::start(&self.host, "working")));
         let reply = pollster::block_on(self.console.run(line));
         let done = reply.and_then(|reply| {
             if !reply.text.is_empty() {
@@ -158,7 +158,7 @@ impl Runner {
         done
     }
 
-    fn show(&self, progress: Option<Progress>) {
+    fn show(&self, progress: Option<ProgressDisplay>) {
         // The one before is dropped outside of the lock: it waits for its thread.
         let before = self
             .progress
@@ -168,11 +168,11 @@ impl Runner {
         drop(before);
     }
 
-    fn open(&mut self, opening: Opening) -> anyhow::Result<()> {
-        let progress = Progress::start(&self.host, "loading");
-        let ready = opening::load(opening, &progress)?;
+    fn open(&mut self, opening: SceneRequest) -> anyhow::Result<()> {
+        let progress = ProgressDisplay::start(&self.host, "loading");
+        let scene = opening::load(opening, &progress)?;
         drop(progress);
-        self.console.open(ready);
+        self.console.open(scene);
         Ok(())
     }
 

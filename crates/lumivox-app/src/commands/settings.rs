@@ -8,7 +8,7 @@ use lumivox_scene::Scene;
 use serde::{Serialize as _, Serializer};
 use serde_json::{Map, json};
 
-use crate::args::settings::{Given, SettingArgs, Volume};
+use crate::args::settings::{Given, SettingArgs, VolumeGroups};
 
 /// The settings of a preset, for a picture of that size, with the values that a command line gives.
 ///
@@ -56,7 +56,7 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
 ///
 /// # Errors
 /// When two of them contradict each other.
-pub fn of_voxels(args: &SettingArgs<Volume>) -> Result<RenderSettings, Failure> {
+pub fn of_voxels(args: &SettingArgs<VolumeGroups>) -> Result<RenderSettings, Failure> {
     of(PresetChoice::default(), RenderSettings::default().size, args.given())
 }
 

@@ -11,7 +11,7 @@ use super::light;
 use crate::args::camera::resolve_with;
 use crate::cli::ViewArgs;
 use crate::motion::choose;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Loads, poses and lights a scene, and finds its camera.
 ///
@@ -24,7 +24,7 @@ pub fn stage(
     sources: &SourceArgs,
     view: &ViewArgs,
     size: UVec2,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<(Scene, Camera)> {
     let mut scene = crate::args::scene::load(source, load, progress)?;
     light::add(&mut scene, sources, progress)?;
@@ -55,7 +55,7 @@ pub fn look_at(
     choice: Option<&CameraChoice>,
     size: UVec2,
     staging: Staging,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<Camera> {
     let (aspect, framing) = (size.x as f32 / size.y as f32, OnceCell::new());
     let camera = resolve_with(choice, scene, aspect, &framing)?;

@@ -1,6 +1,6 @@
 //! `lumivox view`: the window.
 
-use lumivox_console::{Console, Opening};
+use lumivox_console::{Console, SceneRequest};
 use lumivox_explorer::Explorer;
 
 use crate::cli::WindowArgs;
@@ -33,7 +33,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     let explore = &args.explore;
     let mut explorer = Explorer::new(gpu, settings, explore.cones.preset());
     config.apply(&mut explorer, &explore.given(), explore.cones.preset.is_some());
-    let opening = args.scene().map(|source| Opening {
+    let opening = args.scene().map(|source| SceneRequest {
         camera: explore.picture.camera.clone(),
         ..opening::of(explore, source.clone())
     });

@@ -16,7 +16,7 @@ use super::staged;
 use crate::args::{output, scene};
 use crate::cli::VolumesArgs;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::{MemoryPoint, memory_against_resolution};
 
 /// Frames that are timed, after one that is not.
@@ -31,7 +31,7 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(file) = &args.output {
         output::check_kind(file, "svg", "a chart is written as SVG")?;
     }
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
     staged::look_at(&mut scene, None, args.size, Staging::Auto, &progress)?;

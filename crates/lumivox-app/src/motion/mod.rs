@@ -7,7 +7,7 @@ mod spline;
 
 pub use moments::{Moments, TimeChoice, time};
 pub use path::PathFile;
-pub use schedule::{AnimationName, Asked, Schedule, When, animation, choose};
+pub use schedule::{AnimationName, PictureTimes, Schedule, ScheduleOptions, animation, choose};
 
 /// Nearly three hours, either way: an `f32`, by which scenes are posed, still tells milliseconds apart.
 pub const LATEST_S: f64 = 1e4;

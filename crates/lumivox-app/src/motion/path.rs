@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Position and target go along a [`Spline`] each, so that the camera keeps looking at a target that
-//! stays; the field of view goes along a [`Pace`], which never leaves what the keys say.
+//! stays; the field of view goes along a [`MonotoneCubic`], which never leaves what the keys say.
 
 use std::io::Read as _;
 use std::path::{Path as FilePath, PathBuf};
@@ -19,7 +19,7 @@ use lumivox_console::Failure;
 use lumivox_scene::{Camera, Scene, check_regular};
 use serde::{Deserialize, Serialize};
 
-use super::spline::{Pace, Spline};
+use super::spline::{MonotoneCubic, Spline};
 use crate::args::camera::{CameraChoice, DEFAULT_FOV_DEG, fit_near, resolve};
 
 /// Far above any path, far below what would be slow.
@@ -142,7 +142,7 @@ impl PathFile {
         let times: Vec<f64> = self.keys.iter().map(|key| key.time_s).collect();
         let spline = |points: &[DVec3]| Spline::new(&times, points);
         let (position, target, up) = (spline(&positions), spline(&targets), spline(&ups));
-        let fov_deg = Pace::new(&times, &fovs);
+        let fov_deg = MonotoneCubic::new(&times, &fovs);
         Ok(CameraPath { position, target, up, fov_deg, radius_m: bounds.radius_m() })
     }
 }
@@ -224,7 +224,7 @@ pub struct CameraPath {
     position: Spline,
     target: Spline,
     up: Spline,
-    fov_deg: Pace,
+    fov_deg: MonotoneCubic,
     /// Of the scene.
     radius_m: f32,
 }

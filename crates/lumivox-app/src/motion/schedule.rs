@@ -34,7 +34,7 @@ pub fn animation(text: &str) -> Result<AnimationName, Refused> {
 
 /// What of the command line moves something.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked<'a> {
+pub struct ScheduleOptions<'a> {
     pub time: Option<TimeChoice>,
     pub fps: f64,
     pub animation: Option<&'a AnimationName>,
@@ -49,7 +49,7 @@ pub struct Asked<'a> {
 
 /// When pictures are taken.
 #[derive(Clone, Debug, PartialEq)]
-pub enum When {
+pub enum PictureTimes {
     /// One, of the scene as its file shows it.
     Rest,
     /// One, at this time in seconds.
@@ -60,7 +60,7 @@ pub enum When {
 
 /// Where the camera is.
 #[derive(Clone, Debug)]
-enum Eye {
+enum CameraMotion {
     /// Where the scene has it, which may move.
     Scene(usize),
     /// Where it always is.
@@ -75,10 +75,10 @@ enum Eye {
 #[derive(Clone, Debug)]
 pub struct Schedule {
     /// When.
-    pub when: When,
+    pub times: PictureTimes,
     /// What the scene plays; `None` where it does not move.
     pub animation: Option<AnimationChoice>,
-    eye: Eye,
+    eye: CameraMotion,
 }
 
 impl Schedule {
@@ -87,7 +87,7 @@ impl Schedule {
     /// # Errors
     /// A [`Failure`] of input that says what does not fit together, or is not in the scene.
     pub fn new(
-        asked: &Asked<'_>,
+        asked: &ScheduleOptions<'_>,
         scene: &Scene,
         framing: &OnceCell<Framing>,
     ) -> anyhow::Result<Self> {
@@ -110,7 +110,7 @@ impl Schedule {
                 scene.name
             ))),
         };
-        let when = match asked.time {
+        let times = match asked.time {
             Some(TimeChoice::At(time_s)) => {
                 if asked.orbit_deg.is_some() {
                     return Err(Failure::input(
@@ -122,36 +122,36 @@ impl Schedule {
                 if end_s.is_none() {
                     whole(0.0)?;
                 }
-                When::At(time_s)
+                PictureTimes::At(time_s)
             }
             Some(TimeChoice::Range(start, Some(end))) => {
                 whole(start)?;
-                When::Sequence(Moments::new(start..end, asked.fps)?)
+                PictureTimes::Sequence(Moments::new(start..end, asked.fps)?)
             }
             Some(TimeChoice::Range(start, None)) => {
-                When::Sequence(Moments::new(whole(start)?, asked.fps)?)
+                PictureTimes::Sequence(Moments::new(whole(start)?, asked.fps)?)
             }
             None => match asked.path {
                 Some(path) => {
-                    When::Sequence(Moments::new(path.start_s()..path.end_s(), asked.fps)?)
+                    PictureTimes::Sequence(Moments::new(path.start_s()..path.end_s(), asked.fps)?)
                 }
                 None if asked.orbit_deg.is_some() || asked.is_sequence => {
-                    When::Sequence(Moments::new(whole(0.0)?, asked.fps)?)
+                    PictureTimes::Sequence(Moments::new(whole(0.0)?, asked.fps)?)
                 }
-                None if asked.animation.is_some() => When::At(0.0),
-                None => When::Rest,
+                None if asked.animation.is_some() => PictureTimes::At(0.0),
+                None => PictureTimes::Rest,
             },
         };
-        let animation = if when == When::Rest { None } else { choice };
-        Ok(Self { when, animation, eye: eye(asked, scene, framing)? })
+        let animation = if times == PictureTimes::Rest { None } else { choice };
+        Ok(Self { times, animation, eye: eye(asked, scene, framing)? })
     }
 
     /// The time of the first picture, s.
     pub fn start_s(&self) -> f64 {
-        match &self.when {
-            When::Rest => 0.0,
-            When::At(time_s) => *time_s,
-            When::Sequence(moments) => moments.time_s(0),
+        match &self.times {
+            PictureTimes::Rest => 0.0,
+            PictureTimes::At(time_s) => *time_s,
+            PictureTimes::Sequence(moments) => moments.time_s(0),
         }
     }
 
@@ -176,7 +176,7 @@ impl Schedule {
         scene: &mut Scene,
         tell: &mut dyn FnMut(u32, u32),
     ) -> anyhow::Result<Bounds> {
-        let (When::Sequence(moments), Some(_)) = (&self.when, self.animation) else {
+        let (PictureTimes::Sequence(moments), Some(_)) = (&self.times, self.animation) else {
             return Ok(scene.bounds());
         };
         let mut bounds = Bounds::EMPTY;
@@ -191,10 +191,12 @@ impl Schedule {
     /// The camera at a time, of which `share` of the sequence has passed. `scene` is posed for it.
     pub fn camera(&self, scene: &Scene, time_s: f64, share: f64) -> Camera {
         match &self.eye {
-            Eye::Scene(index) => scene.cameras.get(*index).cloned().unwrap_or_default(),
-            Eye::Still(camera) => camera.clone(),
-            Eye::Orbit { start, pivot, angle_rad } => orbit(start, *pivot, angle_rad * share),
-            Eye::Path(path) => path.at(time_s),
+            CameraMotion::Scene(index) => scene.cameras.get(*index).cloned().unwrap_or_default(),
+            CameraMotion::Still(camera) => camera.clone(),
+            CameraMotion::Orbit { start, pivot, angle_rad } => {
+                orbit(start, *pivot, angle_rad * share)
+            }
+            CameraMotion::Path(path) => path.at(time_s),
         }
     }
 }
@@ -229,22 +231,26 @@ pub fn choose(
     }
 }
 
-fn eye(asked: &Asked<'_>, scene: &Scene, framing: &OnceCell<Framing>) -> anyhow::Result<Eye> {
+fn eye(
+    asked: &ScheduleOptions<'_>,
+    scene: &Scene,
+    framing: &OnceCell<Framing>,
+) -> anyhow::Result<CameraMotion> {
     if let Some(path) = asked.path {
-        return Ok(Eye::Path(Box::new(path.resolve(scene, asked.aspect)?)));
+        return Ok(CameraMotion::Path(Box::new(path.resolve(scene, asked.aspect)?)));
     }
     let start = camera::resolve_with(asked.camera, scene, asked.aspect, framing)?;
     if let Some(degrees) = asked.orbit_deg {
         let pivot = scene.bounds().center();
         let angle_rad = f64::from(degrees).to_radians();
-        return Ok(Eye::Orbit { start, pivot, angle_rad });
+        return Ok(CameraMotion::Orbit { start, pivot, angle_rad });
     }
     // By its place: an animation may move it.
     let place = match asked.camera {
         Some(CameraChoice::LookAt { .. }) => None,
         _ => scene.cameras.iter().position(|camera| *camera == start),
     };
-    Ok(place.map_or(Eye::Still(start), Eye::Scene))
+    Ok(place.map_or(CameraMotion::Still(start), CameraMotion::Scene))
 }
 
 /// The camera, turned as a whole about the vertical line through `pivot`, counter-clockwise seen from
@@ -267,8 +273,8 @@ fn orbit(start: &Camera, pivot: Vec3, angle_rad: f64) -> Camera {
 mod tests {
     use super::*;
 
-    fn asked(time: Option<TimeChoice>) -> Asked<'static> {
-        Asked {
+    fn asked(time: Option<TimeChoice>) -> ScheduleOptions<'static> {
+        ScheduleOptions {
             time,
             fps: 10.0,
             animation: None,
@@ -290,12 +296,12 @@ mod tests {
         // Rolled, and it stays so.
         scene.cameras[0].up = Vec3::new(0.6, 0.8, 0.0);
         let schedule = Schedule::new(
-            &Asked { orbit_deg: Some(360.0), ..asked(None) },
+            &ScheduleOptions { orbit_deg: Some(360.0), ..asked(None) },
             &scene,
             &OnceCell::new(),
         )
         .unwrap();
-        let When::Sequence(moments) = &schedule.when else { panic!("a sequence") };
+        let PictureTimes::Sequence(moments) = &schedule.times else { panic!("a sequence") };
         assert_eq!(moments.count, 40);
         let start = &scene.cameras[0];
         let first = schedule.camera(&scene, 0.0, 0.0);
@@ -314,21 +320,21 @@ mod tests {
     #[test]
     fn what_does_not_fit_together_is_told() {
         let scene = scene();
-        let error = |asked: &Asked<'_>| {
+        let error = |asked: &ScheduleOptions<'_>| {
             Schedule::new(asked, &scene, &OnceCell::new()).unwrap_err().to_string()
         };
         let still = error(&asked(Some(TimeChoice::At(1.0))));
         assert!(still.contains("nothing moves") && still.contains("--orbit"), "{still}");
         let range = error(&asked(Some(TimeChoice::Range(0.0, Some(1.0)))));
         assert!(range.contains("nothing moves"), "{range}");
-        let pattern = error(&Asked { is_sequence: true, ..asked(None) });
+        let pattern = error(&ScheduleOptions { is_sequence: true, ..asked(None) });
         assert!(pattern.contains("nothing moves"), "{pattern}");
-        let orbit = Asked { orbit_deg: Some(90.0), ..asked(Some(TimeChoice::At(1.0))) };
+        let orbit = ScheduleOptions { orbit_deg: Some(90.0), ..asked(Some(TimeChoice::At(1.0))) };
         assert!(error(&orbit).contains("START..END"));
         let name = AnimationName::Named("walk".to_owned());
-        let unknown = error(&Asked { animation: Some(&name), ..asked(None) });
+        let unknown = error(&ScheduleOptions { animation: Some(&name), ..asked(None) });
         assert!(unknown.contains("\"walk\"") && unknown.contains("none"), "{unknown}");
-        let all = error(&Asked { animation: Some(&AnimationName::All), ..asked(None) });
+        let all = error(&ScheduleOptions { animation: Some(&AnimationName::All), ..asked(None) });
         assert!(all.contains("no animation"), "{all}");
     }
 
@@ -336,7 +342,7 @@ mod tests {
     fn without_a_wish_it_is_one_picture_at_rest() {
         let scene = scene();
         let schedule = Schedule::new(&asked(None), &scene, &OnceCell::new()).unwrap();
-        assert_eq!(schedule.when, When::Rest);
+        assert_eq!(schedule.times, PictureTimes::Rest);
         assert!(schedule.animation.is_none());
         assert_eq!(schedule.camera(&scene, 0.0, 0.0), scene.cameras[0]);
     }

@@ -42,7 +42,7 @@ impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> Hermite<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
     /// From times to knots: equal knots where the point stays.
-    pace: Pace,
+    pace: MonotoneCubic,
     /// From knots, which rise strictly, to distinct points.
     curve: Hermite<DVec3>,
 }
@@ -66,7 +66,7 @@ impl Spline {
         }
         let slopes = tangents(&distinct, &knots);
         let curve = Hermite { places: knots, values: distinct, slopes };
-        Self { pace: Pace::new(times_s, &knots_of_keys), curve }
+        Self { pace: MonotoneCubic::new(times_s, &knots_of_keys), curve }
     }
 
     /// The point at a time.
@@ -92,9 +92,9 @@ fn tangents(points: &[DVec3], knots: &[f64]) -> Vec<DVec3> {
 
 /// A monotone cubic through values at times: it stays between neighbouring values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pace(Hermite<f64>);
+pub struct MonotoneCubic(Hermite<f64>);
 
-impl Pace {
+impl MonotoneCubic {
     /// Through `values` at `times_s`, which rise strictly; as many of both, at least one.
     pub fn new(times_s: &[f64], values: &[f64]) -> Self {
         let slope = |i: usize| (values[i + 1] - values[i]) / (times_s[i + 1] - times_s[i]);
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn a_pace_stays_between_its_values() {
-        let pace = Pace::new(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.0, 5.0, 4.0]);
+        let pace = MonotoneCubic::new(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.0, 5.0, 4.0]);
         for step in 0..=300 {
             let time = f64::from(step) * 0.01;
             let (low, high) = match step {

@@ -16,7 +16,7 @@ use lumivox_scene::{Camera, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::Row;
-use crate::progress::{Progress, words};
+use crate::progress::{ProgressDisplay, words};
 
 /// Cameras by these names are in two rooms between which light may leak.
 const DARK_ROOM: &str = "dark room";
@@ -30,7 +30,7 @@ pub struct Subject<'a> {
     pub gpu: &'a Gpu,
     pub scene: &'a Scene,
     pub camera: &'a Camera,
-    pub progress: &'a Progress,
+    pub progress: &'a ProgressDisplay,
 }
 
 /// How a rendering differs from the truth.
@@ -113,7 +113,7 @@ pub fn reference(
 ///
 /// # Errors
 /// A [`Failure`] that says so.
-pub fn check_wish(progress: &Progress) -> Result<(), Failure> {
+pub fn check_wish(progress: &ProgressDisplay) -> Result<(), Failure> {
     if progress.is_stopped() {
         Err(Failure::stopped("stopped; nothing was written"))
     } else {
@@ -140,7 +140,7 @@ impl Subject<'_> {
     }
 
     fn render(&self, settings: &RenderSettings, camera: &Camera) -> anyhow::Result<RenderedLayers> {
-        let mut tell = |step: lumivox_render::Progress| {
+        let mut tell = |step: lumivox_render::RenderProgress| {
             self.progress.set(words(step.stage), step.done, step.total);
         };
         let rendering = render_layers(self.gpu, self.scene, camera, settings, &mut tell);

@@ -5,7 +5,9 @@ use clap::Parser;
 use crate::command::Run::Now;
 use crate::command::{Command, Edits, Group, MANY, PLAIN, Takes};
 use crate::values::camera::{self, CameraChoice};
-use crate::{Console, Effect, Failure, LoadArgs, Opening, Reply, SceneSource, SourceArgs, shown};
+use crate::{
+    Console, Effect, Failure, LoadArgs, Reply, SceneRequest, SceneSource, SourceArgs, shown,
+};
 
 const FILES: Command = Command { group: Group::Files, ..PLAIN };
 
@@ -31,7 +33,7 @@ pub const TABLE: &[Command] = &[
         example: "reload",
         edits: Edits::Nothing,
         run: Now(|console, _| {
-            let opening = console.opening().cloned();
+            let opening = console.scene_request().cloned();
             let opening = opening
                 .ok_or_else(|| Failure::input("no scene is open; `load SCENE` opens one"))?;
             Ok(Reply::ask(Effect::Open(Box::new(opening))))
@@ -100,7 +102,7 @@ struct LoadLine {
     aspect: Option<f32>,
 }
 
-impl Opening {
+impl SceneRequest {
     /// The opening of a scene as it is, seen in a picture of this aspect.
     #[allow(
         clippy::missing_panics_doc,
@@ -115,7 +117,7 @@ impl Opening {
 
 fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     if arguments.is_empty() {
-        return Ok(Reply::say(match console.opening() {
+        return Ok(Reply::say(match console.scene_request() {
             Some(opening) => format!("load {}", line(opening, None)),
             None => "no scene is open; `scenes` lists those that `load` finds by name".to_owned(),
         }));
@@ -126,8 +128,8 @@ fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         _ => (read.load, read.light),
     };
     let size = console.explorer.size();
-    let opening = Opening {
-        source: console.outside.find(&read.scene, console.opening())?,
+    let opening = SceneRequest {
+        source: console.outside.find(&read.scene, console.scene_request())?,
         load,
         light,
         camera: read.camera,
@@ -152,7 +154,7 @@ fn told(error: &clap::Error) -> Failure {
 
 /// The arguments of `load` to open a scene like this. `aspect` is that of the picture, if it is
 /// known.
-pub fn line(opening: &Opening, aspect: Option<f32>) -> String {
+pub fn line(opening: &SceneRequest, aspect: Option<f32>) -> String {
     use crate::line::quote;
     let mut words = vec![quote(&opening.source.to_string())];
     let mut option = |name: &str, value: String| words.push(format!("{name} {}", quote(&value)));

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use lumivox_render::Progress;
+use lumivox_render::RenderProgress;
 use web_time::Instant;
 
 use crate::arguments::{number, on_or_off, toggled};
 use crate::command::Run::{Now, Waits};
 use crate::command::{Command, Edits, Group, PLAIN, Takes};
-use crate::report::Times;
+use crate::report::TimesReport;
 use crate::{Console, Effect, Failure, Reply};
 
 /// How long `avgf` takes to find times that are not there.
@@ -163,10 +163,10 @@ async fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply
         return super::parameters::run(console, "shininess_falloff", arguments);
     }
     console.update().await?;
-    let Console { explorer, hear, .. } = console;
+    let Console { explorer, listener, .. } = console;
     let is_new = explorer
-        .frame(&mut |progress| {
-            let _ = hear.hear(progress);
+        .frame(&mut |step| {
+            let _ = listener.progress(step);
         })
         .await?;
     let total = explorer.settings().frames;
@@ -184,13 +184,13 @@ const MEASURED: usize = 100;
 
 async fn average(console: &mut Console) -> anyhow::Result<Reply> {
     console.update().await?;
-    let Console { explorer, hear, .. } = console;
+    let Console { explorer, listener, .. } = console;
     let start = Instant::now();
     while explorer.times().count() < MEASURED {
         explorer.rehearse().await?;
         let done = explorer.times().count() as u32;
-        let progress = Progress { stage: "render", done, total: MEASURED as u32 };
-        if hear.hear(progress).is_break() || start.elapsed() > LONGEST_MEASUREMENT {
+        let step = RenderProgress { stage: "render", done, total: MEASURED as u32 };
+        if listener.progress(step).is_break() || start.elapsed() > LONGEST_MEASUREMENT {
             break;
         }
     }
@@ -225,7 +225,7 @@ fn times(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         );
     }
     let times = console.explorer.renderer().map(lumivox_render::Renderer::times);
-    let mut times = Times::new(&times.unwrap_or_default());
+    let mut times = TimesReport::new(&times.unwrap_or_default());
     if times.stages.is_empty() {
         return Ok(Reply::say("no frame has been rendered yet"));
     }

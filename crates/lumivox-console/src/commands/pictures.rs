@@ -6,7 +6,7 @@ use lumivox_render::compare::{ErrorFigures, LinearPicture};
 use lumivox_render::reference::{
     PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
 };
-use lumivox_render::{ImageFormat, Picture, Progress, View};
+use lumivox_render::{ImageFormat, Picture, RenderProgress, View};
 
 use crate::arguments::number;
 use crate::command::Run::{Now, Waits};
@@ -95,11 +95,11 @@ impl Console {
 
     /// The picture with all of its frames.
     async fn picture(&mut self) -> anyhow::Result<Picture> {
-        let Self { explorer, hear, .. } = self;
-        let mut tell = |progress| {
-            let _ = hear.hear(progress);
+        let Self { explorer, listener, .. } = self;
+        let mut progress = |step| {
+            let _ = listener.progress(step);
         };
-        let picture = explorer.picture(&mut tell).await?;
+        let picture = explorer.picture(&mut progress).await?;
         Ok(picture.ok_or_else(nothing_to_show)?)
     }
 }
@@ -110,7 +110,7 @@ fn samples(text: Option<&&str>) -> Result<u32, Failure> {
 
 /// Traces the present view.
 async fn trace(console: &mut Console, samples: u32) -> anyhow::Result<ReferenceLayers> {
-    let Console { explorer, hear, .. } = console;
+    let Console { explorer, listener, .. } = console;
     let scene = explorer.scene().filter(|scene| scene.shown().next().is_some());
     let scene = scene.ok_or_else(nothing_to_show)?;
     let settings = ReferenceSettings {
@@ -122,14 +122,14 @@ async fn trace(console: &mut Console, samples: u32) -> anyhow::Result<ReferenceL
     let mut tracer =
         PathTracer::new(explorer.gpu(), scene, Some(explorer.camera()), settings).await?;
     let mut is_broken_off = false;
-    let mut tell = |step: ReferenceProgress| {
-        let progress =
-            Progress { stage: "path sample", done: step.samples as u32, total: step.total };
-        let told = hear.hear(progress);
-        is_broken_off |= told.is_break();
-        told
+    let mut progress = |step: ReferenceProgress| {
+        let step =
+            RenderProgress { stage: "path sample", done: step.samples as u32, total: step.total };
+        let goes_on = listener.progress(step);
+        is_broken_off |= goes_on.is_break();
+        goes_on
     };
-    tracer.render(&mut tell).await?;
+    tracer.render(&mut progress).await?;
     if is_broken_off {
         return Err(Failure::input("the reference was broken off").into());
     }

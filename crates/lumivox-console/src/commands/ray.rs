@@ -34,7 +34,7 @@ const NORMAL: f32 = 0.15;
 
 /// A ray as it is marked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
+pub struct RayMarker {
     /// Where it begins, m.
     origin: Vec3,
     /// The place that it hits, m.
@@ -44,7 +44,7 @@ pub struct Mark {
     length_m: f32,
 }
 
-fn show(console: &mut Console, mark: Mark) -> anyhow::Result<()> {
+fn show(console: &mut Console, mark: RayMarker) -> anyhow::Result<()> {
     console.change(|settings| settings.overlay.lines = mark.lines())?;
     console.ray = Some(mark);
     Ok(())
@@ -63,7 +63,7 @@ fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             return Ok(Reply::default());
         }
         ["mark", from, at, normal, length] => {
-            let mark = Mark {
+            let mark = RayMarker {
                 origin: vector(&[from], "the ray's place in metres", PLACE)?,
                 at: vector(&[at], "the marked place in metres", PLACE)?,
                 normal: vector(&[normal], "the normal", -2.0..=2.0)?,
@@ -101,7 +101,7 @@ fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let material =
         instance.and_then(|instance| explorer.material_names().into_iter().nth(instance.material));
     let length_m = NORMAL * explorer.bounds().radius_m();
-    show(console, Mark { origin, at: pick.position, normal: pick.shading_normal, length_m })?;
+    show(console, RayMarker { origin, at: pick.position, normal: pick.shading_normal, length_m })?;
     Ok(Reply::say(format!(
         "\"{name}\" (material \"{}\") at {} m, {} m away, normal {}",
         material.unwrap_or_default(),
@@ -111,7 +111,7 @@ fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     )))
 }
 
-impl Mark {
+impl RayMarker {
     /// The lines of the mark. They are seen through surfaces, because most of them lie within one.
     fn lines(&self) -> Vec<OverlayLine> {
         let Self { origin, at, normal, length_m } = *self;

@@ -41,7 +41,9 @@ fn lines(console: &Console) -> Vec<String> {
     if explorer.revoxelize != Revoxelize::WhenMoved {
         lines.push(voxels::revoxelize_line(explorer.revoxelize));
     }
-    let (Some(scene), Some(opening)) = (explorer.scene(), console.opening()) else { return lines };
+    let (Some(scene), Some(opening)) = (explorer.scene(), console.scene_request()) else {
+        return lines;
+    };
     let aspect = settings.size.x as f32 / settings.size.y as f32;
     lines.push(format!("load {}", files::line(opening, Some(aspect))));
     if settings.look.is_some() {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CompareError, ErrorFigures, LinearPicture};
 use crate::reference::ReferenceLayers;
-use crate::{Gpu, Progress, RenderError, RenderSettings, Renderer, View};
+use crate::{Gpu, RenderError, RenderProgress, RenderSettings, Renderer, View};
 
 /// The number of frames over which cone samples are counted.
 const COST_FRAMES: u32 = 4;
@@ -58,7 +58,7 @@ pub async fn render_layers(
     scene: &Scene,
     camera: &Camera,
     settings: &RenderSettings,
-    progress: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<RenderedLayers, RenderError> {
     let one_bounce = RenderSettings { bounces: 1, view: View::Diffuse, ..settings.clone() };
     let mut renderer = Renderer::new(gpu, scene, Some(camera), one_bounce, progress).await?;

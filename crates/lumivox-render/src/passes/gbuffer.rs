@@ -27,7 +27,7 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Recorder, RenderPass,
     ShaderError, ShaderLibrary, Texture, TextureView,
 };
-use lumivox::{GBufferViews, View};
+use lumivox::{CameraView, GBufferViews};
 use lumivox_scene::Camera;
 
 use wgpu::util::DeviceExt as _;
@@ -211,7 +211,7 @@ impl GBufferPass {
         recorder: &mut Recorder,
         scene: &GpuScene,
         targets: &GBufferTargets,
-        (view, jitter): (&View, Vec2),
+        (view, jitter): (&CameraView, Vec2),
     ) {
         let view = RasterView {
             clip_from_world: view.clip_from_world,

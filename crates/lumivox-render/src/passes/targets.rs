@@ -82,7 +82,7 @@ impl Targets {
         let device = &gpu.pipelines;
         let mut textures = ScreenTextures::new(device, size);
         let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, is_tinted);
-        let view = lumivox::View {
+        let view = lumivox::CameraView {
             clip_from_world: Mat4::IDENTITY,
             position: glam::Vec3::ZERO,
             size,

@@ -29,7 +29,7 @@ pub enum CheckpointError {
         /// The size of the picture that is traced now.
         wanted: UVec2,
     },
-    /// The scene, the camera, the seed or the limit of gathers has changed.
+    /// The scene, the camera, the seed or the limit of bounces has changed.
     #[error(
         "it is of another scene, camera, seed or number of bounces; trace the same again, or start anew"
     )]

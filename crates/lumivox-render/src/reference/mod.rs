@@ -93,9 +93,9 @@ pub struct ReferenceSettings {
     pub samples: u32,
     /// Other seeds give other noise. Default 0.
     pub seed: u32,
-    /// How often light is gathered at most, as `bounces` of the renderer; `None`, the default, is
-    /// without end.
-    pub gathers: Option<u32>,
+    /// The most bounces of a path, counted as [`RenderSettings::bounces`](crate::RenderSettings::bounces);
+    /// `None`, the default, sets no limit.
+    pub bounces: Option<u32>,
     /// Reach of ambient occlusion, m. Infinite by default.
     pub occlusion_distance_m: f32,
 }
@@ -106,7 +106,7 @@ impl Default for ReferenceSettings {
             size: UVec2::new(640, 360),
             samples: 256,
             seed: 0,
-            gathers: None,
+            bounces: None,
             occlusion_distance_m: f32::INFINITY,
         }
     }
@@ -251,13 +251,13 @@ impl PathTracer {
     ///
     /// # Errors
     /// [`CheckpointError`] when it is none, is damaged, or is one of another scene, camera, size,
-    /// seed or limit of gathers; then nothing has changed.
+    /// seed or limit of bounces; then nothing has changed.
     pub fn resume(&mut self, checkpoint: &[u8]) -> Result<(), CheckpointError> {
         self.film = checkpoint::read(checkpoint, self.settings.size, self.seeded_fingerprint())?;
         Ok(())
     }
 
-    /// The fingerprint of scene, camera, size and limit of gathers, whatever the seed. It is kept
+    /// The fingerprint of scene, camera, size and limit of bounces, whatever the seed. It is kept
     /// with the layers.
     pub fn fingerprint(&self) -> u64 {
         self.uploaded.fingerprint

@@ -151,7 +151,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             surface.coat = Coat(0.0, 1.0);
         }
         // The last vertex reflects only the light of lights, as a voxel does before any bounce.
-        let gathers = vertex < world.most_gathers;
+        let may_gather = vertex < world.most_bounces;
 
         let direction = draw_direction(surface);
         let scattered = scatter(surface, direction);
@@ -162,10 +162,10 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             if kind == 0u && REFERENCE_HAS_LIGHTS != 0u {
                 question = ask_light(surface);
             }
-            if kind == 1u && REFERENCE_HAS_EMITTERS != 0u && gathers {
+            if kind == 1u && REFERENCE_HAS_EMITTERS != 0u && may_gather {
                 question = ask_emitter(surface);
             }
-            if kind == 2u && REFERENCE_HAS_PANORAMA != 0u && gathers {
+            if kind == 2u && REFERENCE_HAS_PANORAMA != 0u && may_gather {
                 question = ask_panorama(surface);
             }
             if kind == 3u && REFERENCE_HAS_DISCS != 0u && any(drawn_weight > vec3f(0.0)) {
@@ -194,7 +194,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
 
         throughput *= drawn_weight;
         density = scattered.density;
-        if all(throughput <= vec3f(0.0)) || !gathers {
+        if all(throughput <= vec3f(0.0)) || !may_gather {
             break;
         }
         if vertex >= SURE_VERTICES {

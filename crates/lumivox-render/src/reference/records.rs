@@ -63,7 +63,7 @@ pub(crate) struct WorldRecord {
     pub(crate) first_row: u32,
     pub(crate) row_count: u32,
     pub(crate) environment: [f32; 3],
-    pub(crate) most_gathers: u32,
+    pub(crate) most_bounces: u32,
     pub(crate) environment_turn: [f32; 2],
     pub(crate) peak_count: u32,
     pub(crate) occlusion_distance_m: f32,

@@ -278,7 +278,7 @@ fn world(
         seed: settings.seed,
         size: settings.size.to_array(),
         environment: (environment.radiance / radiance_unit).to_array(),
-        most_gathers: settings.gathers.unwrap_or(u32::MAX),
+        most_bounces: settings.bounces.unwrap_or(u32::MAX),
         environment_turn: [environment.rotation_rad.cos(), environment.rotation_rad.sin()],
         peak_count: surroundings.peaks.len() as u32,
         occlusion_distance_m: settings.occlusion_distance_m,

@@ -89,7 +89,7 @@ struct World {
     // The factor of the panorama.
     environment: vec3f,
     // The most segments behind the visible surface.
-    most_gathers: u32,
+    most_bounces: u32,
     // Cosine and sine of the panorama's rotation about y.
     environment_turn: vec2f,
     peak_count: u32,

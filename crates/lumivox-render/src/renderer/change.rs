@@ -14,7 +14,7 @@ use super::passes::Passes;
 use super::prepare::{
     bind_lights, compile, environment_map, global_illumination, upload, voxelize,
 };
-use super::{Progress, Renderer, validate, validate_level};
+use super::{RenderProgress, Renderer, validate, validate_level};
 use crate::look::{LookChoice, LookScene};
 use crate::parameters::{PARAMETERS, Redoes};
 use crate::scene::{Lighting, radiance_unit_within};
@@ -67,7 +67,7 @@ impl Renderer {
     pub async fn set_settings(
         &mut self,
         settings: RenderSettings,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         if settings == self.settings {
             return Ok(());
@@ -82,17 +82,17 @@ impl Renderer {
             let passes = Passes::new(&self.gpu, &gi, &self.scene, &settings)?;
             let targets = passes.targets(&self.gpu, &gi, &self.scene, &settings).await?;
             compile(&self.gpu, progress).await?;
-            progress(Progress { stage: "voxelize", done: 0, total: 1 });
+            progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
             let (geometry, timing) = (&self.scene.geometry, settings.timing);
             let voxelized = voxelize(&mut gi, geometry, timing, self.may_be_empty).await?;
             self.gpu.check("voxelizing")?;
-            self.took(voxelized);
+            self.store_voxels(voxelized);
             (self.gi, self.passes, self.targets) = (gi, passes, targets);
             self.grid_bounds = bounds;
             self.scene.bounds = bounds.union(self.shown_bounds);
             // It was linked against the volume's library.
             self.look = None;
-            progress(Progress { stage: "voxelize", done: 1, total: 1 });
+            progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
         } else {
             if redo.targets {
                 let Self { gpu, gi, scene, passes, .. } = self;
@@ -136,9 +136,9 @@ impl Renderer {
     pub async fn set_scene(
         &mut self,
         scene: &Scene,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         self.take_pose(scene)?;
         self.show_pose(progress).await
     }
@@ -152,9 +152,9 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         moved: &[usize],
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         if self.scene.move_instances(&self.gpu, scene, moved) {
             self.take_places(scene)?;
         } else {
@@ -163,8 +163,11 @@ impl Renderer {
         self.show_pose(progress).await
     }
 
-    async fn show_pose(&mut self, progress: &mut dyn FnMut(Progress)) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 1, total: 1 });
+    async fn show_pose(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
+        progress(RenderProgress { stage: "upload", done: 1, total: 1 });
         compile(&self.gpu, progress).await?;
         self.voxelize(progress).await?;
         self.relight(progress).await?;
@@ -198,9 +201,9 @@ impl Renderer {
     pub async fn set_materials(
         &mut self,
         scene: &Scene,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(self.grid_bounds, scene, &lighting);
         let is_same_unit = unit.to_bits() == self.scene.radiance_unit.to_bits();
@@ -229,7 +232,7 @@ impl Renderer {
     pub async fn set_lights(
         &mut self,
         scene: &Scene,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(self.grid_bounds, scene, &lighting);
@@ -249,13 +252,13 @@ impl Renderer {
     /// When something does not fit the device, or the device fails.
     pub async fn revoxelize(
         &mut self,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let voxelized = self.gi.voxelize(&self.scene.geometry, self.settings.timing).await?;
         let were_stale = self.voxels_are_stale;
-        self.took(voxelized);
-        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        self.store_voxels(voxelized);
+        progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
         self.relight(progress).await?;
         if were_stale {
             self.targets.accumulate.reset();
@@ -378,17 +381,20 @@ impl Renderer {
         Ok(())
     }
 
-    async fn voxelize(&mut self, progress: &mut dyn FnMut(Progress)) -> Result<(), RenderError> {
-        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+    async fn voxelize(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
+        progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let timing = self.settings.timing;
         let voxelized = self.gi.voxelize_dynamic(&self.scene.geometry, timing).await?;
-        self.took(voxelized);
+        self.store_voxels(voxelized);
         self.gpu.check("voxelizing")?;
-        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
         Ok(())
     }
 
-    fn took(&mut self, voxelized: Voxelized) {
+    fn store_voxels(&mut self, voxelized: Voxelized) {
         self.voxels = voxelized.stats;
         self.voxels_are_stale = false;
         self.times.add(voxelized.times);
@@ -397,9 +403,9 @@ impl Renderer {
     /// Shadow maps, and the light of the voxels.
     pub(super) async fn relight(
         &mut self,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(Progress { stage: "light", done: 0, total: 1 });
+        progress(RenderProgress { stage: "light", done: 0, total: 1 });
         let mut recorder = self.recorder();
         self.bind_lights(&mut recorder);
         let Self { gpu, settings, gi, look, .. } = self;
@@ -412,7 +418,7 @@ impl Renderer {
         }
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
-        progress(Progress { stage: "light", done: 1, total: 1 });
+        progress(RenderProgress { stage: "light", done: 1, total: 1 });
         Ok(())
     }
 
@@ -429,7 +435,7 @@ impl Renderer {
         );
     }
 
-    fn recorder(&self) -> Recorder {
+    fn recorder(&self) -> Recorder<'static> {
         Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing)
     }
 }

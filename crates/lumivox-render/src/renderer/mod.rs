@@ -15,7 +15,7 @@ use lumivox::{EnvironmentMap, Gi, Grid, Lights, VoxelizeStats};
 use lumivox_scene::{Bounds, Camera, Scene};
 
 use crate::gpu::memory::MemoryUse;
-use crate::gpu::times::Times;
+use crate::gpu::times::StageTimes;
 use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
 use crate::passes::gbuffer;
 use crate::passes::targets::Targets;
@@ -28,7 +28,7 @@ use prepare::{bind_lights, compile, environment_map, upload, voxelize};
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
+pub struct RenderProgress {
     /// What is under way: `upload`, `compile`, `voxelize`, `light` or `render`.
     pub stage: &'static str,
     /// Steps done, from 0 to `total`.
@@ -65,7 +65,7 @@ pub struct Renderer {
     look: Option<Box<dyn LookPasses>>,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
-    times: Times,
+    times: StageTimes,
 }
 
 impl Renderer {
@@ -82,7 +82,7 @@ impl Renderer {
         scene: &Scene,
         camera: Option<&Camera>,
         settings: RenderSettings,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
         let scene_bounds = scene.voxel_bounds();
@@ -94,9 +94,9 @@ impl Renderer {
         });
         let grid = Grid::fit(bounds.min, bounds.max, settings.resolution, settings.grid_offset)?;
         validate_level(&settings, &grid)?;
-        let mut times = Times::default();
+        let mut times = StageTimes::default();
 
-        progress(Progress { stage: "upload", done: 0, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         let lighting = Lighting::of(scene);
         let unit = radiance_unit_within(bounds, scene, &lighting);
         let look_scene = LookScene::of(scene);
@@ -104,7 +104,7 @@ impl Renderer {
         let mut scene = upload(gpu, scene, &lighting, unit, &settings).await?;
         let shown_bounds = scene.bounds;
         scene.bounds = bounds.union(shown_bounds);
-        progress(Progress { stage: "upload", done: 1, total: 1 });
+        progress(RenderProgress { stage: "upload", done: 1, total: 1 });
 
         let mut gi = global_illumination(gpu, settings.gi_config(grid)).await?;
         let passes = Passes::new(gpu, &gi, &scene, &settings)?;
@@ -119,14 +119,14 @@ impl Renderer {
         }
         compile(gpu, progress).await?;
 
-        progress(Progress { stage: "voxelize", done: 0, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let voxelized = voxelize(&mut gi, &scene.geometry, settings.timing, may_be_empty).await;
         let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, given))?;
         times.add(voxelized.times);
         gpu.check("voxelizing")?;
-        progress(Progress { stage: "voxelize", done: 1, total: 1 });
+        progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
 
-        progress(Progress { stage: "light", done: 0, total: 1 });
+        progress(RenderProgress { stage: "light", done: 0, total: 1 });
         let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
         let map = environment_map(gpu, &lighting)?;
         let (lights, shadow_bytes) = bind_lights(
@@ -151,7 +151,7 @@ impl Renderer {
         }
         times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
-        progress(Progress { stage: "light", done: 1, total: 1 });
+        progress(RenderProgress { stage: "light", done: 1, total: 1 });
 
         Ok(Self {
             gpu: gpu.clone(),
@@ -184,7 +184,7 @@ impl Renderer {
     /// When the device fails.
     pub async fn render(
         &mut self,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Picture, RenderError> {
         let mut go_on = |step| {
             progress(step);
@@ -201,7 +201,7 @@ impl Renderer {
     /// When the device fails.
     pub async fn render_until(
         &mut self,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+        progress: &mut dyn FnMut(RenderProgress) -> ControlFlow<()>,
     ) -> Result<Option<Picture>, RenderError> {
         self.render_frames(progress).await?;
         if self.frame_count() < self.settings.frames {
@@ -213,10 +213,10 @@ impl Renderer {
 
     async fn render_frames(
         &mut self,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+        progress: &mut dyn FnMut(RenderProgress) -> ControlFlow<()>,
     ) -> Result<(), RenderError> {
         let total = self.settings.frames;
-        let step = |done: u32| Progress { stage: "render", done: done.min(total), total };
+        let step = |done: u32| RenderProgress { stage: "render", done: done.min(total), total };
         let mut wish = progress(step(self.frame_count()));
         while self.frame_count() < total && wish.is_continue() {
             self.render_frame().await?;
@@ -250,8 +250,8 @@ impl Renderer {
         let jitter = gbuffer::jitter(frame, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
-        let view = lumivox::View { clip_from_world, position, size, frame };
-        targets.gbuffer.set_view(&self.gpu.queue, view);
+        let view = lumivox::CameraView { clip_from_world, position, size, frame };
+        targets.gbuffer.set_camera(&self.gpu.queue, view);
 
         let mut recorder =
             Recorder::with_timing(&self.gpu.device, &self.gpu.queue, settings.timing);
@@ -302,7 +302,7 @@ impl Renderer {
     }
 
     /// Makes a picture in the look, and the depths and normals of what it shows.
-    fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::View) {
+    fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::CameraView) {
         let Self { gpu, settings, scene, lights, targets, look: Some(passes), .. } = self else {
             return;
         };
@@ -376,7 +376,7 @@ impl Renderer {
 
     /// Forgets the times so far: what comes runs with kernels that the driver has compiled.
     pub fn forget_times(&mut self) {
-        self.times = Times::default();
+        self.times = StageTimes::default();
     }
 
     /// Lets the next lighting store and filter all voxels, even those whose light is what the volume holds already:

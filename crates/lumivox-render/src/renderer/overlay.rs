@@ -1,7 +1,7 @@
 //! What is drawn over the picture, frame by frame and at the end.
 
 use glam::Vec2;
-use lumivox::View;
+use lumivox::CameraView;
 use lumivox::gpu::Recorder;
 
 use super::Renderer;
@@ -45,8 +45,8 @@ impl Renderer {
         let size = self.settings.size;
         let jitter = gbuffer::jitter(frame, self.settings.frames);
         let clip_from_world = gbuffer::clip_from_world(&self.camera, size, jitter);
-        let view = View { clip_from_world, position: self.camera.position, size, frame };
-        self.targets.gbuffer.set_view(&self.gpu.queue, view);
+        let view = CameraView { clip_from_world, position: self.camera.position, size, frame };
+        self.targets.gbuffer.set_camera(&self.gpu.queue, view);
         let timing = self.settings.timing;
         let mut recorder = Recorder::with_timing(&self.gpu.device, &self.gpu.queue, timing);
         if self.settings.overlay.needs_depth() {
@@ -75,7 +75,7 @@ impl Renderer {
     pub(super) fn record_overlay(
         &mut self,
         recorder: &mut Recorder,
-        view: &View,
+        view: &CameraView,
     ) -> Result<(), RenderError> {
         // What starts the picture anew does so with the overlay.
         if let Some(pass) = self.targets.overlay.as_mut().filter(|_| view.frame == 0) {
@@ -103,7 +103,7 @@ impl Renderer {
         }
     }
 
-    fn record_surfaces(&mut self, recorder: &mut Recorder, view: (&View, Vec2)) {
+    fn record_surfaces(&mut self, recorder: &mut Recorder, view: (&CameraView, Vec2)) {
         if self.settings.shown_look().is_some() && !self.settings.view.is_of_voxels() {
             // It sees other sides of them. The picture's mean has no part in it.
             self.record_look(recorder, view.0);
@@ -113,7 +113,11 @@ impl Renderer {
         self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, view);
     }
 
-    fn draw_overlay(&mut self, recorder: &mut Recorder, view: &View) -> Result<(), RenderError> {
+    fn draw_overlay(
+        &mut self,
+        recorder: &mut Recorder,
+        view: &CameraView,
+    ) -> Result<(), RenderError> {
         let shown = self.shown();
         let Self { gpu, gi, scene, settings, passes, targets, .. } = self;
         let pass = match &mut targets.overlay {

@@ -9,7 +9,7 @@ use lumivox::{
 };
 use lumivox_scene::{Bounds, Scene};
 
-use super::Progress;
+use super::RenderProgress;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::renderer::estimate::MemoryEstimate;
 use crate::scene::{GpuScene, Lighting, corners};
@@ -40,9 +40,9 @@ pub(super) async fn upload(
 /// When the device refuses one.
 pub(super) async fn compile(
     gpu: &Gpu,
-    progress: &mut dyn FnMut(Progress),
+    progress: &mut dyn FnMut(RenderProgress),
 ) -> Result<(), RenderError> {
-    let mut report = |done, total| progress(Progress { stage: "compile", done, total });
+    let mut report = |done, total| progress(RenderProgress { stage: "compile", done, total });
     gpu.pipelines.compile(&mut report).await;
     gpu.check("compiling pipelines")
 }

@@ -10,7 +10,7 @@ use std::f32::consts::TAU;
 use glam::{Vec2, Vec3};
 
 use super::directions;
-use super::outside::View;
+use super::outside::Viewpoint;
 use super::rays::Rays;
 use super::survey::{Patch, Survey};
 
@@ -53,7 +53,7 @@ struct Spot {
 
 /// A view, and the share of the place that it shows.
 pub(super) struct Inside {
-    pub(super) view: View,
+    pub(super) view: Viewpoint,
     pub(super) share: f32,
 }
 
@@ -82,7 +82,7 @@ pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> 
             let share: f32 = framed.map(|(_, weight)| weight).sum();
             // Rays may pass by thin things that are nearer.
             let near = 0.05 * spot.clearance;
-            let view = View { position: spot.eye, forward, vertical_fov_rad, near };
+            let view = Viewpoint { position: spot.eye, forward, vertical_fov_rad, near };
             views.push((share * room, Inside { view, share }));
         }
     }
@@ -97,7 +97,7 @@ pub(super) fn view(rays: &Rays, survey: &Survey, aspect: f32) -> Option<Inside> 
 }
 
 /// How little of a picture is filled by what stands close to the eye: 1 where all is far.
-fn openness(rays: &Rays, view: &View, half: Vec2) -> f32 {
+fn openness(rays: &Rays, view: &Viewpoint, half: Vec2) -> f32 {
     let right = view.forward.cross(Vec3::Y);
     let mut sum = 0.0;
     for point in PICTURE {

@@ -38,7 +38,7 @@ mod survey;
 
 use crate::{Camera, Light, Scene};
 use inside::Inside;
-use outside::View;
+use outside::Viewpoint;
 use own_light::Standpoint;
 use rays::Rays;
 use soup::{Soup, Unit};
@@ -182,7 +182,7 @@ impl Framing {
             .collect()
     }
 
-    fn place(&self, view: &View) -> Camera {
+    fn place(&self, view: &Viewpoint) -> Camera {
         Camera {
             name: "framing".to_owned(),
             near_m: (view.near * self.unit.scale_m).max(f32::MIN_POSITIVE),

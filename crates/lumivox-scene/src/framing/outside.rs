@@ -40,7 +40,7 @@ const THIN: f32 = 0.05;
 const ALONG_THIN: f32 = 0.1;
 
 /// An eye in unit space.
-pub(super) struct View {
+pub(super) struct Viewpoint {
     pub(super) position: Vec3,
     pub(super) forward: Vec3,
     pub(super) vertical_fov_rad: f32,
@@ -54,14 +54,19 @@ struct Candidate {
 }
 
 /// The view that shows most of a subject.
-pub(super) fn view(rays: &Rays, subject: &Subject, aspect: f32) -> View {
-    let seen = |view: &View| visible(rays, &subject.patches, view.position, f32::sqrt);
+pub(super) fn view(rays: &Rays, subject: &Subject, aspect: f32) -> Viewpoint {
+    let seen = |view: &Viewpoint| visible(rays, &subject.patches, view.position, f32::sqrt);
     best(subject, &ELEVATIONS_RAD, aspect, seen)
 }
 
 /// The view from outside that shows most of a place, and the share of it that is seen.
-pub(super) fn into(rays: &Rays, subject: &Subject, place: &[Patch], aspect: f32) -> (View, f32) {
-    let seen = |view: &View| share(rays, place, view.position);
+pub(super) fn into(
+    rays: &Rays,
+    subject: &Subject,
+    place: &[Patch],
+    aspect: f32,
+) -> (Viewpoint, f32) {
+    let seen = |view: &Viewpoint| share(rays, place, view.position);
     let view = best(subject, &LEVEL_RAD, aspect, seen);
     let share = seen(&view);
     (view, share)
@@ -71,8 +76,8 @@ fn best(
     subject: &Subject,
     elevations_rad: &[(f32, f32); 5],
     aspect: f32,
-    seen: impl Fn(&View) -> f32,
-) -> View {
+    seen: impl Fn(&Viewpoint) -> f32,
+) -> Viewpoint {
     // Fitted to the box first, which is quick; all of the corners only decide about the last one.
     let corners = subject.bounds.corners();
     let near_corners = if subject.bounds.is_empty() { &corners[..0] } else { &corners[..] };
@@ -148,7 +153,7 @@ fn visible(rays: &Rays, patches: &[Patch], eye: Vec3, worth: impl Fn(f32) -> f32
 /// when `p.x + t * p.z <= eye.x + t * eye.z`, with t the tangent of half the field of view, and so on
 /// for the other planes. The largest left sides of all points thus bound the eye, and solving the two
 /// equations of opposite planes puts the scene in the middle between them.
-fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> View {
+fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Viewpoint {
     let camera = Camera::look_at(towards_eye, Vec3::ZERO, VERTICAL_FOV_RAD);
     let world_from_camera = Mat3::from_mat4(camera.world_from_camera());
     let camera_from_world = world_from_camera.transpose();
@@ -174,7 +179,7 @@ fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> View {
     let size = (right + left).max(top + bottom).max(nearest - farthest).max(f32::MIN_POSITIVE);
     let away = away_x.max(away_y).max(nearest + 0.1 * size.min(1.0));
     let eye = Vec3::new((right - left) * 0.5, (top - bottom) * 0.5, away);
-    View {
+    Viewpoint {
         position: world_from_camera * eye,
         forward: -towards_eye,
         vertical_fov_rad: VERTICAL_FOV_RAD,

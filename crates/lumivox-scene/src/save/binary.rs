@@ -152,7 +152,7 @@ pub(super) enum Target {
 }
 
 /// A stretch of the buffer.
-pub(super) struct View<'a> {
+pub(super) struct BufferView<'a> {
     source: Source<'a>,
     pub(super) target: Target,
     /// Where it begins; a multiple of four.
@@ -164,7 +164,7 @@ pub(super) struct View<'a> {
 /// The buffer.
 #[derive(Default)]
 pub(super) struct Binary<'a> {
-    pub(super) views: Vec<View<'a>>,
+    pub(super) views: Vec<BufferView<'a>>,
     pub(super) known: HashMap<(u64, Target), Vec<usize>>,
     /// The length of all, a multiple of four.
     pub(super) bytes: u64,
@@ -179,7 +179,7 @@ impl<'a> Binary<'a> {
         }
         twins.push(self.views.len());
         let bytes = source.bytes();
-        self.views.push(View { source, target, offset: self.bytes, bytes });
+        self.views.push(BufferView { source, target, offset: self.bytes, bytes });
         self.bytes += bytes.next_multiple_of(4);
         self.views.len() - 1
     }

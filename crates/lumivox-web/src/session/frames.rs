@@ -17,7 +17,7 @@ impl Session {
     /// When a change is refused, or the device fails.
     pub async fn render(&mut self) -> Result<FrameReport, WebError> {
         let start = Instant::now();
-        self.let_time_go()?;
+        self.advance_time()?;
         let is_coarse = self.pacing.is_coarse();
         self.fit(self.pacing.size(self.full_size), &Listener::new(None)).await?;
         let is_changing = is_coarse || self.console.explorer.playback().is_playing;
@@ -64,7 +64,7 @@ impl Session {
     }
 
     /// Lets animations play and voxels follow.
-    fn let_time_go(&mut self) -> Result<(), WebError> {
+    fn advance_time(&mut self) -> Result<(), WebError> {
         if self.console.explorer.tick_clock()? {
             self.meter.start_again();
             if let Some(beside) = &mut self.beside {

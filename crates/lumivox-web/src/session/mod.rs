@@ -364,7 +364,7 @@ impl Drop for Session {
 }
 
 /// Tells a page how far the renderer is.
-pub(crate) fn tell_of(listener: &Listener) -> impl FnMut(lumivox_render::Progress) {
+pub(crate) fn tell_of(listener: &Listener) -> impl FnMut(lumivox_render::RenderProgress) {
     let listener = listener.clone();
     move |step| listener.tell(step.stage, step.done.into(), step.total.into())
 }

@@ -9,8 +9,8 @@ use glam::{Mat4, UVec2, Vec3};
 use lumivox::gpu::{BindGroupBuilder, Kernel, LayoutBuilder, Recorder, Timing};
 use lumivox::gpu::{read_buffer, storage_buffer};
 use lumivox::{
-    Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow, SurfaceMaterial,
-    TraceSettings, View,
+    CameraView, Draw, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow,
+    SurfaceMaterial, TraceSettings,
 };
 use raster::{Mesh, Raster};
 
@@ -83,7 +83,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
             SIZE.x as f32 / SIZE.y as f32,
             0.1,
         ) * glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.0, 1.0, 0.0), Vec3::Y);
-    let mut view = View { clip_from_world, position, size: SIZE, frame: 0 };
+    let mut view = CameraView { clip_from_world, position, size: SIZE, frame: 0 };
     let gbuffer = gi.bind_gbuffer(raster.views(), view);
     let targets = gi.targets(SIZE, settings.resolution);
 
@@ -105,7 +105,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
 
     for frame in 0..FRAMES {
         view.frame = frame;
-        gbuffer.set_view(&queue, view);
+        gbuffer.set_camera(&queue, view);
         let mut recorder = Recorder::new(&device, &queue);
         raster.draw(recorder.encoder(), &queue, view.clip_from_world);
         gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;

@@ -194,16 +194,16 @@ impl Lighting {
         self.faces = Some(faces);
     }
 
-    /// Direct light, then `gathers` bounces, each stored and filtered into the volume.
+    /// Direct light, then `face_gathers` gathers at the faces, each stored and filtered into the volume.
     ///
-    /// Without bounces what did not change is not stored again. With them nearly everything changes, in every
-    /// gather, and looking for what does not would cost more than it saves.
+    /// Without them, values that did not change are not stored again. With them nearly all values change in every
+    /// gather, and finding the others would cost more than it saves.
     pub(crate) fn run(
         &self,
         recorder: &mut Recorder,
         (volume, changes): (&mut Volume, &mut Changes),
         lights: &Lights,
-        gathers: u32,
+        face_gathers: u32,
         (settings, model_values): (&TraceSettings, [f32; 4]),
     ) {
         let Some(faces) = &self.faces else {
@@ -218,7 +218,7 @@ impl Lighting {
         let bytes = bytemuck::bytes_of(&bounce_settings);
         recorder.queue().write_buffer(&self.settings, 0, bytes);
         recorder.stage("light");
-        let is_direct = gathers == 0;
+        let is_direct = face_gathers == 0;
         // With cone shadows the light needs the volume's opacities, which come with any radiance.
         if lights.has_cone_shadows {
             recorder.stage("filter");
@@ -246,7 +246,7 @@ impl Lighting {
         let changed = if is_direct { changes.find(recorder) } else { changes.all(recorder) };
         let Some(changed) = changed else { return };
         volume.update(recorder, changed);
-        for _ in 0..gathers {
+        for _ in 0..face_gathers {
             recorder.stage("bounce");
             let groups = [volume.globals(), &faces.bounce_group, &lights.group];
             self.bounce.run_linear(recorder, &groups, faces.count);

@@ -7,7 +7,7 @@ use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, 
 
 /// The camera of a G-buffer, for one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct CameraView {
     /// From the world to clip space (y up, z reversed: 1 near, 0 far), sub-pixel jitter included.
     pub clip_from_world: Mat4,
     /// Where the camera stands, m.
@@ -18,10 +18,10 @@ pub struct View {
     pub frame: u32,
 }
 
-/// `View` of `gbuffer.wgsl`.
+/// `CameraView` of `gbuffer.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct ViewUniform {
+pub(crate) struct CameraViewUniform {
     pub(crate) clip_from_world: Mat4,
     pub(crate) world_from_clip: Mat4,
     pub(crate) position_in_world: [f32; 3],
@@ -68,9 +68,9 @@ pub fn gbuffer_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
         .build(device, "G-buffer")
 }
 
-impl View {
-    pub(crate) fn to_gpu(self) -> ViewUniform {
-        ViewUniform {
+impl CameraView {
+    pub(crate) fn to_gpu(self) -> CameraViewUniform {
+        CameraViewUniform {
             clip_from_world: self.clip_from_world,
             world_from_clip: self.clip_from_world.inverse(),
             position_in_world: self.position.to_array(),
@@ -87,7 +87,7 @@ impl GBuffer {
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
         views: GBufferViews<'_>,
-        view: View,
+        view: CameraView,
     ) -> Self {
         let uniform = upload(device, "view", &[view.to_gpu()]);
         let group = BindGroupBuilder::new(layout)
@@ -103,7 +103,7 @@ impl GBuffer {
 
     /// Sets the camera of the next frame. The write takes effect at the next submission: with several frames
     /// in one recorder, call `Recorder::flush` between them.
-    pub fn set_view(&self, queue: &wgpu::Queue, view: View) {
+    pub fn set_camera(&self, queue: &wgpu::Queue, view: CameraView) {
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view.to_gpu()));
     }
 }

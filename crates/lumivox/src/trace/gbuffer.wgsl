@@ -1,6 +1,6 @@
 // The caller's G-buffer: group 3 of every pass over the screen.
 
-struct View {
+struct CameraView {
     clip_from_world: mat4x4f,
     world_from_clip: mat4x4f,
     position_in_world: vec3f,
@@ -13,7 +13,7 @@ struct View {
 
 // A storage buffer, not a uniform: lavapipe 22.3 crashes when it inlines uniforms into kernels that march cones
 // from here.
-@group(3) @binding(0) var<storage, read> view: View;
+@group(3) @binding(0) var<storage, read> view: CameraView;
 // Reversed z: 1 at the near plane, 0 infinitely far and where there is nothing.
 @group(3) @binding(1) var gbuffer_depth: texture_depth_2d;
 // Octahedral unit vectors in [-1, 1]: shading normal in xy, geometric normal in zw; both face the camera.

@@ -19,9 +19,9 @@ use crate::gpu::{
 };
 
 #[cfg(test)]
-pub(crate) use gbuffer::ViewUniform;
+pub(crate) use gbuffer::CameraViewUniform;
 pub(crate) use gbuffer::gbuffer_layout;
-pub use gbuffer::{GBuffer, GBufferViews, View};
+pub use gbuffer::{CameraView, GBuffer, GBufferViews};
 
 /// The shader modules of this folder.
 pub(crate) const MODULES: &[(&str, &str)] = &[
@@ -49,7 +49,7 @@ pub(crate) struct ScreenSettings {
     pub(crate) diffuse_cones: u32,
     pub(crate) scale: u32,
     pub(crate) specular_share: f32,
-    pub(crate) gathers: u32,
+    pub(crate) bounces: u32,
 }
 
 /// Traces cones from a G-buffer.
@@ -325,7 +325,7 @@ impl TraceTargets {
         queue: &wgpu::Queue,
         (settings, model_values): (&TraceSettings, [f32; 4]),
         voxel_size_m: f32,
-        gathers: u32,
+        bounces: u32,
     ) {
         let uniform = ScreenSettings {
             cones: settings.cones(voxel_size_m, model_values),
@@ -333,7 +333,7 @@ impl TraceTargets {
             scale: self.resolution.scale(),
             // Without glossy cones every share is zero.
             specular_share: if settings.specular { settings.specular_share } else { 0.0 },
-            gathers,
+            bounces,
         };
         queue.write_buffer(&self.settings, 0, bytemuck::bytes_of(&uniform));
     }

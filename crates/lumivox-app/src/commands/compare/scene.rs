@@ -15,7 +15,7 @@ use crate::commands::light;
 use crate::commands::settings;
 use crate::commands::staged::stage;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::{Measured, Subject, reference, strip};
 
 /// Renders, traces, compares, reports.
@@ -33,7 +33,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Res
     crate::args::scene::check(source)?;
     light::check(&args.light.sources)?;
     let start = Instant::now();
-    let mut progress = Progress::start(host, "loading");
+    let mut progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     settings.validate(&gpu.device.limits())?;
     let (scene, camera) =

@@ -6,7 +6,7 @@ mod scene;
 use crate::cli::InfoArgs;
 use crate::commands::settings;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Describes the scene if there is one, the machine otherwise.
 ///
@@ -20,7 +20,7 @@ pub fn run(args: &InfoArgs, host: &Host) -> anyhow::Result<()> {
     };
     crate::args::scene::check(source)?;
     let settings = settings::of_voxels(&args.voxels)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let scene = crate::args::scene::load(source, &args.load, &progress)?;
     let report = scene::Report::new(&scene, &settings)?;
     drop(progress);

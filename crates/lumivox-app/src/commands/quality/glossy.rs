@@ -11,7 +11,7 @@ use lumivox_scene::{Camera, Scene, builtin};
 
 use super::cases::middle;
 use crate::cli::QualityArgs;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::check_wish;
 
 /// The scene that has spheres of many roughnesses.
@@ -37,7 +37,11 @@ pub struct Sphere {
 ///
 /// # Errors
 /// When rendering fails.
-pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Result<Vec<Sphere>> {
+pub fn measure(
+    args: &QualityArgs,
+    gpu: &Gpu,
+    progress: &ProgressDisplay,
+) -> anyhow::Result<Vec<Sphere>> {
     let scene = builtin::scene(SCENE)?;
     let camera = &scene.cameras[0];
     let size = args.size * ENLARGED;
@@ -60,7 +64,7 @@ pub fn measure(args: &QualityArgs, gpu: &Gpu, progress: &Progress) -> anyhow::Re
             ..RenderSettings::default()
         };
         let mut tell =
-            |step: lumivox_render::Progress| progress.set("spheres", step.done, step.total);
+            |step: lumivox_render::RenderProgress| progress.set("spheres", step.done, step.total);
         let renderer = Renderer::new(gpu, &scene, Some(camera), settings, &mut tell);
         let mut renderer = pollster::block_on(renderer)?;
         let ours = pollster::block_on(renderer.render(&mut tell))?;
@@ -111,7 +115,7 @@ fn trace(
     scene: &Scene,
     camera: &Camera,
     settings: ReferenceSettings,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<ReferenceLayers> {
     let file = args.cache.as_ref().map(|folder| folder.join("spheres-large.exr"));
     if let Some(file) = file.as_ref().filter(|file| file.exists()) {

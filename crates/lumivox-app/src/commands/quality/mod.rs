@@ -19,9 +19,9 @@ use crate::args::output;
 use crate::cli::QualityArgs;
 use crate::host::Host;
 use crate::lock::Lock;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 use crate::quality::{Measured, Subject, Truth, reference, strip};
-use cases::{Case, Turn, cases};
+use cases::{Case, Rotation, cases};
 use store::{Entry, Store};
 
 /// Where the pictures lie, below the page's folder.
@@ -44,7 +44,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
         .as_ref()
         .map(|cache| Lock::take(&cache.join(store::NAME), "measures into it"))
         .transpose()?;
-    let mut progress = Progress::start(host, "starting");
+    let mut progress = ProgressDisplay::start(host, "starting");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut store = Store::open(args.cache.as_deref(), settings_in_words(args))?;
     let mut cases = cases(&names, &args.presets, &args.resolutions);
@@ -55,7 +55,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     let mut truths: BTreeMap<String, Truth> = BTreeMap::new();
     for (index, case) in cases.iter().enumerate() {
         let (done, total) = (index as u32, cases.len() as u32);
-        let work = Work { args, gpu: &gpu, progress: &progress, pictures: &pictures };
+        let work = QualityRun { args, gpu: &gpu, progress: &progress, pictures: &pictures };
         if store.get(case).is_none() {
             tracing::warn!("{} of {total}: {case}", done + 1);
             let entry = work.measure(case, &mut truths);
@@ -130,21 +130,21 @@ fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
 }
 
 /// A turned scene; its camera turns with it, so that the picture is the same.
-fn turned(name: &str, turn: Turn) -> anyhow::Result<Scene> {
+fn turned(name: &str, rotation: Rotation) -> anyhow::Result<Scene> {
     let mut scene = builtin::scene(name)?;
-    scene.rotate(turn.angles_rad());
+    scene.rotate(rotation.angles_rad());
     Ok(scene)
 }
 
 /// What all measurements share.
-struct Work<'a> {
+struct QualityRun<'a> {
     args: &'a QualityArgs,
     gpu: &'a Gpu,
-    progress: &'a Progress,
+    progress: &'a ProgressDisplay,
     pictures: &'a Path,
 }
 
-impl Work<'_> {
+impl QualityRun<'_> {
     fn subject<'a>(&'a self, scene: &'a Scene) -> Subject<'a> {
         // All built-in scenes have a camera.
         let camera = &scene.cameras[0];
@@ -153,7 +153,7 @@ impl Work<'_> {
 
     fn measure(&self, case: &Case, truths: &mut BTreeMap<String, Truth>) -> anyhow::Result<Entry> {
         let straight = builtin::scene(&case.scene)?;
-        let scene = turned(&case.scene, case.turn)?;
+        let scene = turned(&case.scene, case.rotation)?;
         let subject = |scene| self.subject(scene);
         if !truths.contains_key(&case.scene) {
             // One scene after the other: only one reference is kept.

@@ -7,7 +7,7 @@ use lumivox_render::PresetChoice;
 use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
 use super::PICTURES;
-use super::cases::{Case, Turn, middle};
+use super::cases::{Case, Rotation, middle};
 use super::glossy::Sphere;
 use super::store::{Entry, Store};
 use crate::cli::QualityArgs;
@@ -49,7 +49,7 @@ struct Goal {
 /// # Errors
 /// When nothing was measured.
 pub fn chart(cases: &[Case], store: &Store) -> anyhow::Result<String> {
-    let straight = cases.iter().filter(|case| case.turn == Turn::NONE);
+    let straight = cases.iter().filter(|case| case.rotation == Rotation::NONE);
     let point = |case: &Case| {
         let entry = store.get(case)?;
         Some(Point {
@@ -112,9 +112,15 @@ impl Page<'_> {
         )
     }
 
-    fn entry(&self, scene: &str, turn: Turn, preset: Preset, resolution: u32) -> Option<&Entry> {
+    fn entry(
+        &self,
+        scene: &str,
+        rotation: Rotation,
+        preset: Preset,
+        resolution: u32,
+    ) -> Option<&Entry> {
         let preset = PresetChoice::Cones(preset);
-        let case = Case { scene: scene.to_owned(), turn, preset, resolution };
+        let case = Case { scene: scene.to_owned(), rotation, preset, resolution };
         self.store.get(&case)
     }
 
@@ -135,7 +141,7 @@ impl Page<'_> {
         );
         for goal in &GOALS {
             for (preset, factor) in [(Preset::High, 1.0), (Preset::Balanced, 2.0)] {
-                let Some(entry) = self.entry(goal.scene, Turn::NONE, preset, resolution) else {
+                let Some(entry) = self.entry(goal.scene, Rotation::NONE, preset, resolution) else {
                     continue;
                 };
                 let Some((one, full)) = entry.figures.one_bounce.zip(entry.figures.full) else {
@@ -173,9 +179,9 @@ impl Page<'_> {
              | --- | --- | --- | --: | --: | --: | --: | --- |\n"
         );
         for goal in &GOALS {
-            for turn in Turn::ODD {
+            for rotation in Rotation::ODD {
                 for (preset, factor) in [(Preset::High, 1.0), (Preset::Balanced, 2.0)] {
-                    let Some(entry) = self.entry(goal.scene, turn, preset, resolution) else {
+                    let Some(entry) = self.entry(goal.scene, rotation, preset, resolution) else {
                         continue;
                     };
                     let Some((one, full)) = entry.figures.one_bounce.zip(entry.figures.full) else {
@@ -184,7 +190,7 @@ impl Page<'_> {
                     let rmse = goal.rmse.map(|rmse| factor * TURNED_RMSE * rmse);
                     let is_met = one.bias_percent.abs() <= factor * TURNED_BIAS
                         && rmse.is_none_or(|rmse| one.rmse_percent <= rmse);
-                    let [x, y, z] = turn.degrees;
+                    let [x, y, z] = rotation.degrees;
                     let _ = writeln!(
                         text,
                         "| {} | {x}, {y}, {z} | {} | {:+.1} | {:.1} | {} | {:+.1} | {} |",
@@ -212,7 +218,7 @@ impl Page<'_> {
         );
         for case in self.cases {
             let Some(leak) = self.store.get(case).and_then(|entry| entry.leak) else { continue };
-            let [x, y, z] = case.turn.degrees;
+            let [x, y, z] = case.rotation.degrees;
             let _ = writeln!(
                 text,
                 "| {} | {x}, {y}, {z} | {} | {} | {:.2} | {:.2} |",
@@ -239,7 +245,7 @@ impl Page<'_> {
         for scene in self.scene_names() {
             let means = |of: fn(&LayerFigures) -> Option<ErrorFigures>| -> Option<Vec<f64>> {
                 let mean = |resolution: &u32| {
-                    let entry = self.entry(scene, Turn::NONE, Preset::High, *resolution)?;
+                    let entry = self.entry(scene, Rotation::NONE, Preset::High, *resolution)?;
                     Some(100.0 + of(&entry.figures)?.bias_percent)
                 };
                 sorted.iter().map(mean).collect()
@@ -281,7 +287,7 @@ impl Page<'_> {
             );
             text += "| voxels | preset | layer | bias | RMSE | p95 | FLIP | noise | ms a frame | samples |\n\
                      | --: | --- | --- | --: | --: | --: | --: | --: | --: | --: |\n";
-            let own = |case: &&Case| case.scene == scene && case.turn == Turn::NONE;
+            let own = |case: &&Case| case.scene == scene && case.rotation == Rotation::NONE;
             for case in self.cases.iter().filter(own) {
                 let Some(entry) = self.store.get(case) else { continue };
                 text += &rows(case, entry);

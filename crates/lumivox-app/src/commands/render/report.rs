@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lumivox_console::report::{
-    AdapterReport, GridReport, MemoryReport, SceneCounts, Times, bytes, count, counted,
+    AdapterReport, GridReport, MemoryReport, SceneCounts, TimesReport, bytes, count, counted,
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
@@ -82,7 +82,7 @@ pub struct RendererReport {
     pub memory_bytes: u64,
     /// On the GPU, milliseconds; passes of frames are the mean of a frame.
     #[serde(flatten)]
-    pub times: Times,
+    pub times: TimesReport,
 }
 
 impl RendererReport {
@@ -95,7 +95,7 @@ impl RendererReport {
             faces: renderer.voxel_stats().faces,
             memory_bytes: total_bytes(&memory),
             memory,
-            times: Times::new(&renderer.times()),
+            times: TimesReport::new(&renderer.times()),
         }
     }
 }

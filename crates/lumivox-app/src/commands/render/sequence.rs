@@ -11,11 +11,11 @@ use serde_json::{Map, Value, json};
 
 use super::clock::Seconds;
 use super::report::{CameraReport, NoteReport, RendererReport};
-use super::{Stage, light};
+use super::{RenderJob, light};
 use crate::cli::RenderArgs;
 use crate::commands::settings;
-use crate::motion::{Moments, PathFile, When};
-use crate::progress::Progress;
+use crate::motion::{Moments, PathFile, PictureTimes};
+use crate::progress::ProgressDisplay;
 use crate::progress::words;
 use crate::sequence::{Frame, FrameFiles, Index, Start};
 
@@ -26,8 +26,8 @@ const METERED: u64 = 5;
 ///
 /// # Errors
 /// When the pictures that are there do not fit, or the device or the disk fails.
-pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> {
-    let When::Sequence(moments) = stage.schedule.when.clone() else {
+pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<()> {
+    let PictureTimes::Sequence(moments) = stage.schedule.times.clone() else {
         anyhow::bail!("a sequence without moments")
     };
     let mut files = FrameFiles::new(&stage.args.output)?;
@@ -127,7 +127,7 @@ pub fn run(mut stage: Stage<'_>, path: Option<&PathFile>) -> anyhow::Result<()> 
 
 /// The exposure of all pictures: the median of what some of them ask for, spread over the sequence and
 /// rendered roughly. One alone may look at a wall. Also the renderer that found out; `None` if it was stopped.
-fn meter(stage: &mut Stage<'_>, moments: &Moments) -> anyhow::Result<Option<(Renderer, f32)>> {
+fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<(Renderer, f32)>> {
     let mut numbers: Vec<u32> = (0..METERED)
         .map(|i| (u64::from(moments.count) * (2 * i + 1) / (2 * METERED)) as u32)
         .collect();
@@ -162,7 +162,7 @@ fn median(mut values: Vec<f32>) -> f32 {
 /// A picture's place among those to be rendered.
 struct Step<'a> {
     stage: &'static str,
-    progress: &'a Progress,
+    progress: &'a ProgressDisplay,
     done: u32,
     total: u32,
 }
@@ -172,10 +172,10 @@ impl Step<'_> {
     fn prepare(
         &self,
         before: Option<Renderer>,
-        stage: &Stage<'_>,
+        stage: &RenderJob<'_>,
         camera: &Camera,
     ) -> anyhow::Result<Renderer> {
-        let mut tell = |step: lumivox_render::Progress| match self.done {
+        let mut tell = |step: lumivox_render::RenderProgress| match self.done {
             0 => self.progress.set(words(step.stage), step.done, step.total),
             _ => self.tell_share(0.0),
         };
@@ -201,7 +201,7 @@ impl Step<'_> {
         Ok(pollster::block_on(renderer.render_until(&mut tell))?)
     }
 
-    fn tell(&self, step: lumivox_render::Progress) {
+    fn tell(&self, step: lumivox_render::RenderProgress) {
         self.tell_share(f64::from(step.done) / f64::from(step.total.max(1)));
     }
 
@@ -212,7 +212,7 @@ impl Step<'_> {
 
 /// All that decides what the pictures show, under the names of the command line.
 fn settings_of(
-    stage: &Stage<'_>,
+    stage: &RenderJob<'_>,
     moments: &Moments,
     path: Option<&PathFile>,
 ) -> Map<String, Value> {

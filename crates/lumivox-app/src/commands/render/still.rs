@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lumivox_render::Renderer;
 
-use super::Stage;
+use super::RenderJob;
 use super::report::Report;
 use crate::progress::words;
 
@@ -13,12 +13,12 @@ use crate::progress::words;
 /// # Errors
 /// When the device or the disk fails.
 pub fn run(
-    mut stage: Stage<'_>,
+    mut stage: RenderJob<'_>,
     camera: &lumivox_scene::Camera,
     file: &Path,
 ) -> anyhow::Result<()> {
     let progress = &stage.progress;
-    let mut tell = |step: lumivox_render::Progress| {
+    let mut tell = |step: lumivox_render::RenderProgress| {
         progress.set(words(step.stage), step.done, step.total);
     };
     let (gpu, scene, settings) = (&stage.gpu, &stage.scene, stage.settings.clone());

@@ -19,7 +19,7 @@ use crate::cli::VoxelsArgs;
 use crate::commands::compare::write_strip;
 use crate::commands::settings;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Voxelizations whose fastest is the time told.
 const TIMED_RUNS: u32 = 3;
@@ -35,7 +35,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let scene = args.scene.load(&progress)?;
     let size = comparison.size;

@@ -8,7 +8,7 @@ use glam::{Mat4, Vec3};
 use lumivox::gpu::{Recorder, StageTime, Timing, read_buffer};
 use lumivox::{Geometry, Gi, GiConfig, Lights, TraceSettings};
 use lumivox_console::report::{
-    AdapterReport, GridReport, SceneCounts, Table, TimeReport, Times, count,
+    AdapterReport, GridReport, SceneCounts, Table, TimeReport, TimesReport, count,
 };
 use lumivox_console::shown;
 use lumivox_render::{Gpu, GpuScene, Lighting, global_illumination};
@@ -16,7 +16,7 @@ use lumivox_scene::{Bounds, Mesh, Scene};
 use serde::Serialize;
 
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// How far things move, in voxels.
 const REACH_VOXELS: f32 = 1.5;
@@ -157,7 +157,7 @@ pub fn measure(
     uploaded: &GpuScene,
     config: &GiConfig,
     moves: u32,
-    progress: &Progress,
+    progress: &ProgressDisplay,
 ) -> anyhow::Result<Report> {
     let lights = Lighting::of(scene).to_gpu(uploaded.radiance_unit);
     let environment = scene.environment.radiance / uploaded.radiance_unit;
@@ -255,7 +255,7 @@ impl Report {
         (changed_share, has_same_bits): (f64, bool),
     ) -> Self {
         let a_move = |ms: f64| ms / f64::from(moves);
-        let [of_whole, of_kept] = [whole, kept].map(|way| Times::new(&way.times));
+        let [of_whole, of_kept] = [whole, kept].map(|way| TimesReport::new(&way.times));
         let pairs = |whole: &[TimeReport], kept: &[TimeReport]| -> Vec<StageReport> {
             let pair = |own: &TimeReport| {
                 let is_same =

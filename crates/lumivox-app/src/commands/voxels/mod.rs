@@ -9,7 +9,7 @@ use std::time::Instant;
 use lumivox::gpu::Timing;
 use lumivox::{Gi, Grid, VoxelizeStats};
 use lumivox_console::report::{
-    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, Times, count,
+    AdapterReport, GridReport, MemoryReport, OctreeReport, SceneCounts, Table, TimesReport, count,
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
@@ -22,7 +22,7 @@ use crate::args::scene;
 use crate::cli::VoxelsArgs;
 use crate::commands::settings;
 use crate::host::Host;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Voxelizes and reports.
 ///
@@ -34,7 +34,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     }
     let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
-    let progress = Progress::start(host, "loading");
+    let progress = ProgressDisplay::start(host, "loading");
     let gpu = host.open_gpu(&args.gpu)?;
     let mut scene = args.scene.load(&progress)?;
     if let Some(share) = args.dynamic_share {
@@ -71,7 +71,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     drop(progress);
 
     let way = voxelizers().get(&settings).name();
-    let times = Times::new(&timed.times);
+    let times = TimesReport::new(&timed.times);
     let report = Report::new(&scene, &gi, way, voxelized.stats, times, wall_ms);
     let report = Report { adapter: Some(AdapterReport::new(&gpu.adapter_info)), ..report };
     if args.json {
@@ -113,7 +113,7 @@ struct Report {
     /// Of one voxelization as a whole, by the clock on the wall, without times being taken.
     wall_ms: f64,
     #[serde(flatten)]
-    times: Times,
+    times: TimesReport,
     adapter: Option<AdapterReport>,
 }
 
@@ -136,7 +136,7 @@ impl Report {
         gi: &Gi,
         voxelizer: &'static str,
         stats: VoxelizeStats,
-        times: Times,
+        times: TimesReport,
         wall_ms: f64,
     ) -> Self {
         let grid = gi.grid();

@@ -5,7 +5,7 @@ use lumivox::gpu::{
     BindGroupBuilder, Buffer, Kernel, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
     TextureView, uniform_buffer,
 };
-use lumivox::{GBuffer, Gi, View};
+use lumivox::{CameraView, GBuffer, Gi};
 
 use super::edges::{Edges, ranges};
 use super::lines::{Lines, all};
@@ -31,7 +31,7 @@ pub(crate) struct Shown {
 /// What a frame of it is seen in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OverlayView<'a> {
-    pub(crate) view: &'a View,
+    pub(crate) view: &'a CameraView,
     pub(crate) scene: &'a GpuScene,
     pub(crate) gi: &'a Gi,
     /// Of the same frame where surfaces hide anything.

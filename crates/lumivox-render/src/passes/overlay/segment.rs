@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4, Vec4Swizzles as _};
-use lumivox::View;
+use lumivox::CameraView;
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{LayoutBuilder, Pipelines, ShaderError};
 
@@ -28,7 +28,7 @@ pub(crate) struct SegmentView {
 }
 
 impl SegmentView {
-    pub(super) fn new(view: &View, overlay: &Overlay) -> Self {
+    pub(super) fn new(view: &CameraView, overlay: &Overlay) -> Self {
         // Infinitely far, clip space is made of directions; w is not quite 0 where the matrix is rounded.
         let world_from_clip = view.clip_from_world.inverse();
         let ray = |column: Vec4| (column.xyz() - column.w * view.position).to_array();
