@@ -310,7 +310,7 @@ fn errors_keep_their_words() {
 fn settings_are_tried_at_once() {
     let mut explorer = explorer("cornell");
     let first = picture(&mut explorer);
-    let report = PresetChoice::Report;
+    let report = parameters::find_preset("report").unwrap();
     let settings = RenderSettings { volume_memory: Some(1), ..explorer.settings_of(report) };
     assert!(block_on(explorer.try_settings(settings, report, &mut |_| {})).is_err());
     assert_eq!(explorer.preset(), PresetChoice::Cones(Preset::Balanced));

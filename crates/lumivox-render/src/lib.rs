@@ -28,7 +28,6 @@
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
-pub mod classics;
 pub mod compare;
 mod error;
 mod gpu;
@@ -64,7 +63,7 @@ pub use renderer::estimate::MemoryEstimate;
 pub use renderer::{Photometry, RenderProgress, Renderer, global_illumination};
 pub use scene::{GpuScene, Lighting, radiance_unit};
 pub use settings::parameters;
-pub use settings::preset::{Companions, PresetChoice};
+pub use settings::preset::{AddedPreset, Companions, PresetChoice};
 pub use settings::{
     COST_SCALE_SAMPLES, Exposure, PHYSICAL, RenderSettings, ShadowMethod, ToneMap, View,
 };

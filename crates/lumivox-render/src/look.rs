@@ -19,7 +19,6 @@ pub use crate::passes::gbuffer::NORMALS_FORMAT;
 pub use crate::passes::raster::DEPTH_FORMAT;
 pub use crate::scene::{Attributes, GpuMaterial, SceneDraw, VertexBuffers};
 use crate::scene::{GpuScene, Lighting};
-use crate::settings::preset::Companions;
 use crate::{Exposure, Gpu, MemoryUse, RenderError, ToneMap, View};
 
 /// How a picture comes about, as [`RenderSettings::look`](crate::RenderSettings::look) takes it; `None` is by the physics.
@@ -149,24 +148,3 @@ pub struct LookFrame<'a> {
     /// Where normals of surfaces go, of [`NORMALS_FORMAT`], by a render pass. Overlays read them.
     pub normals: &'a TextureView,
 }
-
-/// A preset that takes a look: [`PresetChoice::Look`](crate::PresetChoice::Look).
-#[derive(Clone, Copy, Debug)]
-pub struct LookPreset {
-    /// The name in lower case; presets are compared by it.
-    pub name: &'static str,
-    /// What it is, in a line without a full stop.
-    pub summary: &'static str,
-    /// The look, with voxels of a resolution.
-    pub look: fn(resolution: u32) -> Arc<dyn Look>,
-    /// What goes with it, given what goes with the physics. Exposure and curve are [`Look::display`]'s.
-    pub companions: fn(Companions) -> Companions,
-}
-
-impl PartialEq for LookPreset {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
-impl Eq for LookPreset {}

@@ -20,6 +20,17 @@ pub enum SceneError {
         extension: String,
     },
 
+    /// A scene of VXCT, in a build without the feature `vxct`.
+    #[error(
+        "{}: this build does not read scenes of VXCT; build it with the feature vxct of lumivox-scene, \
+         or save the scene as glTF with the program (lumivox convert)",
+        file.display()
+    )]
+    WithoutVxct {
+        /// The file asked for.
+        file: PathBuf,
+    },
+
     /// No built-in scene has that name.
     #[error("no built-in scene is called \"{name}\"; there are: {}", known.join(", "))]
     UnknownBuiltin {

@@ -55,6 +55,9 @@ pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
 /// The name of the injection.
 pub const NAME: &str = "photons";
 
+/// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
+const MAX_TEXEL_VOXELS: f32 = 0.5;
+
 #[derive(Debug)]
 struct PhotonInjection;
 
@@ -65,6 +68,10 @@ impl Injection for PhotonInjection {
 
     fn bytes_per_face(&self) -> u64 {
         SUMS_BYTES
+    }
+
+    fn largest_texel_voxels(&self) -> f32 {
+        MAX_TEXEL_VOXELS
     }
 
     fn make(&self, parts: &InjectionParts<'_>) -> Result<Box<dyn Injector>, GiError> {

@@ -7,7 +7,6 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use lumivox::gpu::Recorder;
-use lumivox::hooks::ConeModel as _;
 use lumivox::{Grid, Voxelized};
 use lumivox_scene::Scene;
 
@@ -41,12 +40,15 @@ impl Redo {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
         // Another model of the cones is other shaders, other values of the same model are not.
-        let is_same_model =
-            old.report_cones.model().is_some() == new.report_cones.model().is_some();
-        let volume = !is_same_grid || !is_same_model || changed.contains(&Redoes::Voxels);
+        let model = |settings: &RenderSettings| settings.cone_model.as_ref().map(|m| m.name());
+        let are_same_hooks = old.voxelizer == new.voxelizer
+            && old.injection == new.injection
+            && model(old) == model(new);
+        let volume = !is_same_grid || !are_same_hooks || changed.contains(&Redoes::Voxels);
         let targets = volume || changed.contains(&Redoes::Targets) || old.size != new.size;
         let light = volume
             || changed.contains(&Redoes::Light)
+            || old.cone_model != new.cone_model
             || (old.shown_look().is_some() && new.shown_look().is_none())
             || old.voxel_bounces() != new.voxel_bounces();
         let mean = targets || light || changed.contains(&Redoes::Frames) || old.look != new.look;
@@ -102,7 +104,9 @@ impl Renderer {
             compile(&self.gpu, progress).await?;
         }
         let was = std::mem::replace(&mut self.settings, settings);
-        self.gi.set_cone_values(self.settings.report_cones.values());
+        if let Some(model) = &self.settings.cone_model {
+            self.gi.set_cone_values(model.values());
+        }
         self.drop_look_of(&was);
         if let Some(pass) = self.targets.overlay.take_if(|_| !self.settings.overlay.is_on()) {
             self.targets.bytes -= pass.bytes;

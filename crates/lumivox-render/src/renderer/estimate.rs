@@ -240,24 +240,18 @@ mod tests {
     fn what_was_estimated_is_what_is_allocated() {
         let gpu = gpu();
         let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());
-        for (name, resolution, bounces, moving, volume, injection) in [
-            ("spheres", 64, 8, 0, VolumeKind::Dense, "direct"),
-            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense, "photons"),
-            ("atrium", 96, 8, 0, octree, "direct"),
+        for (name, resolution, bounces, moving, volume) in [
+            ("spheres", 64, 8, 0, VolumeKind::Dense),
+            ("two-rooms-rotated", 48, 1, 2, VolumeKind::Dense),
+            ("atrium", 96, 8, 0, octree),
         ] {
             let mut scene = lumivox_scene::builtin::scene(name).expect("a scene");
             for instance in &mut scene.instances[..moving] {
                 instance.is_static = false;
             }
             let size = glam::UVec2::new(40, 24);
-            let settings = RenderSettings {
-                size,
-                resolution,
-                volume,
-                injection: crate::classics::injection(injection),
-                bounces,
-                ..Default::default()
-            };
+            let settings =
+                RenderSettings { size, resolution, volume, bounces, ..Default::default() };
             let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");
             let mut quiet = |_| {};
             let renderer = Renderer::new(&gpu, &scene, None, settings, &mut quiet);

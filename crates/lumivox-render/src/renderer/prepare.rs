@@ -1,6 +1,7 @@
 //! What a renderer does before its first frame: the scene and its lights on the GPU.
 
 use lumivox::gpu::{Recorder, Timing};
+use lumivox::hooks::Injection;
 use lumivox::{
     EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Light, LightSource, Lights,
     Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats, Voxelized,
@@ -9,14 +10,10 @@ use lumivox::{
 use lumivox_scene::{Bounds, Scene};
 
 use super::RenderProgress;
-use crate::classics::is_by_photons;
 use crate::passes::shadow_maps::ShadowMapPass;
 use crate::renderer::estimate::MemoryEstimate;
 use crate::scene::{GpuScene, Lighting, corners};
 use crate::{Gpu, RenderError, RenderSettings};
-
-/// Photons scatter by about the texels that a voxel's side is seen by: two along an edge are the least.
-const MAX_PHOTON_TEXEL_VOXELS: f32 = 0.5;
 
 /// Uploads a scene, if it is known to fit.
 pub(super) async fn upload(
@@ -130,11 +127,12 @@ pub(super) fn bind_lights(
     if let Some(pass) = shadow_pass {
         recorder.stage("shadow maps");
         maps = pass.record(gpu, recorder, scene, &mut lights, shadow_resolution);
-        if is_by_photons(settings) {
+        if let Some(injection) = &settings.injection {
             let texel_m = maps
                 .as_ref()
                 .map_or(0.0, |maps| largest_texel_m(&lights, &maps.layers, scene.bounds));
-            warn_of_coarse_texels(texel_m / gi.grid().voxel_size_m, shadow_resolution);
+            let texel_in_voxels = texel_m / gi.grid().voxel_size_m;
+            warn_of_coarse_texels(injection.as_ref(), texel_in_voxels, shadow_resolution);
         }
     }
     let layer_bytes = 4 * u64::from(shadow_resolution).pow(2);
@@ -163,14 +161,16 @@ fn largest_texel_m(lights: &[Light], layers: &[ShadowLayer], bounds: Bounds) -> 
     lights.iter().filter_map(texel_m).fold(0.0, f32::max)
 }
 
-/// Photons are as fine as the texels that they start from: with few of them a voxel, its light scatters.
-fn warn_of_coarse_texels(texel_in_voxels: f32, resolution: u32) {
-    if texel_in_voxels <= MAX_PHOTON_TEXEL_VOXELS {
+/// Light that starts from texels of shadow maps is as fine as they are: with few of them a voxel, it scatters.
+fn warn_of_coarse_texels(injection: &dyn Injection, texel_in_voxels: f32, resolution: u32) {
+    let largest = injection.largest_texel_voxels();
+    if texel_in_voxels <= largest {
         return;
     }
-    let needed = resolution as f32 * texel_in_voxels / MAX_PHOTON_TEXEL_VOXELS;
+    let name = injection.name();
+    let needed = resolution as f32 * texel_in_voxels / largest;
     tracing::warn!(
-        "photons start from texels of up to {texel_in_voxels:.1} voxels, so that the light of voxels scatters: \
+        "{name} start from texels of up to {texel_in_voxels:.1} voxels, so that the light of voxels scatters: \
          raise the resolution of the shadow maps (--shadow-resolution) from {resolution} to {}, as far as the \
          GPU allows, or inject directly (--injection direct)",
         (needed.ceil() as u32).checked_next_power_of_two().unwrap_or(u32::MAX)

@@ -5,12 +5,14 @@ pub mod parameters;
 pub(crate) mod preset;
 mod view;
 
+use std::sync::Arc;
+
 use glam::{UVec2, Vec3};
 use lumivox::gpu::Timing;
+use lumivox::hooks::{ConeModel, Injection, Voxelization};
 use lumivox::{Directionality, GiConfig, Grid, TraceSettings, VolumeKind};
 use lumivox_scene::Bounds;
 
-use crate::classics::{InjectionChoice, ReportCones, VoxelizerChoice};
 use crate::look::{Look, LookChoice};
 use crate::passes::overlay::LineRecord;
 use crate::{Overlay, RenderError};
@@ -104,17 +106,16 @@ pub struct RenderSettings {
     pub volume: VolumeKind,
     /// The most bytes that the volume may take. Default: `None`, what the device gives.
     pub volume_memory: Option<u64>,
-    /// How triangles become voxels. Default: exactly.
-    pub voxelizer: VoxelizerChoice,
-    /// How the light of lamps and sun comes into the voxels. Default: directly, face by face.
-    pub injection: InjectionChoice,
+    /// How triangles become voxels. Default: `None`, exactly.
+    pub voxelizer: Option<Arc<dyn Voxelization>>,
+    /// How the light of lamps and sun comes into the voxels. Default: `None`, directly, face by face.
+    pub injection: Option<Arc<dyn Injection>>,
     /// How the picture comes about. Default: by the physics.
     pub look: LookChoice,
     /// The cones.
     pub trace: TraceSettings,
-    /// Where the cones depart from the physics, as those of the sparse voxel octree report do.
-    /// Default: nowhere.
-    pub report_cones: ReportCones,
+    /// Where the cones start and point, and what their samples show. Default: `None`, by the physics.
+    pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light, the one at the visible surface included, 0 to 16: 0 is direct
     /// light alone, 1 is light over one other surface. Default: 8, which leaves out a^8 of the light in a
     /// room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the voxels, once.
@@ -157,7 +158,7 @@ impl Default for RenderSettings {
             injection: None,
             look: None,
             trace: TraceSettings::default(),
-            report_cones: ReportCones::default(),
+            cone_model: None,
             bounces: 8,
             frames: 16,
             view: View::default(),
@@ -182,7 +183,7 @@ impl RenderSettings {
             memory_budget: self.volume_memory,
             voxelizer: self.voxelizer.clone(),
             injection: self.injection.clone(),
-            cones: self.report_cones.model(),
+            cones: self.cone_model.clone(),
         }
     }
 
@@ -219,6 +220,9 @@ impl RenderSettings {
             if !parameter.kind.allows(value) {
                 return Err(parameter.error(&value.to_string()).into());
             }
+        }
+        if let Some(model) = &self.cone_model {
+            model.validate()?;
         }
         if let Some(look) = &self.look {
             look.validate()?;

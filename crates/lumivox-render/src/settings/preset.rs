@@ -1,26 +1,50 @@
 //! Presets: the few names that all settings of a picture can start from.
 //!
-//! A preset is one of the library's for the cones ([`Preset`]) or a look with cones of its own, and what it brings along
-//! ([`Companions`]). Front ends list them by name and summary, `lumivox-explorer`'s with those of looks, and take
+//! A preset is one of the library's for the cones ([`Preset`]) or one that another crate adds ([`AddedPreset`]), and what it
+//! brings along ([`Companions`]). Front ends list them by name and summary, as `lumivox-explorer` collects them, and take
 //! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
 
-use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
+use std::sync::Arc;
+
+use lumivox::hooks::{ConeModel, Injection};
+use lumivox::{Directionality, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
 
-use crate::classics::{self, InjectionChoice, ReportCones};
-use crate::look::{LookChoice, LookPreset};
+use crate::look::LookChoice;
 use crate::{Exposure, PHYSICAL, RenderSettings, ToneMap};
 
-/// What a picture starts from: presets of the cones, or the look of another renderer. Default: the default [`Preset`].
+/// What a picture starts from. Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetChoice {
-    /// The physical look.
+    /// The physical look, with cones of a preset.
     Cones(Preset),
-    /// The tuning of the sparse voxel octree report.
-    Report,
-    /// A look.
-    Look(&'static LookPreset),
+    /// A preset of another crate.
+    Added(&'static AddedPreset),
 }
+
+/// A preset that another crate adds: it may take a look, a model of the cones, an injection.
+#[derive(Clone, Copy, Debug)]
+pub struct AddedPreset {
+    /// The name in lower case; presets are compared by it.
+    pub name: &'static str,
+    /// What it is, in a line without a full stop.
+    pub summary: &'static str,
+    /// The settings of the cones.
+    pub trace: fn() -> TraceSettings,
+    /// The look, with voxels of a resolution ([`RenderSettings::resolution`]).
+    pub look: fn(resolution: u32) -> LookChoice,
+    /// What goes with it, given what goes with the physics. Exposure and curve are those of the look, if there is one:
+    /// [`Look::display`](crate::look::Look::display).
+    pub companions: fn(Companions) -> Companions,
+}
+
+impl PartialEq for AddedPreset {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for AddedPreset {}
 
 impl Default for PresetChoice {
     fn default() -> Self {
@@ -29,13 +53,9 @@ impl Default for PresetChoice {
 }
 
 impl PresetChoice {
-    /// Those of the physical look, from the cheapest to the dearest.
-    pub const PHYSICAL: [Self; 4] = [
-        Self::Cones(Preset::Fast),
-        Self::Cones(Preset::Balanced),
-        Self::Cones(Preset::High),
-        Self::Report,
-    ];
+    /// Those of this crate, from the cheapest to the dearest.
+    pub const ALL: [Self; 3] =
+        [Self::Cones(Preset::Fast), Self::Cones(Preset::Balanced), Self::Cones(Preset::High)];
 
     /// The name in lower case.
     pub const fn name(self) -> &'static str {
@@ -43,8 +63,7 @@ impl PresetChoice {
             Self::Cones(Preset::Fast) => "fast",
             Self::Cones(Preset::Balanced) => "balanced",
             Self::Cones(Preset::High) => "high",
-            Self::Report => "report",
-            Self::Look(preset) => preset.name,
+            Self::Added(preset) => preset.name,
         }
     }
 
@@ -56,27 +75,23 @@ impl PresetChoice {
             Self::Cones(Preset::High) => {
                 "12 cones, every pixel, samples half as large: fewest leaks"
             }
-            Self::Report => {
-                "the SVO report's tuning, which is not physical, with an isotropic octree, photons and one bounce"
-            }
-            Self::Look(preset) => preset.summary,
+            Self::Added(preset) => preset.summary,
         }
     }
 
-    /// The settings of the cones; looks do not use them, and leave the default ones.
+    /// The settings of the cones.
     pub fn trace(self) -> TraceSettings {
         match self {
             Self::Cones(preset) => TraceSettings::preset(preset),
-            Self::Report => ReportCones::trace_settings(),
-            Self::Look(_) => TraceSettings::default(),
+            Self::Added(preset) => (preset.trace)(),
         }
     }
 
     /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
     pub fn look(self, resolution: u32) -> LookChoice {
         match self {
-            Self::Cones(_) | Self::Report => None,
-            Self::Look(preset) => Some((preset.look)(resolution)),
+            Self::Cones(_) => None,
+            Self::Added(preset) => (preset.look)(resolution),
         }
     }
 }
@@ -89,9 +104,9 @@ pub struct Companions {
     /// Where cells are stored.
     pub volume: VolumeKind,
     /// How light comes into the voxels.
-    pub injection: InjectionChoice,
-    /// Where the cones depart from the physics.
-    pub report_cones: ReportCones,
+    pub injection: Option<Arc<dyn Injection>>,
+    /// Where the cones start and point, and what their samples show.
+    pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light.
     pub bounces: u32,
     /// How radiance becomes brightness. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
@@ -107,26 +122,17 @@ impl Companions {
             directionality,
             volume,
             injection,
-            report_cones,
+            cone_model,
             bounces,
             exposure,
             tone_map,
             ..
         } = RenderSettings::default();
         let usual =
-            Self { directionality, volume, injection, report_cones, bounces, exposure, tone_map };
+            Self { directionality, volume, injection, cone_model, bounces, exposure, tone_map };
         match preset {
             PresetChoice::Cones(_) => usual,
-            // What is seen are photons that were reflected once.
-            PresetChoice::Report => Self {
-                directionality: Directionality::Isotropic,
-                volume: VolumeKind::Octree(OctreeOptions::default()),
-                injection: classics::injection("photons"),
-                report_cones: ReportCones::REPORT,
-                bounces: 1,
-                ..usual
-            },
-            PresetChoice::Look(preset) => (preset.companions)(usual),
+            PresetChoice::Added(preset) => (preset.companions)(usual),
         }
     }
 }
@@ -150,7 +156,7 @@ impl RenderSettings {
             directionality: companions.directionality,
             volume: companions.volume,
             injection: companions.injection,
-            report_cones: companions.report_cones,
+            cone_model: companions.cone_model,
             bounces: companions.bounces,
             exposure,
             tone_map,
@@ -180,8 +186,8 @@ mod tests {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         let fresh = RenderSettings::default();
         assert_eq!(fresh.with_preset(PresetChoice::default(), None), fresh);
-        for before in PresetChoice::PHYSICAL {
-            for preset in PresetChoice::PHYSICAL {
+        for before in PresetChoice::ALL {
+            for preset in PresetChoice::ALL {
                 let direct = fresh.with_preset(preset, Some(&scene));
                 let by_way = fresh.with_preset(before, Some(&scene));
                 let by_way = by_way.with_preset(preset, Some(&scene));

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::UVec2;
 use lumivox::{Directionality, OctreeOptions, VolumeKind};
-use lumivox_render::{RenderProgress, RenderSettings, Renderer, ShadowMethod, classics};
+use lumivox_render::{RenderProgress, RenderSettings, Renderer, ShadowMethod};
 
 use crate::common::{builtin, own_gpu, picture};
 
@@ -80,8 +80,6 @@ fn a_second_renderer_asks_for_nothing_new() {
     let round = [
         RenderSettings { volume, ..settings.clone() },
         RenderSettings { directionality, ..settings.clone() },
-        RenderSettings { voxelizer: classics::voxelizer("conservative"), ..settings.clone() },
-        RenderSettings { injection: classics::injection("photons"), ..settings.clone() },
         RenderSettings { shadows: ShadowMethod::Cone, ..settings.clone() },
         settings.clone(),
     ];

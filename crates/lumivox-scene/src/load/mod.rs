@@ -23,6 +23,7 @@ mod tangents;
 mod text;
 mod textures;
 mod units;
+#[cfg(feature = "vxct")]
 mod vxct;
 
 use std::path::{Path, PathBuf};
@@ -146,7 +147,7 @@ impl std::fmt::Debug for LoadOptions<'_> {
 impl Scene {
     /// Reads a scene from a file, and validates it: `.gltf` or `.glb` (glTF 2.0), `.obj` with its
     /// materials (Wavefront), `.ply` (Stanford), `.stl` (stereolithography), or the text of the
-    /// program VXCT with its models (`.scene`, `.vxct`, `.txt`).
+    /// program VXCT with its models (`.scene`, `.vxct`, `.txt`; feature `vxct`, on by default).
     ///
     /// Features of the file that this crate does not support become warnings in [`Scene::notes`]
     /// and in the log.
@@ -203,6 +204,7 @@ impl Scene {
 pub fn may_name(file: &Path, path: &Path) -> bool {
     let options = LoadOptions::default();
     let folders = match extension(file).as_str() {
+        #[cfg(feature = "vxct")]
         "scene" | "vxct" | "txt" => vxct::folders(file, &options),
         _ => vec![files::folder_of(file)],
     };
@@ -222,7 +224,10 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
         "obj" => obj::load(path, options)?,
         "ply" => ply::load(path, options)?,
         "stl" => stl::load(path, options)?,
+        #[cfg(feature = "vxct")]
         "scene" | "vxct" | "txt" => vxct::load(path, options)?,
+        #[cfg(not(feature = "vxct"))]
+        "scene" | "vxct" | "txt" => return Err(SceneError::WithoutVxct { file: path.to_owned() }),
         _ => return Err(SceneError::UnknownFormat { file: path.to_owned(), extension }),
     };
     units::apply(&mut scene, path, options)?;

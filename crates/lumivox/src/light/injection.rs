@@ -20,6 +20,11 @@ pub trait Injection: Debug + Send + Sync {
         0
     }
 
+    /// The largest texel of a shadow map, in voxels, that its light does not suffer from, for warnings. Default: any.
+    fn largest_texel_voxels(&self) -> f32 {
+        f32::INFINITY
+    }
+
     /// Makes what computes the light on a device.
     ///
     /// # Errors

@@ -59,7 +59,7 @@ pub fn measure(
             frames: args.frames,
             resolution: middle(&args.resolutions),
             trace: preset.trace(),
-            report_cones: Companions::of(preset).report_cones,
+            cone_model: Companions::of(preset).cone_model,
             view: View::Indirect,
             ..RenderSettings::default()
         };

@@ -179,7 +179,7 @@ impl QualityRun<'_> {
             frames: self.args.frames,
             resolution: case.resolution,
             trace: case.preset.trace(),
-            report_cones: companions.report_cones,
+            cone_model: companions.cone_model,
             ..RenderSettings::default()
         };
         let measured = Measured::new(&subject(&scene), truth, &settings, case.offsets(self.args))?;

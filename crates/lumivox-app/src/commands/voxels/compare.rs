@@ -7,11 +7,12 @@ use lumivox::gpu::Timing;
 use lumivox::{Geometry, GiError, Grid, Voxelizer};
 use lumivox_console::report::{AdapterReport, GridReport, SceneCounts, Table, count};
 use lumivox_console::shown;
-use lumivox_render::classics::{self, VOXELIZERS};
-use lumivox_render::{Gpu, GpuScene, Lighting, VoxelSet, radiance_unit};
+use lumivox_explorer::parameters::{Kind, Value};
+use lumivox_render::{Gpu, GpuScene, Lighting, RenderSettings, VoxelSet, radiance_unit};
 use serde::Serialize;
 
 use super::picture::{Panel, picture};
+use super::voxelizers;
 use crate::args::camera::resolve;
 use crate::args::output;
 use crate::args::scene;
@@ -55,9 +56,10 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let uploaded = GpuScene::new(&gpu, &scene, &lighting, unit)?;
     gpu.wait("uploading the scene")?;
 
-    let total = VOXELIZERS.len() as u32;
+    let Kind::Choice(methods) = voxelizers().kind else { unreachable!("they are choices") };
+    let total = methods.len() as u32;
     let mut found = Vec::new();
-    for (done, method) in (0..).zip(VOXELIZERS) {
+    for (done, method) in (0..).zip(methods) {
         progress.set("voxelizing", done, total);
         found.push(Found::new(&gpu, &grid, &uploaded.geometry, method.name)?);
     }
@@ -105,8 +107,9 @@ impl Found {
         method: &'static str,
     ) -> anyhow::Result<Self> {
         let library = lumivox::shaders::library();
-        let voxelizer =
-            Voxelizer::with(&gpu.pipelines, &library, classics::voxelizer(method).as_deref())?;
+        let mut settings = RenderSettings::default();
+        voxelizers().set(&mut settings, Value::Choice(method))?;
+        let voxelizer = Voxelizer::with(&gpu.pipelines, &library, settings.voxelizer.as_deref())?;
         let once = || {
             let mut scene = voxelizer.scene(&gpu.pipelines, &gpu.queue, grid);
             let (device, queue) = (&gpu.device, &gpu.queue);

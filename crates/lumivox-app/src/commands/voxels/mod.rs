@@ -13,9 +13,8 @@ use lumivox_console::report::{
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
-use lumivox_render::{
-    GpuScene, Lighting, RenderError, classics, global_illumination, radiance_unit,
-};
+use lumivox_explorer::parameters::{Parameter, find_parameter};
+use lumivox_render::{GpuScene, Lighting, RenderError, global_illumination, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
 
@@ -71,12 +70,19 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     gpu.check("voxelizing")?;
     drop(progress);
 
-    let report = Report::new(&scene, &gi, voxelized.stats, TimesReport::new(&timed.times), wall_ms);
+    let way = voxelizers().get(&settings).name();
+    let times = TimesReport::new(&timed.times);
+    let report = Report::new(&scene, &gi, way, voxelized.stats, times, wall_ms);
     let report = Report { adapter: Some(AdapterReport::new(&gpu.adapter_info)), ..report };
     if args.json {
         return host.print_json(&report);
     }
     host.print(&report.text())
+}
+
+/// The row of the ways from triangles to voxels.
+fn voxelizers() -> &'static Parameter {
+    find_parameter("voxelizer").unwrap_or_else(|| unreachable!("this program has the classics"))
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -125,7 +131,14 @@ struct LevelReport {
 }
 
 impl Report {
-    fn new(scene: &Scene, gi: &Gi, stats: VoxelizeStats, times: TimesReport, wall_ms: f64) -> Self {
+    fn new(
+        scene: &Scene,
+        gi: &Gi,
+        voxelizer: &'static str,
+        stats: VoxelizeStats,
+        times: TimesReport,
+        wall_ms: f64,
+    ) -> Self {
         let grid = gi.grid();
         let named = |(name, bytes): (&'static str, u64)| MemoryReport { name: name.into(), bytes };
         let memory: Vec<_> = gi.memory().into_iter().map(named).collect();
@@ -145,7 +158,7 @@ impl Report {
         Self {
             scene: SceneCounts::new(scene),
             grid: GridReport::new(grid),
-            voxelizer: classics::voxelizer_name(&gi.config().voxelizer),
+            voxelizer,
             triangles: stats.triangles,
             skipped: stats.skipped,
             outside: stats.outside,

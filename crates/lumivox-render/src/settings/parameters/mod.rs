@@ -3,9 +3,9 @@
 //! Each row says of a setting its names, group, unit, range, meaning, what is made again when it changes, and how it is
 //! read and written. Validation, options of command lines, consoles, panels, scripts, reports and declarations for
 //! JavaScript are all made from it; [`Parameter::default`] computes what a preset gives. Rows live where the settings do:
-//! those of the cones in [`TraceSettings::SETTINGS`] and [`ReportCones::SETTINGS`], all others of this crate in `table.rs`.
-//! A [look](crate::look) brings rows of its own, made by [`Parameter::of_part`]; whoever offers looks appends them, as
-//! `lumivox-explorer` does.
+//! those of the cones in [`TraceSettings::SETTINGS`], all others of this crate in `table.rs`. A [look](crate::look) and
+//! the library's [hooks](lumivox::hooks) bring rows of their own, made by [`Parameter::own`] and [`Parameter::of_part`];
+//! whoever offers them adds their rows, as `lumivox-explorer` does.
 
 mod choices;
 mod table;
@@ -18,7 +18,6 @@ pub use lumivox::settings::{Choice, Choices, Kind, Redoes, Setting, SettingError
 
 pub use table::MAX_STOPS;
 
-use crate::classics::ReportCones;
 use crate::{PresetChoice, RenderSettings};
 
 /// One setting of a rendering: a row of the table.
@@ -96,12 +95,8 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         rows.iter().map(|row| Parameter::own(group, *row)).collect()
     };
     let cones = TraceSettings::SETTINGS;
-    let report = ReportCones::SETTINGS;
     let of_cones =
         |row| Parameter::of_part(Group::Cones, row, |s| s.trace, |s, trace| s.trace = trace);
-    let of_report = |row| {
-        Parameter::of_part(Group::Cones, row, |s| s.report_cones, |s, cones| s.report_cones = cones)
-    };
     [
         own(Group::Picture, table::PICTURE),
         own(Group::View, table::VIEW),
@@ -109,7 +104,6 @@ pub static PARAMETERS: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         own(Group::Volume, table::VOLUME),
         own(Group::Light, table::LIGHT),
         cones.iter().copied().map(of_cones).collect(),
-        report.map(of_report).into(),
     ]
     .into_iter()
     .flatten()

@@ -6,9 +6,6 @@ use lumivox::{
 };
 
 use super::{Choice, Choices as _, Kind, Redoes, Setting, Value};
-use crate::classics::{
-    INJECTIONS, VOXELIZERS, injection, injection_name, voxelizer, voxelizer_name,
-};
 use crate::{Exposure, RenderSettings, ShadowMethod, ToneMap, View, Wireframe, Wires};
 
 type Row = Setting<RenderSettings>;
@@ -227,32 +224,10 @@ pub(super) const VOLUME: &[Row] = &[
         set: |s, v| s.volume_memory = v.number().map(|mib| (mib * MIB) as u64),
         ..Row::ROW
     },
-    Row {
-        name: "voxelizer",
-        summary: "How triangles become voxels",
-        help: "All but the exact way use the GPU's rasterizer, and are there to be compared with it (`lumivox voxels SCENE \
-               --compare-voxelizers`).",
-        kind: Kind::Choice(VOXELIZERS),
-        redoes: Redoes::Voxels,
-        get: |s| Value::Choice(voxelizer_name(&s.voxelizer)),
-        set: |s, v| s.voxelizer = voxelizer(v.name()),
-        ..Row::ROW
-    },
 ];
 
 /// Light in the voxels, and shadows.
 pub(super) const LIGHT: &[Row] = &[
-    Row {
-        name: "injection",
-        summary: "How light comes into the voxels",
-        help: "Both ways give the same light in the mean. Photons scatter with the texels that a voxel is seen by, and \
-               follow shadows within a voxel. Lights without shadow maps are injected directly.",
-        kind: Kind::Choice(INJECTIONS),
-        redoes: Redoes::Voxels,
-        get: |s| Value::Choice(injection_name(&s.injection)),
-        set: |s, v| s.injection = injection(v.name()),
-        ..Row::ROW
-    },
     Row {
         name: "bounces",
         summary: "Reflections of indirect light, the one at the visible surface included",

@@ -34,16 +34,17 @@ use std::path::Path;
 use super::files::folder_of;
 use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
-use crate::{Instance, Mesh, Scene, SceneError};
+use crate::{Instance, Scene, SceneError};
 
 /// The first mesh of a file, without its materials, and how many others there are; `None` where
 /// there are no triangles. Warnings go to `notes`.
+#[cfg(feature = "vxct")]
 pub(super) fn first_mesh(
     file: &Path,
     options: &mut LoadOptions<'_>,
     budget: &mut GeometryBudget<'_>,
     notes: &mut Notes,
-) -> Result<Option<(Mesh, usize)>, SceneError> {
+) -> Result<Option<(crate::Mesh, usize)>, SceneError> {
     let crease_rad = options.crease_rad;
     let (reader, _) = stream::open(file, options)?;
     let mut model = read::read(file, reader, notes, budget)?;
