@@ -1,4 +1,4 @@
-//! The page in the docs, made from the tables: `docs/console.md`.
+//! The page `docs/console.md`, made from the tables.
 
 use lumivox_explorer::parameters::{GROUPS, PARAMETERS, Parameter};
 

@@ -1,7 +1,7 @@
 //! The one table of settings and the presets, with those of looks.
 //!
-//! The renderer knows its own settings and presets; each look has more in a crate of its own. Here they become one table,
-//! which all front ends read. The feature `classics` decides whether the looks of the literature are among them.
+//! The renderer knows its own settings and presets; each look has more in a crate of its own. Here
+//! they become one table for all front ends. The feature `classics` adds the looks of earlier work.
 
 use std::sync::LazyLock;
 
@@ -27,7 +27,7 @@ pub const GROUPS: &[Group] = &[
     lumivox_vxct::GROUP,
 ];
 
-/// All presets, from the cheapest to the dearest, then those that are not physical.
+/// All presets, from the cheapest to the most expensive, then those that are not physical.
 pub const PRESETS: &[PresetChoice] = &[
     PresetChoice::PHYSICAL[0],
     PresetChoice::PHYSICAL[1],
@@ -37,7 +37,7 @@ pub const PRESETS: &[PresetChoice] = &[
     lumivox_vxct::PRESET,
 ];
 
-/// The parameter of a name or an alias.
+/// The setting of a name or an alias.
 pub fn find_parameter(name: &str) -> Option<&'static Parameter> {
     PARAMETERS.iter().find(|parameter| parameter.names().any(|known| known == name))
 }
@@ -47,7 +47,7 @@ pub fn find_preset(name: &str) -> Option<PresetChoice> {
     PRESETS.iter().copied().find(|preset| preset.name() == name)
 }
 
-/// The choice of a look, and the rows of each.
+/// The setting that chooses the look, and the settings of each look.
 #[cfg(feature = "classics")]
 fn of_looks() -> impl Iterator<Item = Parameter> {
     use std::sync::Arc;
@@ -57,7 +57,7 @@ fn of_looks() -> impl Iterator<Item = Parameter> {
 
     const LOOK: Setting<RenderSettings> = Setting {
         name: "look",
-        summary: "How the picture comes about; preset vxct takes what goes with that look as well",
+        summary: "How the picture is made; preset vxct also sets what this look needs",
         kind: Kind::Choice(&[
             Choice::new(PHYSICAL, "direct light with shadow maps, and cones that gather radiance"),
             CHOICE,
