@@ -59,7 +59,7 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Anything],
         summary: "Render one frame; with a value, set the shininess falloff",
-        details: "Alone it renders one frame into the mean and prints which it is and how long it took. With a value it is \
+        details: "Without a value it renders one more frame of the picture, and prints its number and time. With a value it sets \
                   `shininess_falloff`.",
         example: "sf",
         vxct: Some("prints the frame and its time"),
