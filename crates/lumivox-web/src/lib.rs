@@ -1,7 +1,8 @@
 //! Lumivox in the browser: the same library and renderer, compiled to WebAssembly, on WebGPU.
 //!
-//! JavaScript sees `renderer.rs`: a class that shows a scene on a canvas. It works in windows and in workers alike; the
-//! page of this project (`page/`) lets a worker own it, so that nothing that takes long holds up its panels.
+//! JavaScript sees `renderer.rs`: a class that shows a scene on a canvas, in windows and in
+//! workers. This project's page (`page/`) runs it in a worker, so that long work does not block its
+//! panels.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -64,7 +65,7 @@ mod tests {
         assert_eq!(package["version"], env!("CARGO_PKG_VERSION"));
     }
 
-    /// The tests in the browser run it.
+    /// The browser tests run the example, so this test only compares the texts.
     #[test]
     fn the_readme_shows_the_example_that_runs() {
         assert!(README.contains(EXAMPLE));

@@ -18,7 +18,7 @@ pub(crate) struct Run {
     pub end: u32,
 }
 
-/// The kernel that computes them.
+/// The kernel that computes the arguments.
 #[derive(Debug)]
 pub(crate) struct Indirect {
     layout: wgpu::BindGroupLayout,
@@ -41,7 +41,8 @@ impl Indirect {
         Ok(Self { layout, kernel })
     }
 
-    /// Arguments for a dispatch of a thread per item, for each run; those of the `i`-th start at `i * STRIDE`.
+    /// Arguments for a dispatch of one thread per item, for each run; those of the `i`-th run start
+    /// at `i * STRIDE`.
     ///
     /// `item_starts` is the exclusive prefix sum of the items. If the first word of `overflow` is not zero
     /// when this runs, nothing is dispatched.

@@ -1,11 +1,11 @@
-//! Passes that hold what their bind groups bind until it is submitted.
+//! Passes that keep the resources of their bind groups until submission.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use crate::gpu::resources::{BindGroup, Kept};
 
-/// Handles of what was recorded.
+/// Handles of recorded resources.
 pub(super) type Recorded = Vec<Arc<[Kept]>>;
 
 /// A compute pass (by `Deref`).
@@ -29,7 +29,7 @@ impl ComputePass<'_> {
         self.pass.set_bind_group(index, &**group, &[]);
     }
 
-    /// Keeps something else that is used.
+    /// Keeps another resource that is used.
     pub(crate) fn keep(&mut self, kept: Option<Kept>) {
         self.recorded.extend(kept.map(|kept| Arc::from([kept])));
     }

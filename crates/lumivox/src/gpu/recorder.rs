@@ -1,8 +1,8 @@
-//! Recording of GPU work, with the time of every pass if asked.
+//! Recording of GPU work, optionally with the time of every pass.
 //!
-//! GPU timestamps are used where they can be trusted. On software adapters they cannot (lavapipe's are taken
-//! when commands are parsed, not when they run), so there every pass is submitted alone and waited for, and
-//! the wall clock is read: slower as a whole, but true for each pass.
+//! GPU timestamps are used if they can be trusted. On software adapters they cannot (lavapipe takes
+//! them when commands are parsed, not when they run), so there every pass is submitted separately
+//! and waited for, and the wall clock is read: slower as a whole, but true for each pass.
 
 use std::time::{Duration, Instant};
 
@@ -11,15 +11,16 @@ use crate::gpu::buffers::map_and_copy;
 use crate::gpu::passes::{ComputePass, Recorded, RenderPass};
 use crate::gpu::{Buffer, BufferHandle, Kept};
 
-/// How a [`Recorder`] takes times.
+/// The way in which a [`Recorder`] measures times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Timing {
-    /// Not at all; everything goes into one command buffer.
+    /// No times; everything goes into one command buffer.
     #[default]
     Off,
     /// By timestamps at the boundaries of passes; needs `wgpu::Features::TIMESTAMP_QUERY`.
     Timestamps,
-    /// By submitting each pass alone and waiting for it. Not in browsers, where nothing may block.
+    /// By submitting each pass separately and waiting for it. Not in browsers, where nothing may
+    /// block.
     SubmitAndWait,
 }
 
@@ -57,7 +58,7 @@ pub struct Recorder {
     device: wgpu::Device,
     queue: wgpu::Queue,
     encoder: wgpu::CommandEncoder,
-    /// What must not be destroyed before it is submitted.
+    /// Resources that must not be destroyed before submission.
     recorded: Recorded,
     timing: Timing,
     stage: &'static str,
@@ -66,12 +67,12 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A recorder that takes no times.
+    /// A recorder that measures no times.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self::with_timing(device, queue, Timing::Off)
     }
 
-    /// A recorder that takes times as asked; [`Timing::for_device`] says what suits a device.
+    /// A recorder that measures times in this way; [`Timing::for_device`] chooses one for a device.
     pub fn with_timing(device: &wgpu::Device, queue: &wgpu::Queue, timing: Timing) -> Self {
         let queries = (timing == Timing::Timestamps).then(|| {
             device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -102,7 +103,7 @@ impl Recorder {
         &self.queue
     }
 
-    /// Copies bytes from a place in a buffer to a place in another.
+    /// Copies bytes from one buffer to another.
     pub fn copy(
         &mut self,
         (from, from_byte): (&impl BufferHandle, u64),
@@ -120,19 +121,19 @@ impl Recorder {
         self.recorded.push(buffer.kept().into_iter().collect());
     }
 
-    /// Keeps what was recorded by other means than this object's and its passes' from being destroyed before it is
-    /// submitted.
+    /// Keeps a resource from being destroyed before submission, for commands that were not recorded
+    /// through this object and its passes.
     pub fn keep(&mut self, kept: Kept) {
         self.recorded.push([kept].into());
     }
 
-    /// The encoder, for commands that need no time taken: copies, clears, an engine's own passes. What they use must stay
-    /// until it is submitted ([`Self::keep`]).
+    /// The encoder, for commands without timing: copies, clears, an engine's own passes. The
+    /// resources that they use must stay until submission ([`Self::keep`]).
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         &mut self.encoder
     }
 
-    /// Passes from here on belong to the stage `name`.
+    /// Assigns the following passes to the stage `name`.
     pub fn stage(&mut self, name: &'static str) {
         self.stage = name;
     }
@@ -189,19 +190,19 @@ impl Recorder {
         self.end_pass(label, start);
     }
 
-    /// Submits what was recorded so far and goes on recording.
+    /// Submits the recorded work and continues recording.
     pub fn flush(&mut self) {
         let encoder = std::mem::replace(&mut self.encoder, new_encoder(&self.device));
         self.queue.submit([encoder.finish()]);
         self.recorded.clear();
     }
 
-    /// Submits what was recorded; times, if any were taken, are dropped.
+    /// Submits the recorded work; times are discarded.
     pub fn submit(self) {
         self.queue.submit([self.encoder.finish()]);
     }
 
-    /// Submits what was recorded, waits for it where times are taken, and returns them in order.
+    /// Submits the recorded work; if times are measured, waits for it and returns them in order.
     ///
     /// # Errors
     /// [`GiError::Device`] when the device is lost.
@@ -262,7 +263,7 @@ impl Recorder {
 
     fn wait(&self) {
         if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
-            tracing::warn!("a stage's time is not true: waiting for the device failed: {error}");
+            tracing::warn!("a stage's time is wrong: waiting for the device failed: {error}");
         }
     }
 }
