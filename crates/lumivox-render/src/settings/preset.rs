@@ -1,8 +1,9 @@
-//! Presets: the few names that all settings of a picture can start from.
+//! Presets: names for starting points of all settings of a picture.
 //!
-//! A preset is one of the library's for the cones ([`Preset`]) or a look with cones of its own, and what it brings along
-//! ([`Companions`]). Front ends list them by name and summary, `lumivox-explorer`'s with those of looks, and take
-//! [`RenderSettings::with_preset`]; picture, view and resolution stay as they are.
+//! A preset is one of the library's for the cones ([`Preset`]) or a look with cones of its own,
+//! with its other settings ([`Companions`]). Front ends list presets by name and summary (those of
+//! `lumivox-explorer` include looks), and call [`RenderSettings::with_preset`]; picture, view and
+//! resolution stay as they are.
 
 use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
 use lumivox_scene::Scene;
@@ -11,7 +12,8 @@ use crate::classics::{self, InjectionChoice, ReportCones};
 use crate::look::{LookChoice, LookPreset};
 use crate::{Exposure, PHYSICAL, RenderSettings, ToneMap};
 
-/// What a picture starts from: presets of the cones, or the look of another renderer. Default: the default [`Preset`].
+/// A starting point for the settings: a preset of the cones, or the look of another renderer.
+/// Default: the default [`Preset`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetChoice {
     /// The physical look.
@@ -29,7 +31,7 @@ impl Default for PresetChoice {
 }
 
 impl PresetChoice {
-    /// Those of the physical look, from the cheapest to the dearest.
+    /// The presets of the physical look, from the cheapest to the most expensive.
     pub const PHYSICAL: [Self; 4] = [
         Self::Cones(Preset::Fast),
         Self::Cones(Preset::Balanced),
@@ -48,7 +50,7 @@ impl PresetChoice {
         }
     }
 
-    /// What it is, in a line without a full stop.
+    /// A description in a line without a full stop.
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Cones(Preset::Fast) => "6 cones, one pixel in four",
@@ -63,7 +65,7 @@ impl PresetChoice {
         }
     }
 
-    /// The settings of the cones; looks do not use them, and leave the default ones.
+    /// The settings of the cones; looks do not use them, and have the defaults.
     pub fn trace(self) -> TraceSettings {
         match self {
             Self::Cones(preset) => TraceSettings::preset(preset),
@@ -72,7 +74,7 @@ impl PresetChoice {
         }
     }
 
-    /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
+    /// The look, with voxels of a resolution ([`RenderSettings::resolution`]).
     pub fn look(self, resolution: u32) -> LookChoice {
         match self {
             Self::Cones(_) | Self::Report => None,
@@ -81,27 +83,27 @@ impl PresetChoice {
     }
 }
 
-/// What a preset brings along besides its cones, where nobody says otherwise.
+/// The settings of a preset besides its cones, unless they are given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Companions {
     /// Light by direction, or one for all.
     pub directionality: Directionality,
-    /// Where cells are stored.
+    /// The store of the cells.
     pub volume: VolumeKind,
-    /// How light comes into the voxels.
+    /// The injection of light into the voxels.
     pub injection: InjectionChoice,
-    /// Where the cones depart from the physics.
+    /// Deviations of the cones from the physics.
     pub report_cones: ReportCones,
-    /// Reflections of indirect light.
+    /// Bounces of indirect light.
     pub bounces: u32,
-    /// How radiance becomes brightness. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
+    /// The exposure. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
     pub exposure: Exposure,
-    /// The curve to the screen's range; in a look as the exposure.
+    /// The curve to the screen's range; for a look, as with the exposure.
     pub tone_map: ToneMap,
 }
 
 impl Companions {
-    /// Those of a preset.
+    /// The companions of a preset.
     pub fn of(preset: PresetChoice) -> Self {
         let RenderSettings {
             directionality,
@@ -117,7 +119,7 @@ impl Companions {
             Self { directionality, volume, injection, report_cones, bounces, exposure, tone_map };
         match preset {
             PresetChoice::Cones(_) => usual,
-            // What is seen are photons that were reflected once.
+            // The visible light is that of photons that were reflected once.
             PresetChoice::Report => Self {
                 directionality: Directionality::Isotropic,
                 volume: VolumeKind::Octree(OctreeOptions::default()),
@@ -132,8 +134,9 @@ impl Companions {
 }
 
 impl RenderSettings {
-    /// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
-    /// where the look changes: one may show each scene in its own way. `scene` is the one that will be shown, if it is known.
+    /// The settings of a preset and its companions. Picture, view and resolution stay, except for
+    /// exposure and curve if the look changes: a look may show each scene in its own way. `scene`
+    /// is the one that will be shown, if it is known.
     #[must_use]
     pub fn with_preset(&self, preset: PresetChoice, scene: Option<&Scene>) -> Self {
         let companions = Companions::of(preset);
@@ -158,8 +161,8 @@ impl RenderSettings {
         }
     }
 
-    /// In a look: exposure and curve of another scene, where those of the last were as the look has them; what was asked
-    /// for otherwise stays.
+    /// With a look: sets the exposure and curve of another scene if they were those of the look for
+    /// the last one; other values stay.
     pub fn show_other(&mut self, last: Option<&Scene>, scene: &Scene) {
         let Some(look) = &self.look else { return };
         let shown = (self.exposure, self.tone_map);
@@ -174,7 +177,7 @@ impl RenderSettings {
 mod tests {
     use super::*;
 
-    /// Whatever the settings were, the preset decides what is its own, and the default is what settings default to.
+    /// Whatever the settings were, a preset sets its own values, and the default is the defaults.
     #[test]
     fn presets_do_not_depend_on_what_was_before() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
