@@ -185,7 +185,7 @@ fn scripts_that_cannot_be_read_run_nothing() {
     fs::write(folder.path().join("bytes.txt"), b"echo one\n\xff\xfe\n").unwrap();
     for (line, code, needle) in [
         ("run open.txt", INPUT, "open.txt:2: the quotation mark \" at column 6"),
-        ("run bytes.txt", INPUT, "bytes.txt:2: this is no text in UTF-8"),
+        ("run bytes.txt", INPUT, "bytes.txt:2: this is not text in UTF-8"),
         ("run missing.txt", INPUT, "missing.txt: cannot be read"),
         ("run missing.txt -c quit", USAGE, "cannot be used with"),
     ] {
