@@ -27,8 +27,8 @@ pub struct QualityArgs {
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
 
-    /// Folder that keeps references and measurements, so that a later run continues where this one
-    /// stopped [default: none]
+    /// Folder for files of references and measurements, so that a later run continues where this
+    /// one stopped [default: none]
     ///
     /// It is only valid for the same version on the same machine; delete it after a change of
     /// either.
