@@ -27,11 +27,7 @@
 )]
 #![cfg_attr(
     not(feature = "window"),
-    allow(
-        dead_code,
-        unused_imports,
-        reason = "some of what commands have in common serves the window alone"
-    )
+    allow(dead_code, unused_imports, reason = "some shared code serves the window alone")
 )]
 
 mod args;

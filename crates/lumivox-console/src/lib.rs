@@ -15,17 +15,17 @@
 //! | --- | --- |
 //! | `line.rs` | lines split into commands and words |
 //! | `command.rs` | what a command is, and the table |
-//! | `commands/` | what the commands do, a file for each group |
-//! | `arguments.rs` | arguments read by kind |
-//! | `queue.rs` | scripts, and lines that wait |
-//! | `names.rs`, `complete.rs` | what can be named, and completion by it |
-//! | `help.rs`, `page.rs` | the help, and the page in the docs |
-//! | `opening/`, `outside.rs` | which scene is opened and how, and what is reached besides |
-//! | `values/` | values that command lines have as well |
-//! | `report.rs`, `comparison.rs`, `shown.rs` | what is said: tables, figures, text that a terminal does not obey |
-//! | `classify.rs` | properties of a line that are known before it is run |
+//! | `commands/` | the commands, one file for each group |
+//! | `arguments.rs` | reading arguments by kind |
+//! | `queue.rs` | scripts and queued lines |
+//! | `names.rs`, `complete.rs` | the names in a scene, and completion with them |
+//! | `help.rs`, `page.rs` | the help, and the generated page `docs/console.md` |
+//! | `opening/`, `outside.rs` | requests to open a scene, and access to files and the network |
+//! | `values/` | values shared with command-line options |
+//! | `report.rs`, `comparison.rs`, `shown.rs` | output: tables, comparisons, text without control characters |
+//! | `classify.rs` | properties of a line known before it runs |
 
-#![allow(clippy::format_push_string, reason = "what is said is put together once for each command")]
+#![allow(clippy::format_push_string, reason = "output is assembled once for each command")]
 #![cfg_attr(
     test,
     allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")

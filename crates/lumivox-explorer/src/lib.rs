@@ -25,7 +25,7 @@
 //!     let stops = explorer.meter().await?.stops;
 //!     let pixels = explorer.screen(stops).await?; // show them
 //! }
-//! explorer.set_hidden(0, true); // the next frame starts anew
+//! explorer.set_hidden(0, true); // the picture starts again
 //! # drop(explorer);
 //! # Ok(())
 //! # }
@@ -33,21 +33,21 @@
 //!
 //! | file | is |
 //! | --- | --- |
-//! | `opened.rs` | a scene made ready, and what is remembered of it |
-//! | `objects.rs` | its instances: found by name, moved, hidden |
+//! | `opened.rs` | a scene prepared for rendering |
+//! | `objects.rs` | the instances of a scene: finding, moving and hiding them |
 //! | `history.rs` | undo and redo |
-//! | `names.rs` | names of objects, materials and lights, each once |
-//! | `suggest.rs` | what was meant, where a name is wrong |
-//! | `original.rs` | what the scene was before it was changed |
-//! | `animation.rs` | what it plays |
-//! | `clock.rs` | what happens as time goes on |
+//! | `names.rs` | unique names of objects, materials and lights |
+//! | `suggest.rs` | suggestions for misspelled names |
+//! | `original.rs` | the scene as it was opened |
+//! | `animation.rs` | which animation plays |
+//! | `clock.rs` | advancing the time of the scene |
 //! | `update.rs` | bringing the renderer up to date |
 //! | `frames.rs` | rendering frame by frame, and their times |
-//! | `pacing.rs` | how large the next picture is |
+//! | `pacing.rs` | the size of the next picture |
 //! | `metering.rs` | when the exposure is measured |
 //! | `split.rs` | which of two pictures side by side is rendered next |
 //! | `coalesce.rs` | changes that supersede each other while they wait |
-//! | `live.rs` | what a screen asks besides: reading a scene again, times of stages |
+//! | `live.rs` | what only interactive front ends ask: reading a scene again, times of stages |
 
 #![cfg_attr(
     test,

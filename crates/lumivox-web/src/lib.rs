@@ -9,15 +9,15 @@
 //! | `renderer.rs` | what JavaScript calls; calls wait for each other |
 //! | `session.rs` | the state behind it: an explorer, the canvas, what is beside |
 //! | `opening.rs` | another scene in the place of the last |
-//! | `edits.rs` | what a page changes of a scene, and takes back |
-//! | `looking.rs` | what a page asks of the picture: what is there, how bright it is |
-//! | `staged.rs` | what was put around a scene that its file does not have |
+//! | `edits.rs` | changing a scene, undo and redo |
+//! | `looking.rs` | questions about the picture: what is at a point, how bright it is |
+//! | `staged.rs` | light and objects added to a scene |
 //! | `beside.rs` | another view or the path-traced reference on the right |
 //! | `present.rs` | the last step onto the canvas |
-//! | `exposing.rs` | when pictures are exposed anew |
+//! | `exposing.rs` | when a picture is metered again |
 //! | `load.rs`, `files.rs` | scenes and panoramas from addresses and files |
-//! | `listener.rs` | who hears of progress, and may cancel |
-//! | `settings.rs`, `types/` | what is handed over, with declarations for TypeScript |
+//! | `listener.rs` | progress callbacks and cancelling |
+//! | `settings.rs`, `types/` | values exchanged with JavaScript, with TypeScript declarations |
 //! | `error.rs` | exceptions and their codes |
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "in a test a panic is the message"))]

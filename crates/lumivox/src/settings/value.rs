@@ -191,7 +191,7 @@ fn in_digits(number: f32) -> String {
     }
 }
 
-/// Whether two names are the same but for `_` and `-`.
+/// Whether two names are equal if `_` and `-` count as the same.
 fn is_same(name: &str, text: &str) -> bool {
     name.replace('_', "-") == text.replace('_', "-")
 }

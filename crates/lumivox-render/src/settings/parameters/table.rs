@@ -173,7 +173,7 @@ pub(super) const VOLUME: &[Row] = &[
     Row {
         name: "volume",
         summary: "Where the voxels' light is stored",
-        help: "The picture is the same to 0.2 % in the mean. A dense volume is faster below 256 voxels (docs/octree.md has \
+        help: "The picture is the same to 0.2 % on average. A dense volume is faster below 256 voxels (docs/octree.md has \
                figures) and takes memory with the cube of the resolution; an octree takes it with the surface.",
         kind: Kind::Choice(&[
             Choice::new("dense", "3D textures over the whole grid"),
