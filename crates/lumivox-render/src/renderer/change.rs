@@ -432,7 +432,7 @@ impl Renderer {
         );
     }
 
-    fn recorder(&self) -> Recorder {
+    fn recorder(&self) -> Recorder<'static> {
         Recorder::with_timing(&self.gpu.device, &self.gpu.queue, self.settings.timing)
     }
 }

@@ -3,9 +3,11 @@
 
 mod bindings;
 mod buffers;
+mod held;
 mod indirect;
 mod kernel;
 mod memory;
+mod open;
 mod passes;
 pub mod pipelines;
 mod recorder;
@@ -19,6 +21,7 @@ pub(crate) use indirect::{Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 pub(crate) use memory::{Memory, Remedy};
+pub use open::open_device;
 pub use passes::{ComputePass, RenderPass};
 pub use pipelines::Pipelines;
 pub use recorder::{Recorder, StageTime, Timing};

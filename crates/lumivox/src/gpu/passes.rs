@@ -1,44 +1,41 @@
 //! Passes that keep the resources of their bind groups until submission.
 
 use std::ops::{Deref, DerefMut};
-use std::sync::Arc;
 
+use crate::gpu::held::Held;
 use crate::gpu::resources::{BindGroup, Kept};
-
-/// Handles of recorded resources.
-pub(super) type Recorded = Vec<Arc<[Kept]>>;
 
 /// A compute pass (by `Deref`).
 #[derive(Debug)]
 pub struct ComputePass<'a> {
     pub(super) pass: wgpu::ComputePass<'a>,
-    pub(super) recorded: &'a mut Recorded,
+    pub(super) held: &'a mut Held,
 }
 
 /// A render pass (by `Deref`).
 #[derive(Debug)]
 pub struct RenderPass<'a> {
     pub(super) pass: wgpu::RenderPass<'a>,
-    pub(super) recorded: &'a mut Recorded,
+    pub(super) held: &'a mut Held,
 }
 
 impl ComputePass<'_> {
     /// Sets a bind group, whose resources stay until the pass is submitted.
     pub fn bind(&mut self, index: u32, group: &BindGroup) {
-        self.recorded.push(group.kept().clone());
+        self.held.group(group);
         self.pass.set_bind_group(index, &**group, &[]);
     }
 
     /// Keeps another resource that is used.
     pub(crate) fn keep(&mut self, kept: Option<Kept>) {
-        self.recorded.extend(kept.map(|kept| Arc::from([kept])));
+        self.held.keep(kept);
     }
 }
 
 impl RenderPass<'_> {
     /// Sets a bind group, whose resources stay until the pass is submitted.
     pub fn bind(&mut self, index: u32, group: &BindGroup) {
-        self.recorded.push(group.kept().clone());
+        self.held.group(group);
         self.pass.set_bind_group(index, &**group, &[]);
     }
 }

@@ -3,12 +3,16 @@
 //! GPU timestamps are used if they can be trusted. On software adapters they cannot (lavapipe takes
 //! them when commands are parsed, not when they run), so there every pass is submitted separately
 //! and waited for, and the wall clock is read: slower as a whole, but true for each pass.
+//!
+//! An engine can lend its own encoder ([`Recorder::on`]). Then nothing is submitted here, and the
+//! encoder keeps the recorded resources until it is submitted.
 
 use std::time::{Duration, Instant};
 
 use crate::GiError;
 use crate::gpu::buffers::map_and_copy;
-use crate::gpu::passes::{ComputePass, Recorded, RenderPass};
+use crate::gpu::held::Held;
+use crate::gpu::passes::{ComputePass, RenderPass};
 use crate::gpu::{Buffer, BufferHandle, Kept};
 
 /// The way in which a [`Recorder`] measures times.
@@ -52,21 +56,75 @@ pub struct StageTime {
 /// Passes that one timestamp query set holds; those beyond it go untimed.
 const MAX_TIMED_PASSES: u32 = 2048;
 
-/// Records compute and render passes into command buffers and submits them.
+/// Records compute and render passes, either into its own command buffers, which it submits, or
+/// into a caller's encoder.
+///
+/// With a caller's encoder ([`Self::on`]) the caller submits at any later time. Until then the
+/// encoder keeps all resources that the recorded work uses; dropping the encoder releases them. No
+/// times are measured: [`Timing::SubmitAndWait`] would have to submit, and timestamps can only be
+/// read after the caller has submitted. An engine that wants times writes its own timestamps around
+/// the calls.
+///
+/// ```
+/// # let (device, queue) = pollster::block_on(lumivox::gpu::open_device()).expect("a GPU");
+/// use lumivox::gpu::{Recorder, storage_buffer};
+///
+/// let buffer = storage_buffer(&device, "work", 64);
+/// let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+/// // The engine's own passes, then Lumivox's, then the engine's again.
+/// Recorder::on(&device, &queue, &mut encoder).clear(&buffer);
+/// drop(buffer);
+/// queue.submit([encoder.finish()]);
+/// ```
 #[derive(Debug)]
-pub struct Recorder {
+pub struct Recorder<'a> {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    encoder: wgpu::CommandEncoder,
-    /// Resources that must not be destroyed before submission.
-    recorded: Recorded,
+    target: Target<'a>,
     timing: Timing,
     stage: &'static str,
     queries: Option<wgpu::QuerySet>,
     times: Vec<StageTime>,
 }
 
-impl Recorder {
+/// The encoder that work is recorded into.
+#[derive(Debug)]
+enum Target<'a> {
+    Own { encoder: wgpu::CommandEncoder, held: Held },
+    Lent(Lent<'a>),
+}
+
+/// A caller's encoder.
+#[derive(Debug)]
+struct Lent<'a> {
+    encoder: &'a mut wgpu::CommandEncoder,
+    held: Held,
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        std::mem::take(&mut self.held).hand_to(self.encoder);
+    }
+}
+
+impl Target<'_> {
+    fn parts(&mut self) -> (&mut wgpu::CommandEncoder, &mut Held) {
+        match self {
+            Self::Own { encoder, held } => (encoder, held),
+            Self::Lent(Lent { encoder, held }) => (encoder, held),
+        }
+    }
+
+    /// Submits its own encoder; a caller's encoder is left to the caller.
+    fn submit(self, queue: &wgpu::Queue) {
+        if let Self::Own { encoder, held } = self {
+            queue.submit([encoder.finish()]);
+            drop(held);
+        }
+    }
+}
+
+impl Recorder<'static> {
     /// A recorder that measures no times.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self::with_timing(device, queue, Timing::Off)
@@ -81,14 +139,30 @@ impl Recorder {
                 count: 2 * MAX_TIMED_PASSES,
             })
         });
+        let target = Target::Own { encoder: new_encoder(device), held: Held::default() };
+        Self { timing, queries, ..Self::into_target(device, queue, target) }
+    }
+}
+
+impl<'a> Recorder<'a> {
+    /// A recorder into a caller's encoder, which the caller submits. It measures no times.
+    pub fn on(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &'a mut wgpu::CommandEncoder,
+    ) -> Self {
+        let lent = Lent { encoder, held: Held::default() };
+        Self::into_target(device, queue, Target::Lent(lent))
+    }
+
+    fn into_target(device: &wgpu::Device, queue: &wgpu::Queue, target: Target<'a>) -> Self {
         Self {
             device: device.clone(),
             queue: queue.clone(),
-            encoder: new_encoder(device),
-            recorded: Recorded::new(),
-            timing,
+            target,
+            timing: Timing::Off,
             stage: "other",
-            queries,
+            queries: None,
             times: Vec::new(),
         }
     }
@@ -110,27 +184,28 @@ impl Recorder {
         (to, to_byte): (&impl BufferHandle, u64),
         bytes: u64,
     ) {
-        self.encoder.copy_buffer_to_buffer(from.raw(), from_byte, to.raw(), to_byte, bytes);
-        let kept = from.kept().into_iter().chain(to.kept());
-        self.recorded.push(kept.collect());
+        let (encoder, held) = self.target.parts();
+        encoder.copy_buffer_to_buffer(from.raw(), from_byte, to.raw(), to_byte, bytes);
+        held.keep(from.kept().into_iter().chain(to.kept()));
     }
 
     /// Fills a buffer with zeros.
     pub fn clear(&mut self, buffer: &impl BufferHandle) {
-        self.encoder.clear_buffer(buffer.raw(), 0, None);
-        self.recorded.push(buffer.kept().into_iter().collect());
+        let (encoder, held) = self.target.parts();
+        encoder.clear_buffer(buffer.raw(), 0, None);
+        held.keep(buffer.kept());
     }
 
     /// Keeps a resource from being destroyed before submission, for commands that were not recorded
     /// through this object and its passes.
     pub fn keep(&mut self, kept: Kept) {
-        self.recorded.push([kept].into());
+        self.target.parts().1.keep([kept]);
     }
 
     /// The encoder, for commands without timing: copies, clears, an engine's own passes. The
     /// resources that they use must stay until submission ([`Self::keep`]).
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
-        &mut self.encoder
+        self.target.parts().0
     }
 
     /// Assigns the following passes to the stage `name`.
@@ -150,11 +225,12 @@ impl Recorder {
                     end_of_pass_write_index: Some(slot + 1),
                 }
             });
-            let pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            let (encoder, held) = self.target.parts();
+            let pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some(label),
                 timestamp_writes,
             });
-            record(&mut ComputePass { pass, recorded: &mut self.recorded });
+            record(&mut ComputePass { pass, held });
         }
         self.end_pass(label, start);
     }
@@ -177,7 +253,8 @@ impl Recorder {
                     end_of_pass_write_index: Some(slot + 1),
                 }
             });
-            let pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            let (encoder, held) = self.target.parts();
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(label),
                 color_attachments: colors,
                 depth_stencil_attachment: depth,
@@ -185,30 +262,34 @@ impl Recorder {
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
-            record(&mut RenderPass { pass, recorded: &mut self.recorded });
+            record(&mut RenderPass { pass, held });
         }
         self.end_pass(label, start);
     }
 
-    /// Submits the recorded work and continues recording.
+    /// Submits the recorded work and continues recording. Does nothing on a caller's encoder.
     pub fn flush(&mut self) {
-        let encoder = std::mem::replace(&mut self.encoder, new_encoder(&self.device));
-        self.queue.submit([encoder.finish()]);
-        self.recorded.clear();
+        if let Target::Own { encoder, held } = &mut self.target {
+            let encoder = std::mem::replace(encoder, new_encoder(&self.device));
+            self.queue.submit([encoder.finish()]);
+            held.clear();
+        }
     }
 
-    /// Submits the recorded work; times are discarded.
+    /// Submits the recorded work; times are discarded. Does nothing on a caller's encoder, which
+    /// the caller submits.
     pub fn submit(self) {
-        self.queue.submit([self.encoder.finish()]);
+        self.target.submit(&self.queue);
     }
 
-    /// Submits the recorded work; if times are measured, waits for it and returns them in order.
+    /// Submits the recorded work; if times are measured, waits for it and returns them in order. On
+    /// a caller's encoder there are no times, and the caller submits.
     ///
     /// # Errors
-    /// [`GiError::Device`] when the device is lost.
+    /// [`GiError::Device`] if the device is lost.
     pub async fn finish(mut self) -> Result<Vec<StageTime>, GiError> {
         let Some(queries) = self.queries.take().filter(|_| !self.times.is_empty()) else {
-            self.queue.submit([self.encoder.finish()]);
+            self.target.submit(&self.queue);
             return Ok(self.times);
         };
         let count = 2 * self.times.len() as u32;
@@ -222,9 +303,10 @@ impl Recorder {
         };
         let resolved = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
         let staging = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-        self.encoder.resolve_query_set(&queries, 0..count, &resolved, 0);
-        self.encoder.copy_buffer_to_buffer(&resolved, 0, &staging, 0, bytes);
-        self.queue.submit([self.encoder.finish()]);
+        let (encoder, _) = self.target.parts();
+        encoder.resolve_query_set(&queries, 0..count, &resolved, 0);
+        encoder.copy_buffer_to_buffer(&resolved, 0, &staging, 0, bytes);
+        self.target.submit(&self.queue);
         let ticks: Vec<u64> = map_and_copy(&self.device, &staging).await?;
         let nanos_per_tick = f64::from(self.queue.get_timestamp_period());
         for (time, pair) in self.times.iter_mut().zip(ticks.chunks_exact(2)) {

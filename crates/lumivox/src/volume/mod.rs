@@ -177,7 +177,7 @@ impl Volume {
     /// [`GiError::Limit`] and [`GiError::Budget`] when an octree does not fit.
     pub(crate) async fn prepare(
         &mut self,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<'_>,
         voxels: &VoxelList,
     ) -> Result<(), GiError> {
         match self {

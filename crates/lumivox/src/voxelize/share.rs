@@ -19,7 +19,7 @@ pub(super) struct Work<'a> {
     pub grid: &'a Grid,
     /// Group 0.
     pub globals: BindGroup,
-    pub recorder: Recorder,
+    pub recorder: Recorder<'static>,
     pub memory: Memory<'a>,
 }
 

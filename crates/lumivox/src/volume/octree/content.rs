@@ -195,7 +195,7 @@ impl ContentKernels {
     /// Numbers and allocates bricks and values. Waits for their counts.
     pub async fn build(
         &self,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<'_>,
         input: &Input<'_>,
         (topology, order): (&mut Topology, NodeRanks),
     ) -> Result<Content, GiError> {
@@ -250,7 +250,7 @@ impl ContentKernels {
     /// is returned.
     async fn count(
         &self,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<'_>,
         memory: &mut Memory<'_>,
         globals: &BindGroup,
         &Input { grid, voxels, .. }: &Input<'_>,

@@ -84,7 +84,7 @@ impl LockBuilder {
     /// have counted, which would be a defect.
     pub async fn build(
         &self,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<'_>,
         memory: &mut Memory<'_>,
         globals: &BindGroup,
         grid: &Grid,

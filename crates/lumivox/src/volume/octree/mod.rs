@@ -212,7 +212,7 @@ impl OctreeVolume {
     /// Builds the nodes of a new list and allocates their bricks. Submits what was recorded before.
     pub(super) async fn prepare(
         &mut self,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<'_>,
         voxels: &VoxelList,
     ) -> Result<(), GiError> {
         recorder.stage("volume");

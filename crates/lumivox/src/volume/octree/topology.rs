@@ -101,7 +101,7 @@ impl TopologyKernels {
     /// Builds the nodes of a list. Waits for a count of them, to allocate no more than they need.
     pub async fn build(
         &self,
-        recorder: &mut Recorder,
+        recorder: &mut Recorder<'_>,
         input: &Input<'_>,
     ) -> Result<(Topology, NodeRanks), GiError> {
         let Input { grid, grid_uniform, voxels, memory_budget } = *input;
