@@ -340,7 +340,7 @@ fn shaders_decide_what_a_surface_does() {
     assert!(shown("VOX").2[0].starts_with("1:43: the shader VOX"));
     assert!(
         shown("SHINY").2[0]
-            .contains("no shader \"SHINY\", COLOR stands in; there are: COLOR, EMIT")
+            .contains("no shader \"SHINY\", COLOR is used instead; there are: COLOR, EMIT")
     );
     assert_eq!(shown("emit").0, Vec3::ZERO);
 }
