@@ -182,8 +182,8 @@ mod tests {
         );
         assert_eq!(
             text(Some(900), None),
-            "a picture needs 900 MiB of GPU memory, more than the driver gave; it does not tell how \
-             much it has; ask for less"
+            "a picture needs 900 MiB of GPU memory, more than the driver gave; it does not report \
+             how much it has; ask for less"
         );
         assert!(text(None, Some(700)).contains("more GPU memory than the 700 MiB that are free"));
         assert!(text(None, None).contains("more GPU memory than the driver gave, which"));
