@@ -46,7 +46,7 @@ export function decode(hash, known) {
         if (field === "") continue;
         try {
             const [name, text] = nameAndText(field);
-            if (seen.has(name)) throw new Error(`${name} stands in it twice`);
+            if (seen.has(name)) throw new Error(`${name} is given twice`);
             seen.add(name);
             readField(state, name, text, known);
         } catch (error) {

@@ -31,15 +31,15 @@ const SETTINGS: &'static str = include_str!("settings.d.ts");
 
 #[wasm_bindgen(typescript_custom_section)]
 const OTHERS: &'static str = r#"
-/** Hears how far something is. */
+/** Gets reports of the progress of a call. */
 export type OnProgress = (progress: Progress) => void;
-/** What came of lines of the console: what they print, the files that they write, and the scene that they opened last. */
+/** The result of console lines: the text they print, the files they write, and the scene they opened last. */
 export interface Ran { text: string; files: File[]; opened?: string }
-/** What the last word of a line may become, and where it begins. */
+/** Completions of the last word of a line, and the index where the word begins. */
 export interface Completion { start: number; candidates: string[] }
-/** What went wrong: `message` says what stands in the way and what would help, `code` tells errors apart. */
+/** Errors of this package: `message` names the problem and the remedy, `code` the kind of error. */
 export interface LumivoxError extends Error {
-  /** What the lines of a script had printed before. */
+  /** The text that the lines of a script had printed before. */
   printed?: string;
   code: "no-webgpu" | "no-adapter" | "device" | "limit" | "scene" | "fetch" | "value";
 }

@@ -121,7 +121,7 @@ fn find(name: &str) -> Result<&'static Parameter, WebError> {
 /// The TypeScript declaration of all settings.
 pub fn declarations() -> String {
     let mut text = String::from(
-        "/** All settings by name. Ranges and defaults are in `parameters()`; settings that are left out stay. */\n\
+        "/** All settings by name. Ranges and defaults are in `parameters()`; settings that are left out keep their values. */\n\
          export interface Settings {\n",
     );
     let defaults = RenderSettings::default();

@@ -67,7 +67,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     }
     let resumed = tracer.samples();
     progress.stop_on_interrupt(host)?;
-    tracing::info!("tracing; Ctrl-C writes what is there after the batch of {BATCH} samples");
+    tracing::info!("tracing; Ctrl-C writes the samples so far, after the batch of {BATCH}");
     trace(&mut tracer, args, &progress)?;
 
     progress.set("writing", 0, 1);

@@ -167,7 +167,7 @@ impl TextureReport {
 
 /// A table of materials.
 pub fn material_table(materials: &[MaterialReport]) -> Table {
-    let heading = ["#", "material", "kind", "colour", "metal", "rough", "textures", "besides"];
+    let heading = ["#", "material", "kind", "colour", "metal", "rough", "textures", "other"];
     let mut table = Table::left(&heading);
     for (index, material) in materials.iter().enumerate() {
         let [r, g, b] = material.color;
