@@ -36,7 +36,7 @@ impl From<&Environment> for EnvironmentInfo {
     }
 }
 
-/// A change of a scene's surroundings; properties that are left out stay.
+/// A change of a scene's surroundings; properties that are left out keep their values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct EnvironmentChange {

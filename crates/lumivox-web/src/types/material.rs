@@ -101,7 +101,7 @@ impl From<&lumivox_scene::Material> for Material {
     }
 }
 
-/// A change of a material; properties that are left out stay.
+/// A change of a material; properties that are left out keep their values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Tsify)]
 #[serde(default, deny_unknown_fields)]
 pub struct MaterialChange {
