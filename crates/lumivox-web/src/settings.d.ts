@@ -1,4 +1,4 @@
-/** All settings by name. Ranges and defaults are in `parameters()`; settings that are left out stay. */
+/** All settings by name. Ranges and defaults are in `parameters()`; settings that are left out keep their values. */
 export interface Settings {
   /** Frames to average: a whole number from 1 to 65536, frames. Default: 16. */
   frames?: number;
