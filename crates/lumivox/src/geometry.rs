@@ -107,6 +107,15 @@ pub struct GeometryBatch {
     pub draws: Vec<Draw>,
 }
 
+impl GeometryBatch {
+    /// Whether all but the draws is the same.
+    pub(crate) fn is_same_but_draws(&self, other: &Self) -> bool {
+        self.positions == other.positions
+            && self.attributes == other.attributes
+            && self.indices == other.indices
+    }
+}
+
 /// Where in a buffer the texture coordinates and colours of vertices stand: the caller's own layout, as long as
 /// numbers stand at multiples of four bytes.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,8 +4,8 @@ use crate::cones::ConeSettings;
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
 use crate::trace::{CameraViewUniform, ScreenSettings};
-use crate::volume::changes::{LevelWords, ListParams, MovedParams};
-use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
+use crate::volume::changes::{LevelWords, ListParams};
+use crate::volume::{LockPass, MaskLevels, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
 
@@ -31,8 +31,6 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
     library.check_struct::<ScreenSettings>("trace::screen", "ScreenSettings").unwrap();
     library.check_struct::<CameraViewUniform>("trace::gbuffer", "CameraView").unwrap();
-    library.check_struct::<NodeRange>("volume::level_range", "NodeRange").unwrap();
-    library.check_struct::<MovedParams>("volume::changes::moved", "MovedParams").unwrap();
     library.check_struct::<ListParams>("volume::changes::list", "ListParams").unwrap();
     library.check_struct::<LevelWords>("volume::changes::cells", "LevelWords").unwrap();
     library.check_struct::<MaskLevels>("volume::dense::masks", "MaskLevels").unwrap();

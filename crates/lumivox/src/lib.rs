@@ -50,4 +50,4 @@ pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
 pub use trace::{CameraView, GBuffer, GBufferViews, TraceTargets};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
-pub use voxelize::{KeptStatic, VoxelizeStats, Voxelizer};
+pub use voxelize::{FrameVoxels, VoxelizeStats, VoxelizedScene, Voxelizer};

@@ -189,11 +189,8 @@ impl Photons {
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
             BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
-        let direct_layout = LayoutBuilder::compute()
-            .storage()
-            .storage_mut()
-            .storage_mut()
-            .build(device, "light before photons");
+        let direct_layout =
+            LayoutBuilder::compute().storage().storage_mut().build(device, "light before photons");
         let insert_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
@@ -206,7 +203,6 @@ impl Photons {
         let reflect_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
-            .storage_mut()
             .storage_mut()
             .storage_mut()
             .build(device, "reflect photons");
@@ -230,7 +226,11 @@ impl Photons {
 
 impl Injector for Photons {
     fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
-        let face_count = u64::from(voxels.face_count);
+        // With room to spare, which is as large for all that the list holds on the way.
+        let face_count = voxels.face_capacity();
+        if self.list.as_ref().is_some_and(|list| list.faces == voxels.faces) {
+            return;
+        }
         self.list = Some(List {
             occupancy: voxels.occupancy.clone(),
             ranks: voxels.ranks.clone(),
@@ -245,12 +245,11 @@ impl Injector for Photons {
         let Some(list) = &self.list else {
             return;
         };
-        let FaceLight { globals, lights, direct, radiance } = light;
+        let FaceLight { globals, lights, direct } = light;
         let device = recorder.device().clone();
         let direct_group = BindGroupBuilder::new(&self.direct_layout)
             .buffer(&list.faces)
             .buffer(direct)
-            .buffer(radiance)
             .build(&device, "light before photons");
         self.direct.run_linear(recorder, &[globals, &direct_group, &lights.group], list.face_count);
         recorder.clear(&self.fates);
@@ -273,7 +272,6 @@ impl Injector for Photons {
                 .buffer(&list.faces)
                 .buffer(&list.sums)
                 .buffer(direct)
-                .buffer(radiance)
                 .build(&device, "reflect photons");
             let groups = [&self.grid_group, &insert_group, &lights.group];
             self.insert.run(recorder, &groups, [width, height, layers]);

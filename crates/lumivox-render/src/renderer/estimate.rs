@@ -21,9 +21,10 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
 /// Faces of a voxel; on the built-in scenes 0.9 to 1.5.
 const FACES_PER_VOXEL: f64 = 1.25;
-/// Bytes of a face: its record in the list (80), and its light, two colours in full floats.
-const FACE_BYTES: u64 = 80 + 32;
-const NODE_BYTES: u64 = 8;
+/// Bytes of a face: its record in the list (80), and its light, five colours in full floats.
+const FACE_BYTES: u64 = 80 + 80;
+/// Bytes of a node: its record (8), the place of its faces, and room in two lists of changed cells.
+const NODE_BYTES: u64 = 8 + 4 + 24;
 /// Bytes of an octree for each voxel: 160 to 430 on the scenes of docs/octree.md, from 128 voxels
 /// on.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
@@ -54,14 +55,12 @@ impl MemoryEstimate {
         let indices: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
         let pixels = u64::from(settings.size.x) * u64::from(settings.size.y);
         let voxels = voxel_count(scene, &grid, |_| true);
-        // Static instances among dynamic ones keep sums of their own.
+        // If instances may move, the static and the moving share are kept in buffers of their own.
         let voxelized = || scene.shown().filter(|instance| instance.is_voxelized);
         let fixed = voxelized().filter(|instance| instance.is_static).count();
         let fixed_voxels = || voxel_count(scene, &grid, |instance| instance.is_static);
-        let is_mixed = (1..voxelized().count()).contains(&fixed);
-        let kept = if is_mixed { kept_bytes(&grid, fixed_voxels()) } else { 0 };
-        // Without bounces in the voxels, the content of the volume is remembered.
-        let held = if settings.bounces < 2 { held_bytes(voxels) } else { 0 };
+        let moves = fixed < voxelized().count();
+        let kept = if moves { kept_bytes(&grid, fixed_voxels(), voxels) } else { 0 };
         // Clear glass has no tint either, but the difference is too small to check.
         let has_glass = scene.materials.iter().any(|material| material.transmission.factor > 0.0);
         let tint = if has_glass { TINT_BYTES_PER_PIXEL } else { 0 };
@@ -72,7 +71,7 @@ impl MemoryEstimate {
             ("instances", (scene.shown().count() * size_of::<DrawRecord>()) as u64),
             ("shadow maps", shadow_bytes(scene, settings)),
             volume_part(&grid, settings, voxels),
-            ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept + held),
+            ("voxel list (about)", list_bytes(&grid, voxels, settings) + kept),
             ("picture", pixels * (BYTES_PER_PIXEL + tint + overlay)),
         ];
         let parts = parts.map(|(name, bytes)| MemoryUse::new(name, bytes)).to_vec();
@@ -174,8 +173,8 @@ fn voxel_count(scene: &Scene, grid: &Grid, is_meant: impl Fn(&Instance) -> bool)
     (voxels.ceil() as u64).min(grid.voxel_count())
 }
 
-/// Bits and ranks, of occupied and of changed cells; nodes of all levels, twice; faces and their
-/// light.
+/// Bits and ranks, once of occupied and twice of changed cells; nodes of all levels; faces and
+/// their light.
 fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // A surface has a quarter of the cells on the next level.
@@ -184,20 +183,19 @@ fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let own_bytes = settings.injection.as_ref().map_or(0, |injection| injection.bytes_per_face());
     let face_bytes = FACE_BYTES + own_bytes;
     // The ranks: a word for each word of bits.
-    4 * cells.div_ceil(8) + 2 * nodes * NODE_BYTES + voxels * 4 + faces * face_bytes
+    5 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes
 }
 
-/// Bits, ranks, both side by side, lobes, and the faces' sums.
-fn kept_bytes(grid: &Grid, voxels: u64) -> u64 {
-    let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
-    let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
-    let sums = size_of::<lumivox::voxels::FaceRecord>() as u64;
-    4 * cells.div_ceil(8) + voxels * 20 + faces * sums
-}
-
-/// A colour in full floats for each face.
-fn held_bytes(voxels: u64) -> u64 {
-    (voxels as f64 * FACES_PER_VOXEL) as u64 * 16
+/// For each share: bits, ranks, both side by side, lobes, and the faces' sums. For the moving share
+/// also its faces, with a quarter to spare; and the bits of both together.
+fn kept_bytes(grid: &Grid, fixed: u64, voxels: u64) -> u64 {
+    let cells = u64::from(grid.morton_edge(0)).pow(3);
+    let faces = |voxels: u64| (voxels as f64 * FACES_PER_VOXEL) as u64;
+    let face = size_of::<lumivox::voxels::FaceRecord>() as u64;
+    let moving = voxels.saturating_sub(fixed);
+    let share = |voxels: u64| 4 * cells.div_ceil(8) + voxels * 32 + faces(voxels) * face;
+    let united = moving * 32 + faces(moving) * (face + 32);
+    share(fixed) + 5 * (share(moving) + united) / 4 + 3 * cells.div_ceil(8)
 }
 
 /// Each texture with its mips, twice if it is used both as colours and as data.

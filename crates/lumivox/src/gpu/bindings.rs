@@ -183,6 +183,15 @@ impl<'a> BindGroupBuilder<'a> {
         self.resource(buffer.raw().as_entire_binding())
     }
 
+    /// A part of a buffer: so many bytes from a byte on, which must be a multiple of 256.
+    #[must_use]
+    pub fn slice<B: BufferHandle>(mut self, buffer: &'a B, offset: u64, bytes: u64) -> Self {
+        self.kept.extend(buffer.kept());
+        let size = std::num::NonZeroU64::new(bytes);
+        let binding = wgpu::BufferBinding { buffer: buffer.raw(), offset, size };
+        self.resource(wgpu::BindingResource::Buffer(binding))
+    }
+
     /// A texture view.
     #[must_use]
     pub fn view<V: ViewHandle>(mut self, view: &'a V) -> Self {

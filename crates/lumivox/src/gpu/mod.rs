@@ -6,6 +6,7 @@ mod buffers;
 mod held;
 mod indirect;
 mod kernel;
+mod late;
 mod memory;
 mod open;
 mod passes;
@@ -16,10 +17,12 @@ mod scan;
 mod shaders;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
+pub(crate) use buffers::{Staged, counted_buffer};
 pub use buffers::{read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload};
-pub(crate) use indirect::{Indirect, Run};
+pub(crate) use indirect::{BoundIndirect, Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
+pub(crate) use late::LateReads;
 pub(crate) use memory::{Memory, Remedy};
 pub use open::open_device;
 pub use passes::{ComputePass, RenderPass};
@@ -28,6 +31,6 @@ pub use recorder::{Recorder, StageTime, Timing};
 pub use resources::{
     BindGroup, Buffer, BufferHandle, Kept, LiveResources, Texture, TextureView, ViewHandle,
 };
-pub use scan::Scan;
+pub use scan::{BoundScan, Scan};
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
 pub use shaders::{ShaderError, ShaderLibrary, StructLayout};

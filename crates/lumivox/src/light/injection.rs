@@ -72,6 +72,4 @@ pub struct FaceLight<'a> {
     pub lights: &'a Lights,
     /// To be written for each face: the radiance that it sends out before any bounce (`array<vec4f>`, 1 in w).
     pub direct: &'a Buffer,
-    /// The same again, where bounces are added.
-    pub radiance: &'a Buffer,
 }

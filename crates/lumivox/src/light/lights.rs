@@ -5,6 +5,8 @@
 //! cd/m². The volumes hold half floats (6e-5 to 65504), so give very bright scenes in a larger
 //! unit.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
@@ -246,6 +248,8 @@ pub struct Lights {
     pub group: BindGroup,
     /// The number of lights.
     pub count: u32,
+    /// A number that is unique to these resources: other bound resources have another.
+    pub(crate) version: u64,
     /// Whether any light has shadows by cones.
     pub(crate) has_cone_shadows: bool,
     /// The lights with shadow maps.
@@ -375,11 +379,18 @@ impl Lights {
         Self {
             group,
             count: records.len() as u32,
+            version: next_version(),
             has_cone_shadows: records.iter().any(|light| light.shadow == SHADOW_CONE),
             mapped,
             map_size,
         }
     }
+}
+
+/// A number that was not given out before.
+fn next_version() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// The lights that have layers of the maps, which the records have checked.

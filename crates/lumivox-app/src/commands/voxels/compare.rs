@@ -1,5 +1,6 @@
 //! Comparison of all voxelizers with the exact one.
 
+use anyhow::Context as _;
 use std::time::Instant;
 
 use lumivox::gpu::Timing;
@@ -107,9 +108,11 @@ impl Found {
         let voxelizer =
             Voxelizer::with(&gpu.pipelines, &library, classics::voxelizer(method).as_deref())?;
         let once = || {
-            let work = voxelizer.voxelize(&gpu.device, &gpu.queue, grid, geometry, Timing::Off);
+            let mut scene = voxelizer.scene(&gpu.pipelines, &gpu.queue, grid);
+            let (device, queue) = (&gpu.device, &gpu.queue);
+            let work = voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
             match pollster::block_on(work) {
-                Ok((list, stats, _)) => Ok(Some((list, stats))),
+                Ok((stats, _)) => Ok(Some((scene, stats))),
                 // If all triangles are small, they may miss all pixels' centres.
                 Err(GiError::NothingToVoxelize { .. }) => Ok(None),
                 Err(error) => Err(error),
@@ -126,8 +129,9 @@ impl Found {
             wall_ms = wall_ms.min(start.elapsed().as_secs_f64() * 1e3);
         }
         let (set, fragments, faces) = match voxelized {
-            Some((list, stats)) => {
-                let set = pollster::block_on(VoxelSet::read(gpu, grid, &list))?;
+            Some((scene, stats)) => {
+                let list = scene.list().context("a voxelization makes a list")?;
+                let set = pollster::block_on(VoxelSet::read(gpu, grid, list))?;
                 (set, stats.fragments, stats.faces)
             }
             None => (VoxelSet::new(*grid, Vec::new()), 0, 0),

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Recorder, StageTime, Timing, read_buffer};
+use lumivox::voxels::FaceRecord;
 use lumivox::{Geometry, Gi, GiConfig, Lights, TraceSettings};
 use lumivox_console::report::{
     AdapterReport, GridReport, SceneCounts, Table, TimeReport, TimesReport, count,
@@ -136,8 +137,8 @@ impl Way {
             (&voxels.occupancy, voxels.occupancy.size()),
             (&voxels.ranks, voxels.ranks.size()),
             (&voxels.nodes, u64::from(node_count) * 8),
-            (&voxels.first_faces, u64::from(voxels.voxel_count() + 1) * 4),
-            (&voxels.faces, u64::from(voxels.face_count) * 64),
+            (&voxels.first_faces, u64::from(voxels.voxel_count()) * 4),
+            (&voxels.faces, u64::from(voxels.face_count) * size_of::<FaceRecord>() as u64),
             (light, u64::from(voxels.face_count) * 16),
         ]
         .into_iter()

@@ -52,8 +52,16 @@ impl VoxelSet {
         let touched =
             |node: &NodeRecord| Voxel { morton: node.morton, area: 0.0, reflectance: Vec3::ZERO };
         let mut voxels: Vec<Voxel> = nodes.iter().map(touched).collect();
-        for face in &faces {
-            let voxel = &mut voxels[face.voxel as usize];
+        let first_faces: Vec<u32> = read(gpu, &list.first_faces, count).await?;
+        let of_voxels =
+            nodes.iter().zip(&first_faces).enumerate().flat_map(|(index, (node, &first))| {
+                let count = (node.lobes & 0x3f).count_ones();
+                faces[first as usize..(first + count) as usize]
+                    .iter()
+                    .map(move |face| (index, face))
+            });
+        for (index, face) in of_voxels {
+            let voxel = &mut voxels[index];
             let area = face.vector_area[face.lobe as usize / 2].abs();
             voxel.area += area;
             voxel.reflectance += area * Vec3::from(face.reflectance);
