@@ -135,7 +135,7 @@ fn what_is_left_out_is_told() {
         "1 texture coordinates were not finite",
         "3 corners name texture coordinates that do not exist",
         "3 corners name normals that do not exist",
-        "3 normals of no direction",
+        "3 normals without a direction",
     ] {
         assert!(warns(&scene, words), "{words}: {:?}", scene.notes.warnings);
     }
