@@ -1,4 +1,4 @@
-//! The disk as the console reaches it: files, and scenes by name in folders.
+//! The console's access to the disk: files, and scenes by name in folders.
 
 use std::collections::HashSet;
 use std::io::Write as _;
@@ -11,7 +11,7 @@ use crate::args::output;
 use crate::args::scene::{self, within};
 use crate::commands::light;
 
-/// The disk, as the console sees it.
+/// The console's access to the disk.
 #[derive(Clone, Copy, Debug)]
 pub struct Disk;
 
@@ -34,7 +34,7 @@ impl Outside for Disk {
             return Ok(source);
         }
         let known = scenes(&folders);
-        // Names without their prefix are alike, too.
+        // Names without their prefix are compared, too.
         let short = |known: &str| known.strip_prefix("builtin:").unwrap_or(known).to_owned();
         let shorts: Vec<String> = known.iter().map(|known| short(known)).collect();
         let like = suggest::like(&short(name), shorts.iter().map(String::as_str));
@@ -72,7 +72,7 @@ impl Outside for Disk {
     }
 }
 
-/// A file that a command names.
+/// Reads a file that a command names.
 ///
 /// # Errors
 /// When it cannot be read.
@@ -83,8 +83,8 @@ pub fn read(file: &Path) -> Result<Vec<u8>, Failure> {
     })
 }
 
-/// The folders where scenes are looked for by name: `scenes` in the working folder, beside the scene that is open, and
-/// beside its folder (VXCT keeps `models` there).
+/// The folders in which scenes are found by name: `scenes` in the working folder, beside the open
+/// scene, and beside its folder (VXCT keeps `models` there).
 fn folders(open: Option<&SceneRequest>) -> Vec<PathBuf> {
     let mut folders = vec![PathBuf::from("scenes")];
     if let Some(SceneSource::File(file)) = open.map(|opening| &opening.source) {
@@ -95,7 +95,7 @@ fn folders(open: Option<&SceneRequest>) -> Vec<PathBuf> {
     folders
 }
 
-/// Names of scenes: the built-in ones, and files in folders without their extensions.
+/// Names of scenes: the built-in ones, and those of files in folders, without extension.
 fn scenes(folders: &[PathBuf]) -> Vec<String> {
     let mut names: Vec<String> =
         builtin::names().iter().map(|name| format!("builtin:{name}")).collect();

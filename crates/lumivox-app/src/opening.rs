@@ -1,4 +1,4 @@
-//! Scenes that the console and the window open: how the command line asks for them, and how they are read.
+//! Scenes for the console and the window: requests from the command line, and their loading.
 
 use lumivox_console::{OpenedScene, SceneRequest, SceneSource};
 
@@ -7,13 +7,13 @@ use crate::cli::ExploreArgs;
 use crate::commands::light;
 use crate::progress::{ProgressDisplay, words};
 
-/// The request for the scene that the command line names, if it names one.
+/// The request for the scene that the command line names, if any.
 pub fn of_args(args: &ExploreArgs) -> Option<SceneRequest> {
     let source = args.scene.clone()?;
     Some(SceneRequest { camera: args.picture.camera.clone(), ..of(args, source) })
 }
 
-/// The request for another scene, read and lit as the command line asks for.
+/// The request for another scene, with the options of the command line.
 pub fn of(args: &ExploreArgs, source: SceneSource) -> SceneRequest {
     SceneRequest {
         source,

@@ -16,7 +16,7 @@ use lumivox_scene::{
 const EDGE: usize = 100;
 /// Different meshes; each has as many triangles.
 const MESHES: usize = 20;
-/// Frames of which the median is told.
+/// Frames that the median is taken of.
 const FRAMES: usize = 21;
 
 /// A ball of 200 triangles.

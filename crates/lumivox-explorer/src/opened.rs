@@ -1,4 +1,4 @@
-//! A scene made ready to be looked at, and what is remembered of it.
+//! A scene prepared for viewing: its camera, its light, the bounds of its motion.
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -15,33 +15,33 @@ use crate::original::Original;
 /// A scene that is ready for [`Explorer::open`](crate::Explorer::open), with the changes made to it since.
 #[derive(Debug)]
 pub struct PreparedScene {
-    /// As it is shown.
+    /// The scene as it is shown.
     pub(crate) scene: Scene,
     pub(crate) camera: Camera,
-    /// What the grid is fitted to.
+    /// The box that the grid is fitted to.
     pub(crate) grid_bounds: Option<Bounds>,
     /// The objects' names, each once, in the order of the scene's instances.
     pub(crate) names: Vec<String>,
-    /// The objects' places without edits, in the same order.
+    /// The objects' transforms without edits, in the same order.
     pub(crate) posed: Vec<Mat4>,
-    /// What the file says of them, in the same order.
+    /// The marks that the file gives them, in the same order.
     pub(crate) marks: Vec<Marks>,
-    /// Changes of objects by their names.
+    /// The objects' edits by name.
     pub(crate) edits: BTreeMap<String, Edit>,
-    /// Lights and materials before they were changed.
+    /// Lights and materials before any change.
     pub(crate) original: Original,
     notes: Vec<Note>,
 }
 
-/// Steps of an animation at which the room that it takes is measured.
+/// The number of poses from which an animation's bounds are measured.
 const POSES: u32 = 32;
 
 impl PreparedScene {
-    /// Decides how a scene is seen, lights it where it needs light, and measures the room that its animation takes. This
-    /// may take seconds and needs no GPU; `progress` is called at each step.
+    /// Finds a camera, adds light where the scene has too little, and measures the bounds of its
+    /// animation. This may take seconds and needs no GPU; `progress` is called at each step.
     ///
     /// # Errors
-    /// When nothing of the scene is left at some time of its animation.
+    /// When the scene has no triangles left at some time of its animation.
     pub fn new(
         scene: Scene,
         options: &SightOptions,
@@ -50,7 +50,7 @@ impl PreparedScene {
         Self::surveyed(scene, options, &OnceCell::new(), progress)
     }
 
-    /// The same for a scene that was surveyed before, if its triangles are still the same.
+    /// The same for a scene that was surveyed before, if its triangles have not changed since.
     ///
     /// # Errors
     /// As [`PreparedScene::new`].
@@ -72,28 +72,28 @@ impl PreparedScene {
         Ok(Self { scene, camera, grid_bounds, names, posed, marks, edits, original, notes })
     }
 
-    /// The scene, lit.
+    /// The scene, with its light.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Where it is seen from.
+    /// The camera of the first picture.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// What was chosen for the scene, its camera and its light; users want to hear of it.
+    /// Notes for the user on what was chosen: camera and light.
     pub fn notes(&self) -> &[Note] {
         &self.notes
     }
 
-    /// The scene's second and third camera: those to come back to.
+    /// The scene's second and third camera: the stored positions at first.
     pub(crate) fn positions(&self) -> [Option<Camera>; 2] {
         [1, 2].map(|number| self.scene.cameras.get(number).cloned())
     }
 }
 
-/// The box around what moves, in all its poses; a grid that follows them would flicker.
+/// The box around all poses of what moves; a grid that followed each pose would flicker.
 fn bounds_of_all_poses(
     scene: &mut Scene,
     progress: &mut dyn FnMut(RenderProgress),
@@ -112,12 +112,12 @@ fn bounds_of_all_poses(
     Ok(Some(bounds))
 }
 
-/// A first picture has at most so many voxels along the longest axis.
+/// The most voxels along the longest axis in a first picture.
 const FIRST_RESOLUTION: u32 = 32;
 
-/// Settings for a scene's first picture, which is there while what is asked for takes its time: at most 32 voxels along
-/// the longest axis, and one bounce. Those asked for where the view shows voxels instead of light. The size is the
-/// caller's.
+/// Settings for a scene's first picture, which is shown while the requested one takes its time: at
+/// most 32 voxels along the longest axis, and one bounce. Where the view shows voxels instead of
+/// light, the requested settings are returned. The size is left as requested.
 pub fn first_look(asked: &RenderSettings) -> RenderSettings {
     if !asked.view.is_light() {
         return asked.clone();

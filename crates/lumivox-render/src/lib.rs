@@ -40,7 +40,7 @@ mod scene;
 mod settings;
 pub mod shaders;
 
-// What tests inside share with those from outside names the crate as these do.
+// Tests inside the crate and in `tests/` share code that names the crate like this.
 #[cfg(test)]
 extern crate self as lumivox_render;
 #[cfg(test)]

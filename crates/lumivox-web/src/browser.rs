@@ -1,5 +1,5 @@
-//! The console's access to files in a browser: addresses to read from, and files that a page hands
-//! to its user.
+//! The console's access to files in a browser: it reads from addresses, and writes files that a
+//! page offers to its user.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use lumivox_scene::{SceneError, builtin, extensions_in_words};
 use crate::listener::Listener;
 use crate::load::bytes_at;
 
-/// The files that were written, with their names, until they are taken.
+/// Written files with their names, until the page takes them.
 pub type Written = Rc<RefCell<Vec<(String, Vec<u8>)>>>;
 
 /// A browser's substitute for a disk.
@@ -21,7 +21,7 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Files that are written go there.
+    /// Makes the access; written files are put into `written`.
     pub fn new(written: Written) -> Self {
         Self { written }
     }
@@ -64,7 +64,7 @@ impl Outside for Browser {
     fn check_output(&self, file: &str) -> anyhow::Result<()> {
         match PathBuf::from(file).file_name() {
             Some(_) => Ok(()),
-            None => Err(Failure::output(format!("\"{file}\" is no name of a file")).into()),
+            None => Err(Failure::output(format!("\"{file}\" is not the name of a file")).into()),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Lines of the console, as a page has them.
+//! Console lines of a page.
 
 use std::ops::ControlFlow;
 
@@ -13,7 +13,7 @@ use crate::load::load_as;
 use crate::renderer::Renderer;
 use crate::session::Session;
 
-/// Tells a page how far a command is, which may break it off.
+/// Reports a command's progress to a page, which may cancel it.
 fn listener_of(listener: &Listener) -> Box<dyn ProgressListener> {
     let listener = listener.clone();
     Box::new(move |step: RenderProgress| {
@@ -23,10 +23,10 @@ fn listener_of(listener: &Listener) -> Box<dyn ProgressListener> {
 }
 
 impl Session {
-    /// Executes a line, and waits for its frames.
+    /// Runs a line, and waits for its frames.
     ///
     /// # Errors
-    /// As the command has it.
+    /// The errors of the command.
     pub async fn run_line(&mut self, line: &str, listener: &Listener) -> Result<Reply, WebError> {
         self.show_view_of_left()?;
         self.fit(self.full_size(), listener).await?;
@@ -49,8 +49,8 @@ impl Session {
         Ok(reply)
     }
 
-    /// The possible completions of the last word of a line: where it begins, in UTF-16 as
-    /// JavaScript counts, and the words.
+    /// The possible completions of a line's last word: the word's start in UTF-16 units, as
+    /// JavaScript counts, and the completions.
     pub fn complete(&self, line: &str) -> (usize, Vec<String>) {
         let found = complete(&self.console.names(), &|_| Vec::new(), line, line.len());
         let before = line.get(..found.start).unwrap_or_default();
@@ -59,7 +59,7 @@ impl Session {
 }
 
 impl Renderer {
-    /// Runs lines, and those that they bring; the scene that they opened last, if they opened one.
+    /// Runs lines, and the lines that those add; returns the scene that they opened last, if any.
     pub(crate) async fn run_lines(
         &self,
         lines: &str,
@@ -105,7 +105,7 @@ impl Renderer {
     }
 }
 
-/// The result of lines, for a page.
+/// The result of lines, as an object for the page.
 pub(crate) fn ran(text: &str, files: &js_sys::Array, opened: Option<String>) -> JsValue {
     let ran = js_sys::Object::new();
     let parts: [(&str, JsValue); 3] =

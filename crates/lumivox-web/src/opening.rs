@@ -1,5 +1,4 @@
-//! Another scene in the place of the last: decided how it is seen, shown coarsely at once, then as
-//! it was asked for.
+//! Opening another scene: choosing its view, showing it coarsely at once, then as requested.
 
 use lumivox_console::values::camera::CameraChoice;
 use lumivox_console::{SceneRequest, SceneSource};
@@ -15,11 +14,11 @@ use crate::staged::Staged;
 use crate::types::{Camera, SceneInfo, SceneOptions, of_panorama};
 
 impl Session {
-    /// Shows another scene, unless it is cancelled before the last one has to go.
+    /// Shows another scene, unless loading is cancelled before the last scene is closed.
     ///
     /// # Errors
-    /// When it does not fit, or the device fails. The last one is gone then: both at once need not
-    /// fit.
+    /// When the scene does not fit, or the device fails. The last scene is closed then: both
+    /// together might not fit.
     pub async fn open(
         &mut self,
         loaded: Loaded,
@@ -37,14 +36,14 @@ impl Session {
         self.info().ok_or_else(no_scene)
     }
 
-    /// Width by height of the picture.
+    /// Width over height of the picture.
     pub(crate) fn aspect(&self) -> f32 {
         let size = self.console.explorer.size();
         size.x as f32 / size.y as f32
     }
 
-    /// Shows a scene as it was asked for. With `place` the camera goes there, or to the scene's
-    /// own; without, the console decides.
+    /// Shows a scene as requested. With `place` the camera moves there, or to the scene's own
+    /// place; without it the console decides.
     ///
     /// # Errors
     /// As [`Self::open`].
@@ -86,7 +85,7 @@ impl Session {
         self.update(listener).await
     }
 
-    /// A first picture of few pixels and voxels, while the full one takes its time.
+    /// Renders a first picture of few pixels and voxels, since the full one takes time.
     async fn preview(&mut self, listener: &Listener) -> Result<(), WebError> {
         let asked = RenderSettings { view: self.view, ..self.console.explorer.settings().clone() };
         let coarse =

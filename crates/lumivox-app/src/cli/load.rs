@@ -1,4 +1,4 @@
-//! Which scene.
+//! The scene of a command.
 
 use std::ffi::OsString;
 
@@ -10,7 +10,7 @@ use lumivox_scene::Scene;
 use crate::args::scene;
 use crate::progress::ProgressDisplay;
 
-/// A scene to work on.
+/// The scene of a command.
 #[derive(Args, Debug)]
 pub struct SceneArg {
     /// The scene: a glTF, OBJ, PLY, STL or VXCT file (.gltf, .glb, .obj, .ply, .stl, .scene, .vxct, .txt),

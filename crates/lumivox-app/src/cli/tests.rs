@@ -55,7 +55,7 @@ fn every_argument_has_help_and_a_default() {
 
 #[test]
 fn every_value_has_a_unit_or_choices() {
-    const UNITS: [&str; 21] = [
+    const UNITS: [&str; 23] = [
         "seconds",
         "degrees",
         "mib",
@@ -70,6 +70,8 @@ fn every_value_has_a_unit_or_choices() {
         "frames",
         "cones",
         "reflections",
+        "bounces",
+        "factor",
         "share",
         "level",
         "metre",

@@ -1,4 +1,4 @@
-//! `lumivox convert`: a scene as one GLB file.
+//! `lumivox convert`: writes a scene as one GLB file.
 
 use lumivox_console::Failure;
 use lumivox_console::report::{SceneCounts, bytes, counted};
@@ -11,7 +11,7 @@ use crate::host::Host;
 use crate::motion::choose;
 use crate::progress::ProgressDisplay;
 
-/// Reads, poses if asked to, writes.
+/// Reads a scene, poses it if asked to, and writes it.
 ///
 /// # Errors
 /// When the scene cannot be read or posed, or the file cannot be written; the message says what.
@@ -51,11 +51,11 @@ pub fn run(args: &ConvertArgs, host: &Host) -> anyhow::Result<()> {
     ))
 }
 
-/// What was written.
+/// The report on what was written.
 #[derive(Clone, Debug, Serialize)]
 struct Report {
     file: String,
-    /// Its length.
+    /// The file's length.
     bytes: u64,
     scene: SceneCounts,
 }

@@ -1,4 +1,4 @@
-//! A scene that is ready for a still picture: loaded, posed, lit, with its camera.
+//! A scene prepared for a still picture: loaded, posed, lit, with its camera.
 
 use std::cell::OnceCell;
 
@@ -16,8 +16,8 @@ use crate::progress::ProgressDisplay;
 /// Loads, poses and lights a scene, and finds its camera.
 ///
 /// # Errors
-/// When the scene or a panorama cannot be read, nothing moves where a time is asked for, or there is no such
-/// camera.
+/// When the scene or a panorama cannot be read, a time is given but nothing moves, or there is no
+/// such camera.
 pub fn stage(
     source: &SceneSource,
     load: &LoadArgs,
@@ -45,8 +45,8 @@ pub fn stage(
     Ok((scene, camera))
 }
 
-/// Finds the camera, adds the light that the scene needs, and logs what was chosen. For commands
-/// whose reports do not say it.
+/// Finds the camera, adds the light that the scene needs, and logs both choices, for commands whose
+/// reports do not name them.
 ///
 /// # Errors
 /// When there is no such camera.

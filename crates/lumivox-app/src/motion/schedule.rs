@@ -1,4 +1,4 @@
-//! What a rendering shows when: the poses of the scene and the places of the camera.
+//! The schedule of a rendering: poses of the scene and positions of the camera over time.
 
 use std::cell::OnceCell;
 
@@ -11,10 +11,10 @@ use super::{Moments, ORBIT_S, PathFile, TimeChoice};
 use crate::args::Refused;
 use crate::args::camera::{self, CameraChoice};
 
-/// An animation, as the command line names it.
+/// An animation as the command line names it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnimationName {
-    /// By its name, or where none is called that, by its place from 0.
+    /// By its name, or else by its index from 0.
     Named(String),
     /// All at once.
     All,
@@ -32,7 +32,7 @@ pub fn animation(text: &str) -> Result<AnimationName, Refused> {
     }
 }
 
-/// What of the command line moves something.
+/// The options of the command line that concern motion.
 #[derive(Clone, Copy, Debug)]
 pub struct ScheduleOptions<'a> {
     pub time: Option<TimeChoice>,
@@ -41,51 +41,52 @@ pub struct ScheduleOptions<'a> {
     pub orbit_deg: Option<f32>,
     pub path: Option<&'a PathFile>,
     pub camera: Option<&'a CameraChoice>,
-    /// Whether the output has room for many pictures.
+    /// Whether the output can hold many pictures.
     pub is_sequence: bool,
     /// Width over height of the pictures.
     pub aspect: f32,
 }
 
-/// When pictures are taken.
+/// The times of the pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PictureTimes {
-    /// One, of the scene as its file shows it.
+    /// One picture of the scene as its file shows it.
     Rest,
-    /// One, at this time in seconds.
+    /// One picture at this time in seconds.
     At(f64),
-    /// Many.
+    /// A sequence of pictures.
     Sequence(Moments),
 }
 
-/// Where the camera is.
+/// The motion of the camera.
 #[derive(Clone, Debug)]
 enum CameraMotion {
-    /// Where the scene has it, which may move.
+    /// A camera of the scene, which may move.
     Scene(usize),
-    /// Where it always is.
+    /// A camera that does not move.
     Still(Camera),
-    /// Round the vertical line through a point.
+    /// An orbit about the vertical line through a point.
     Orbit { start: Camera, pivot: Vec3, angle_rad: f64 },
-    /// On its way.
+    /// A path.
     Path(Box<CameraPath>),
 }
 
-/// What a rendering shows when.
+/// The schedule of a rendering.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    /// When.
+    /// The times of the pictures.
     pub times: PictureTimes,
-    /// What the scene plays; `None` where it does not move.
+    /// The animation; `None` if the scene does not move.
     pub animation: Option<AnimationChoice>,
     eye: CameraMotion,
 }
 
 impl Schedule {
-    /// Finds out what is asked for. `framing` is the survey of the scene, made where it is needed.
+    /// Determines the schedule. `framing` is the survey of the scene, made if it is needed.
     ///
     /// # Errors
-    /// A [`Failure`] of input that says what does not fit together, or is not in the scene.
+    /// A [`Failure`] of input that names the options that contradict each other, or what is not in
+    /// the scene.
     pub fn new(
         asked: &ScheduleOptions<'_>,
         scene: &Scene,
@@ -166,8 +167,8 @@ impl Schedule {
         Ok(())
     }
 
-    /// The box around the scene in all its poses: without the ends of a motion, the grid would lose
-    /// them, and a grid that follows would flicker. The scene is left in the last pose.
+    /// The box around all poses of the scene: a smaller grid would miss the ends of the motion, and
+    /// one that follows would flicker. The scene is left in the last pose.
     ///
     /// # Errors
     /// As [`Scene::pose`].
@@ -188,7 +189,8 @@ impl Schedule {
         Ok(bounds)
     }
 
-    /// The camera at a time, of which `share` of the sequence has passed. `scene` is posed for it.
+    /// The camera at a time, when `share` of the sequence has passed. `scene` is posed for that
+    /// time.
     pub fn camera(&self, scene: &Scene, time_s: f64, share: f64) -> Camera {
         match &self.eye {
             CameraMotion::Scene(index) => scene.cameras.get(*index).cloned().unwrap_or_default(),
@@ -201,10 +203,10 @@ impl Schedule {
     }
 }
 
-/// The animation that is asked for; without a name the first, if there is one.
+/// The requested animation; without a request the first, if there is one.
 ///
 /// # Errors
-/// A [`Failure`] of input that lists the animations that there are.
+/// A [`Failure`] of input that lists the animations.
 pub fn choose(
     asked: Option<&AnimationName>,
     scene: &Scene,
@@ -245,7 +247,7 @@ fn eye(
         let angle_rad = f64::from(degrees).to_radians();
         return Ok(CameraMotion::Orbit { start, pivot, angle_rad });
     }
-    // By its place: an animation may move it.
+    // By its index: an animation may move it.
     let place = match asked.camera {
         Some(CameraChoice::LookAt { .. }) => None,
         _ => scene.cameras.iter().position(|camera| *camera == start),
@@ -253,12 +255,12 @@ fn eye(
     Ok(place.map_or(CameraMotion::Still(start), CameraMotion::Scene))
 }
 
-/// The camera, turned as a whole about the vertical line through `pivot`, counter-clockwise seen from
-/// above.
+/// The camera, rotated as a whole about the vertical line through `pivot`, counter-clockwise seen
+/// from above.
 fn orbit(start: &Camera, pivot: Vec3, angle_rad: f64) -> Camera {
     let turn = Mat4::from_rotation_y(angle_rad as f32);
     let arm = turn.transform_vector3(start.position - pivot);
-    // With the error of f32 in a turn of zero: none.
+    // A rotation of zero must not change the camera by rounding.
     let position = if angle_rad == 0.0 { start.position } else { pivot + arm };
     Camera {
         name: format!("orbit of {}", start.name),
@@ -293,7 +295,7 @@ mod tests {
     #[test]
     fn an_orbit_goes_round_the_middle() {
         let mut scene = scene();
-        // Rolled, and it stays so.
+        // It is rolled, and stays so.
         scene.cameras[0].up = Vec3::new(0.6, 0.8, 0.0);
         let schedule = Schedule::new(
             &ScheduleOptions { orbit_deg: Some(360.0), ..asked(None) },

@@ -1,4 +1,4 @@
-//! Which scene is opened, and how it is read and lit.
+//! Requests to open a scene.
 
 mod light;
 mod load;
@@ -25,15 +25,15 @@ pub struct SceneRequest {
     pub load: LoadArgs,
     /// The additions to its light.
     pub light: SourceArgs,
-    /// Where it is seen from.
+    /// The camera of the first picture; the scene's own if `None`.
     pub camera: Option<CameraChoice>,
-    /// Width by height of the picture that the camera is found for.
+    /// Width over height of the picture for which the camera is found.
     pub aspect: f32,
 }
 
 impl SceneRequest {
-    /// Makes a scene ready that was read, turned and lit as this says: finds its camera, and the light that it lacks.
-    /// This may take seconds and needs no GPU.
+    /// Prepares a scene that was read, rotated and lit as requested: finds its camera, and adds
+    /// light if it has too little. This may take seconds and needs no GPU.
     ///
     /// # Errors
     /// When there is no such camera, and as [`PreparedScene::new`].
@@ -57,7 +57,7 @@ impl SceneRequest {
 /// A scene that was read and prepared, with the request that asked for it.
 #[derive(Debug)]
 pub struct OpenedScene {
-    /// What was asked for.
+    /// The request.
     pub request: SceneRequest,
     /// The scene, with its camera and light.
     pub prepared: PreparedScene,

@@ -30,7 +30,7 @@ pub const GROUPS: &[Group] = &[
     lumivox_vxct::GROUP,
 ];
 
-/// All presets, from the cheapest to the dearest, then those that are not physical.
+/// All presets, from the cheapest to the most expensive, then those that are not physical.
 pub const PRESETS: &[PresetChoice] = &[
     PresetChoice::ALL[0],
     PresetChoice::ALL[1],

@@ -4,14 +4,14 @@ use std::time::Duration;
 
 use lumivox::gpu::StageTime;
 
-/// Sums of times by stage and pass, in the order in which they first came.
+/// Sums of times by stage and pass, in the order in which they first ran.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StageTimes {
     sums: Vec<(StageTime, u32)>,
 }
 
 impl StageTimes {
-    /// Adds what one recording took. A pass that ran several times in it counts with its sum.
+    /// Adds the times of one recording. A pass that ran several times in it counts with its sum.
     pub(crate) fn add(&mut self, times: Vec<StageTime>) {
         let mut recording: Vec<StageTime> = Vec::new();
         for time in times {

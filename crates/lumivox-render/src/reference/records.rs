@@ -1,10 +1,10 @@
-//! The path tracer's structs as the GPU reads them (`world.wgsl`, `path.wgsl`).
+//! The path tracer's structs in the GPU's layout (`world.wgsl`, `path.wgsl`).
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::scene::{MaterialRecord, TEXTURE_COUNT};
 
-/// How many peaks of a panorama there may be.
+/// The most peaks of a panorama.
 pub(crate) const MOST_PEAKS: usize = 4;
 
 /// `Tile`.

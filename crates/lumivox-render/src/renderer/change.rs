@@ -1,7 +1,7 @@
-//! Changes to a renderer that is at work: of its settings, its scene, its materials.
+//! Changes to a renderer at work: to its settings, its scene, its materials.
 //!
-//! Each redoes what depends on the change and nothing else, so that the picture afterwards is the one that a new
-//! renderer would make. The mean over frames starts anew wherever the picture changes.
+//! Each change redoes only what depends on it, so that the picture afterwards is the one that a new
+//! renderer would make. The mean over frames starts again wherever the picture changes.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -20,11 +20,11 @@ use crate::parameters::{PARAMETERS, Redoes};
 use crate::scene::{Lighting, radiance_unit_within};
 use crate::{Exposure, RenderError, RenderSettings, View};
 
-/// What a change of settings asks for, the more costly things first.
+/// The work that a change of settings requires, the most costly first.
 #[allow(clippy::struct_excessive_bools)] // One for each thing that is redone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Redo {
-    /// The volume, the voxels and all passes that are linked against them.
+    /// The volume, the voxels and all passes linked against them.
     volume: bool,
     /// All textures of the picture's size.
     targets: bool,
@@ -35,7 +35,7 @@ struct Redo {
 }
 
 impl Redo {
-    /// `old` has a grid that equals that of `new` if `is_same_grid`.
+    /// Compares settings; `is_same_grid` says that both have the same grid.
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_grid: bool) -> Self {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
@@ -57,13 +57,13 @@ impl Redo {
 }
 
 impl Renderer {
-    /// Takes other settings, and redoes what depends on the difference: a new size makes new textures, another
-    /// resolution voxelizes anew, another exposure changes nothing but how frames are shown. `progress` hears of the stages
-    /// `voxelize` and `light`.
+    /// Takes other settings, and redoes what depends on the difference: a new size makes new
+    /// textures, another resolution voxelizes again, another exposure only changes how frames are
+    /// shown. `progress` is called with the stages `voxelize` and `light`.
     ///
     /// # Errors
-    /// As [`Renderer::new`]. What was there before still is then, but for a volume that did not fit beside its
-    /// successor.
+    /// As [`Renderer::new`]. The renderer then stays as it was, except for a volume that did not
+    /// fit beside its successor.
     pub async fn set_settings(
         &mut self,
         settings: RenderSettings,
@@ -121,18 +121,18 @@ impl Renderer {
         self.gpu.check("taking other settings")
     }
 
-    /// Shows the same scene in another pose, under other lights, with other instances; the mean starts anew. The camera
-    /// stays.
+    /// Shows the same scene in another pose, under other lights, with other instances; the mean
+    /// starts again. The camera stays.
     ///
-    /// Vertices and transforms are uploaded, voxelized and lit again; where instances are marked as static
-    /// and are what they were, what was found of their triangles stays. All else stays: pipelines,
-    /// textures, targets, the grid and the unit of radiance. So a scene that moves out of the grid
-    /// loses what is outside; give [`RenderSettings::grid_bounds`].
-    /// `progress` hears of the stages `upload`, `voxelize` and `light`.
+    /// Vertices and transforms are uploaded, voxelized and lit again; the voxels of static
+    /// instances that have not changed stay. Everything else stays, too: pipelines, textures,
+    /// targets, the grid and the unit of radiance. So a scene that moves out of the grid loses the
+    /// part outside; set [`RenderSettings::grid_bounds`] to avoid that. `progress` is called with
+    /// the stages `upload`, `voxelize` and `light`.
     ///
     /// # Errors
-    /// When it is another scene, of other materials; when nothing of it lies in the grid, something
-    /// does not fit the device, or the device fails.
+    /// When it is another scene, or has other materials; when no part of it is in the grid,
+    /// something does not fit the device, or the device fails.
     pub async fn set_scene(
         &mut self,
         scene: &Scene,
@@ -143,8 +143,8 @@ impl Renderer {
         self.show_pose(progress).await
     }
 
-    /// As [`Self::set_scene`] for a scene in which the instances of these numbers have moved, and nothing else has changed:
-    /// what it costs goes with these, and not with the scene.
+    /// As [`Self::set_scene`] for a scene in which only the instances of these numbers have moved:
+    /// the cost is proportional to these, not to the scene.
     ///
     /// # Errors
     /// As [`Self::set_scene`].
@@ -175,8 +175,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// As [`Self::set_scene`], but the voxels and their light stay behind until [`Self::revoxelize`]: surfaces and the
-    /// shadows on them alone are where they belong.
+    /// As [`Self::set_scene`], but the voxels and their light stay behind until
+    /// [`Self::revoxelize`]: only surfaces and the shadows on them move.
     ///
     /// # Errors
     /// As [`Self::set_scene`].
@@ -191,10 +191,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Shows the same triangles with other materials, and what else [`Self::set_scene`] takes.
+    /// Shows the same triangles with other materials, and takes the other changes of
+    /// [`Self::set_scene`].
     ///
-    /// Materials that name the textures which they named keep them; where one names others, all textures are uploaded
-    /// again. `progress` hears of the stages `upload`, `voxelize` and `light`.
+    /// Materials that name the same textures as before keep them; if one names others, all textures
+    /// are uploaded again. `progress` is called with the stages `upload`, `voxelize` and `light`.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -224,8 +225,8 @@ impl Renderer {
         self.set_scene(scene, progress).await
     }
 
-    /// Shows the same scene under other lights or other surroundings; the mean starts anew. `progress` hears of the stage
-    /// `light`.
+    /// Shows the same scene under other lights or other surroundings; the mean starts again.
+    /// `progress` is called with the stage `light`.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
@@ -245,8 +246,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Voxelizes what there is once more, static parts included, whether it has moved since or not. The mean starts anew
-    /// if it has. `progress` hears of the stages `voxelize` and `light`.
+    /// Voxelizes everything again, static objects included, moved or not. The mean starts again if
+    /// something has moved. `progress` is called with the stages `voxelize` and `light`.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
@@ -266,12 +267,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether objects have moved that the voxels have not followed ([`Self::place`]).
+    /// Whether objects have moved without the voxels ([`Self::place`]).
     pub fn has_stale_voxels(&self) -> bool {
         self.voxels_are_stale
     }
 
-    /// Lights the voxels again with another number of bounces; the mean starts anew.
+    /// Lights the voxels again with another number of bounces; the mean starts again.
     ///
     /// # Errors
     /// [`RenderError::Setting`] when there are too many, and when the device fails.
@@ -280,11 +281,11 @@ impl Renderer {
         self.set_settings(settings, &mut |_| {}).await
     }
 
-    /// Changes what is shown; the mean starts anew. The level is that of the views of voxels.
+    /// Changes the view; the mean starts again. The level is that of the views of voxels.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] when there is no such level, or when the volume does not have what is to be
-    /// shown.
+    /// [`RenderError::Setting`] when there is no such level, or when the volume lacks the data of
+    /// the view.
     pub fn set_view(&mut self, view: View, voxel_level: u32) -> Result<(), RenderError> {
         let settings = RenderSettings { view, voxel_level, ..self.settings.clone() };
         validate_level(&settings, self.gi.grid())?;
@@ -299,8 +300,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Changes how the picture comes about; the mean starts anew. The voxels are lit again where the look wants
-    /// another light in them.
+    /// Changes the look; the mean starts again. The voxels are lit again if the look needs other
+    /// light in them.
     ///
     /// # Errors
     /// [`RenderError::Setting`] when a value is out of range, and when the device fails.
@@ -318,18 +319,18 @@ impl Renderer {
         Ok(())
     }
 
-    /// Gives back what belongs to the look of former settings, unless it is still asked for.
+    /// Drops the look of former settings, unless it is still used.
     fn drop_look_of(&mut self, was: &RenderSettings) {
         if was.look_name() != self.settings.look_name() {
             self.look = None;
         }
         if self.settings.shown_look().is_some() {
-            // What the volume holds will be out of date.
+            // The content of the volume will be out of date.
             self.gi.forget_light();
         }
     }
 
-    /// Lights the voxels as the settings want it, by the lights that are bound.
+    /// Lights the voxels according to the settings, with the bound lights.
     fn light_voxels(&mut self) -> Result<(), RenderError> {
         let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
         let Self { settings, gi, lights, .. } = self;
@@ -338,12 +339,12 @@ impl Renderer {
         self.gpu.check("lighting the voxels")
     }
 
-    /// Changes how pictures are exposed from now on; the frames so far stay.
+    /// Changes the exposure of pictures from now on; the frames so far stay.
     pub fn set_exposure(&mut self, exposure: Exposure) {
         self.settings.exposure = exposure;
     }
 
-    /// Uploads what moves, and what shines.
+    /// Uploads moved geometry and lights.
     fn take_pose(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.scene.repose(&self.gpu, scene)?;
         self.passes.set_scene(&self.gpu, &self.scene)?;
@@ -353,7 +354,7 @@ impl Renderer {
         self.take_places(scene)
     }
 
-    /// Takes up where the scene's parts are now, and what shines.
+    /// Takes the present places of the scene's parts, and its lights.
     fn take_places(&mut self, scene: &Scene) -> Result<(), RenderError> {
         self.shown_bounds = self.scene.bounds_of(scene);
         self.scene_bounds = scene.grid_bounds.unwrap_or(self.shown_bounds);
@@ -362,7 +363,7 @@ impl Renderer {
         self.gpu.check("uploading the scene")
     }
 
-    /// Takes the lights and surroundings of a scene, whose map is uploaded if it is another one.
+    /// Takes the lights and surroundings of a scene; a new map is uploaded.
     fn take_lighting(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
         let maps = [&lighting, &self.lighting].map(|lighting| lighting.environment.map.as_ref());
@@ -400,7 +401,7 @@ impl Renderer {
         self.times.add(voxelized.times);
     }
 
-    /// Shadow maps, and the light of the voxels.
+    /// Makes the shadow maps, and lights the voxels.
     pub(super) async fn relight(
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),

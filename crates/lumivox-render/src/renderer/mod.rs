@@ -26,10 +26,10 @@ pub use photometry::Photometry;
 pub use prepare::global_illumination;
 use prepare::{bind_lights, compile, environment_map, upload, voxelize};
 
-/// How far the work is.
+/// The progress of rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RenderProgress {
-    /// What is under way: `upload`, `compile`, `voxelize`, `light` or `render`.
+    /// The present stage: `upload`, `compile`, `voxelize`, `light` or `render`.
     pub stage: &'static str,
     /// Steps done, from 0 to `total`.
     pub done: u32,
@@ -44,13 +44,13 @@ pub struct Renderer {
     settings: RenderSettings,
     camera: Camera,
     scene: GpuScene,
-    /// What the scene itself asks the grid to be fitted to.
+    /// The box that the scene itself asks the grid to be fitted to.
     scene_bounds: Bounds,
-    /// Whether nothing of it need be in the grid: it has one of its own.
+    /// Whether the grid may be empty, because the scene has a grid of its own.
     may_be_empty: bool,
-    /// What it is fitted to.
+    /// The box that the grid is fitted to.
     grid_bounds: Bounds,
-    /// Around all that is shown; shadow maps hold what lies outside of the grid, too.
+    /// The box around everything that is shown; shadow maps include the parts outside the grid.
     shown_bounds: Bounds,
     lighting: Lighting,
     gi: Gi,
@@ -59,9 +59,9 @@ pub struct Renderer {
     voxels_are_stale: bool,
     passes: Passes,
     targets: Targets,
-    /// What looks are given of the scene.
+    /// The parts of the scene for looks.
     look_scene: LookScene,
-    /// Those of the look that the settings name, once it has drawn.
+    /// The passes of the settings' look, once it has drawn.
     look: Option<Box<dyn LookPasses>>,
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
@@ -71,12 +71,14 @@ pub struct Renderer {
 impl Renderer {
     /// Prepares a scene: uploads it, fits the grid to its bounds, voxelizes it and lights the voxels.
     ///
-    /// The camera is the one given, else the scene's first, else one that frames all of it. `progress`
-    /// hears of the stages `upload`, `compile` (if the device has not all pipelines yet), `voxelize` and `light`.
+    /// The camera is the given one, else the scene's first, else one that frames the whole scene.
+    /// `progress` is called with the stages `upload`, `compile` (if some pipelines are missing),
+    /// `voxelize` and `light`.
     ///
     /// # Errors
-    /// When a setting is out of range, when nothing of the scene is in the grid (unless it has a grid of its own,
-    /// [`Scene::grid_bounds`]), when something does not fit the device or its memory, and when the device fails.
+    /// When a setting is out of range, when no part of the scene is in the grid (unless it has a
+    /// grid of its own, [`Scene::grid_bounds`]), when something does not fit the device or its
+    /// memory, and when the device fails.
     pub async fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -139,7 +141,7 @@ impl Renderer {
             &settings,
         );
         if settings.timing != Timing::Off && settings.shown_look().is_none() {
-            // Drivers compile a kernel at its first use, which is no part of a stage's time.
+            // Drivers compile a kernel at its first use, which must not count as time of a stage.
             let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
             gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
             first_use.submit();
@@ -177,8 +179,8 @@ impl Renderer {
         })
     }
 
-    /// Renders all frames that the settings ask for and are not there yet, and finishes the picture.
-    /// `progress` hears of the stage `render`, frame by frame.
+    /// Renders the missing frames of those that the settings ask for, and finishes the picture.
+    /// `progress` is called with the stage `render` after each frame.
     ///
     /// # Errors
     /// When the device fails.
@@ -195,7 +197,8 @@ impl Renderer {
         self.finish().await
     }
 
-    /// The same until `progress` breaks it off between two frames: then there is no picture, and the frames so far stay.
+    /// The same until `progress` breaks between two frames: then there is no picture, and the
+    /// frames so far stay.
     ///
     /// # Errors
     /// When the device fails.
@@ -220,14 +223,15 @@ impl Renderer {
         let mut wish = progress(step(self.frame_count()));
         while self.frame_count() < total && wish.is_continue() {
             self.render_frame().await?;
-            // One frame in flight: progress is then the truth, and memory for commands stays small.
+            // Only one frame is in flight, so that progress is true and memory for commands stays
+            // small.
             self.gpu.wait("rendering a frame")?;
             wish = progress(step(self.frame_count()));
         }
         Ok(())
     }
 
-    /// Renders one frame more into the mean.
+    /// Renders one more frame into the mean.
     ///
     /// # Errors
     /// When the device fails.
@@ -235,7 +239,7 @@ impl Renderer {
         self.draw_frame(true).await
     }
 
-    /// Renders the next frame for its time alone: the mean stays as it is.
+    /// Renders the next frame only for its time: the mean stays as it is.
     ///
     /// # Errors
     /// When the device fails.
@@ -301,7 +305,7 @@ impl Renderer {
         self.gpu.check("rendering a frame")
     }
 
-    /// Makes a picture in the look, and the depths and normals of what it shows.
+    /// Renders a picture in the look, with the depths and normals of its surfaces.
     fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::CameraView) {
         let Self { gpu, settings, scene, lights, targets, look: Some(passes), .. } = self else {
             return;
@@ -322,7 +326,7 @@ impl Renderer {
         passes.record(gpu, recorder, &frame);
     }
 
-    /// Compiles what the view and the look need and no frame before did.
+    /// Compiles what the view and the look need and no earlier frame did.
     async fn prepare_view(&mut self) -> Result<(), RenderError> {
         let Self {
             gpu, settings, scene, gi, passes, targets, look, look_scene, grid_bounds, ..
@@ -342,7 +346,7 @@ impl Renderer {
         self.targets.accumulate.frames()
     }
 
-    /// Moves the camera; the mean starts anew.
+    /// Moves the camera; the mean starts again.
     pub fn set_camera(&mut self, camera: Camera) {
         self.camera = camera;
         self.targets.accumulate.reset();
@@ -363,7 +367,7 @@ impl Renderer {
         &self.gi
     }
 
-    /// What the voxelization found.
+    /// The statistics of the voxelization.
     pub fn voxel_stats(&self) -> &VoxelizeStats {
         &self.voxels
     }
@@ -374,18 +378,17 @@ impl Renderer {
         self.times.means()
     }
 
-    /// Forgets the times so far: what comes runs with kernels that the driver has compiled.
+    /// Forgets the times so far: later ones exclude the compilation of kernels by the driver.
     pub fn forget_times(&mut self) {
         self.times = StageTimes::default();
     }
 
-    /// Lets the next lighting store and filter all voxels, even those whose light is what the volume holds already:
-    /// for measurements.
+    /// Makes the next lighting store and filter all voxels, even unchanged ones, for measurements.
     pub fn forget_light(&mut self) {
         self.gi.forget_light();
     }
 
-    /// GPU memory by what it holds.
+    /// GPU memory by its use.
     pub fn memory(&self) -> Vec<MemoryUse> {
         let mut memory = self.scene.memory.clone();
         memory.push(MemoryUse::new("shadow maps", self.shadow_bytes));

@@ -1,4 +1,4 @@
-//! What a renderer does before its first frame: the scene and its lights on the GPU.
+//! Preparation of the first frame: the scene and its lights on the GPU.
 
 use lumivox::gpu::{Recorder, Timing};
 use lumivox::hooks::Injection;
@@ -34,7 +34,7 @@ pub(super) async fn upload(
     uploaded
 }
 
-/// Compiles all pipelines that were asked for and are not there, at once.
+/// Compiles all missing pipelines at once.
 ///
 /// # Errors
 /// When the device refuses one.
@@ -50,9 +50,9 @@ pub(super) async fn compile(
 /// Makes the voxels' volume and links the library's kernels.
 ///
 /// # Errors
-/// [`RenderError::OutOfMemory`] and the library's own, when something does not fit.
+/// [`RenderError::OutOfMemory`] and the library's own errors, when something does not fit.
 pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, RenderError> {
-    // What is done with a texture that could not be made is refused in turn.
+    // Commands on a texture that could not be made are refused in turn.
     let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config.clone());
@@ -60,7 +60,7 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     let refused = followers.pop().await;
     if is_short {
         let [x, y, z] = config.grid.dimensions.to_array();
-        // An octree takes next to nothing before there are voxels.
+        // An octree takes almost no memory before there are voxels.
         let (kind, bytes, remedy) = match config.volume {
             VolumeKind::Dense => (
                 "a dense volume",
@@ -80,8 +80,8 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     Ok(gi?)
 }
 
-/// Voxelizes what a new [`Gi`] has nothing of yet. Nothing is an answer where it may be: then there are no voxels, and no
-/// light that comes by them.
+/// Voxelizes everything for a new [`Gi`]. If the grid may be empty and is, there are no voxels and
+/// no indirect light.
 pub(super) async fn voxelize(
     gi: &mut Gi,
     geometry: &Geometry,
@@ -106,7 +106,8 @@ pub(super) fn environment_map(
     Ok(Some(EnvironmentMap::new(&gpu.device, &gpu.queue, panorama)?))
 }
 
-/// Renders shadow maps if there is a pass for them, and binds the lights. Also the bytes of the maps.
+/// Renders shadow maps if there is a pass for them, and binds the lights. Also returns the bytes of
+/// the maps.
 pub(super) fn bind_lights(
     gpu: &Gpu,
     recorder: &mut Recorder,
@@ -120,7 +121,7 @@ pub(super) fn bind_lights(
     let mut lights = lighting.to_gpu(scene.radiance_unit);
     let radiance = lighting.environment.radiance / scene.radiance_unit;
     let rotation_rad = lighting.environment.rotation_rad;
-    // Its brightest parts shine like lamps, and have the first choice of shadow maps.
+    // Its brightest parts are lights like lamps, and have the first choice of shadow maps.
     let peaks = map.iter().flat_map(|map| map.lights(radiance, rotation_rad));
     lights.splice(0..0, peaks);
     let mut maps: Option<ShadowMaps> = None;
@@ -141,7 +142,8 @@ pub(super) fn bind_lights(
     (gi.bind_lights(&lights, environment, maps.as_ref()), bytes)
 }
 
-/// The edge of the largest texel of the maps, m: at the far end of the scene, or of a light's range.
+/// The edge of the largest texel of the maps, m: at the far end of the scene, or of a light's
+/// range.
 fn largest_texel_m(lights: &[Light], layers: &[ShadowLayer], bounds: Bounds) -> f32 {
     let far_end_m = |position: glam::Vec3, range_m: Option<f32>| {
         let distances = corners(bounds).map(|corner| corner.distance(position));

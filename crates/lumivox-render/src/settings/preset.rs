@@ -1,4 +1,4 @@
-//! Presets: the few names that all settings of a picture can start from.
+//! Presets: names for starting points of all settings of a picture.
 //!
 //! A preset is one of the library's for the cones ([`Preset`]) or one that another crate adds ([`AddedPreset`]), and what it
 //! brings along ([`Companions`]). Front ends list them by name and summary, as `lumivox-explorer` collects them, and take
@@ -67,7 +67,7 @@ impl PresetChoice {
         }
     }
 
-    /// What it is, in a line without a full stop.
+    /// A description in a line without a full stop.
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Cones(Preset::Fast) => "6 cones, one pixel in four",
@@ -87,7 +87,7 @@ impl PresetChoice {
         }
     }
 
-    /// How pictures come about, with voxels of a resolution ([`RenderSettings::resolution`]).
+    /// The look, with voxels of a resolution ([`RenderSettings::resolution`]).
     pub fn look(self, resolution: u32) -> LookChoice {
         match self {
             Self::Cones(_) => None,
@@ -96,12 +96,12 @@ impl PresetChoice {
     }
 }
 
-/// What a preset brings along besides its cones, where nobody says otherwise.
+/// The settings of a preset besides its cones, unless they are given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Companions {
     /// Light by direction, or one for all.
     pub directionality: Directionality,
-    /// Where cells are stored.
+    /// The store of the cells.
     pub volume: VolumeKind,
     /// How light comes into the voxels.
     pub injection: Option<Arc<dyn Injection>>,
@@ -109,14 +109,14 @@ pub struct Companions {
     pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light.
     pub bounces: u32,
-    /// How radiance becomes brightness. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
+    /// The exposure. A look has its own for a scene: [`Look::display`](crate::look::Look::display).
     pub exposure: Exposure,
-    /// The curve to the screen's range; in a look as the exposure.
+    /// The curve to the screen's range; for a look, as with the exposure.
     pub tone_map: ToneMap,
 }
 
 impl Companions {
-    /// Those of a preset.
+    /// The companions of a preset.
     pub fn of(preset: PresetChoice) -> Self {
         let RenderSettings {
             directionality,
@@ -138,8 +138,9 @@ impl Companions {
 }
 
 impl RenderSettings {
-    /// The settings of a preset and its companions; picture, view and resolution stay, but for the exposure and the curve
-    /// where the look changes: one may show each scene in its own way. `scene` is the one that will be shown, if it is known.
+    /// The settings of a preset and its companions. Picture, view and resolution stay, except for
+    /// exposure and curve if the look changes: a look may show each scene in its own way. `scene`
+    /// is the one that will be shown, if it is known.
     #[must_use]
     pub fn with_preset(&self, preset: PresetChoice, scene: Option<&Scene>) -> Self {
         let companions = Companions::of(preset);
@@ -164,8 +165,8 @@ impl RenderSettings {
         }
     }
 
-    /// In a look: exposure and curve of another scene, where those of the last were as the look has them; what was asked
-    /// for otherwise stays.
+    /// With a look: sets the exposure and curve of another scene if they were those of the look for
+    /// the last one; other values stay.
     pub fn show_other(&mut self, last: Option<&Scene>, scene: &Scene) {
         let Some(look) = &self.look else { return };
         let shown = (self.exposure, self.tone_map);
@@ -180,7 +181,7 @@ impl RenderSettings {
 mod tests {
     use super::*;
 
-    /// Whatever the settings were, the preset decides what is its own, and the default is what settings default to.
+    /// Whatever the settings were, a preset sets its own values, and the default is the defaults.
     #[test]
     fn presets_do_not_depend_on_what_was_before() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();

@@ -1,4 +1,4 @@
-//! Which files are read.
+//! The extensions of readable files.
 
 /// The extensions of the files that [`Scene::load`](crate::Scene::load) reads, in lower case.
 pub const EXTENSIONS: &[&str] = &[
@@ -15,7 +15,7 @@ pub const EXTENSIONS: &[&str] = &[
     "txt",
 ];
 
-/// All of them in words: `.gltf or .glb`.
+/// All extensions as a text: `.gltf or .glb`.
 pub fn extensions_in_words() -> String {
     let dotted: Vec<String> = EXTENSIONS.iter().map(|extension| format!(".{extension}")).collect();
     match dotted.split_last() {

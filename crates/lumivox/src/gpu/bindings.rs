@@ -20,7 +20,7 @@ impl LayoutBuilder {
         Self::new(wgpu::ShaderStages::COMPUTE)
     }
 
-    /// Any binding type.
+    /// Adds a binding of any type.
     #[must_use]
     pub fn binding(mut self, ty: wgpu::BindingType) -> Self {
         let binding = self.entries.len() as u32;
@@ -82,7 +82,7 @@ impl LayoutBuilder {
         )
     }
 
-    /// `texture_2d<f32>` for `textureLoad` alone (any float format).
+    /// `texture_2d<f32>` only for `textureLoad` (any float format).
     #[must_use]
     pub fn texture_2d_unfilterable(self) -> Self {
         self.texture(
@@ -126,7 +126,7 @@ impl LayoutBuilder {
         })
     }
 
-    /// A 2D texture that is read and written in place; of the formats of one channel of 32 bits alone.
+    /// A 2D texture that is read and written in place; only for formats of one 32-bit channel.
     #[must_use]
     pub fn storage_texture_in_place(self, format: wgpu::TextureFormat) -> Self {
         self.binding(wgpu::BindingType::StorageTexture {
@@ -148,7 +148,7 @@ impl LayoutBuilder {
         self.binding(wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison))
     }
 
-    /// The layout: one of the same entries, if there is one.
+    /// Builds the layout, or returns an earlier one of the same entries.
     pub fn build(self, pipelines: &Pipelines, label: &str) -> wgpu::BindGroupLayout {
         pipelines.layout(self.entries, label)
     }
@@ -168,7 +168,7 @@ impl<'a> BindGroupBuilder<'a> {
         Self { layout, entries: Vec::new(), kept: Vec::new() }
     }
 
-    /// Any resource of the caller's.
+    /// Adds any resource of the caller.
     #[must_use]
     pub fn resource(mut self, resource: wgpu::BindingResource<'a>) -> Self {
         let binding = self.entries.len() as u32;
@@ -205,7 +205,7 @@ impl<'a> BindGroupBuilder<'a> {
         self.resource(wgpu::BindingResource::Sampler(sampler))
     }
 
-    /// The bind group.
+    /// Builds the bind group.
     pub fn build(self, device: &wgpu::Device, label: &str) -> BindGroup {
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),

@@ -1,4 +1,4 @@
-//! Buffers: made, filled, read back without blocking where blocking is not possible.
+//! Buffers: creating, filling, and reading back (without blocking in browsers).
 
 use bytemuck::Pod;
 use wgpu::util::DeviceExt as _;
@@ -144,8 +144,8 @@ pub(crate) async fn map_and_copy<T: Pod>(
     Ok(values)
 }
 
-/// Waits until a queue has done all that was submitted to it. Only browsers complete it by themselves; elsewhere
-/// somebody has to poll the device.
+/// Waits until a queue has done all submitted work. Only browsers complete it by themselves;
+/// elsewhere the device must be polled.
 pub async fn submitted_work_done(queue: &wgpu::Queue) {
     let (sender, receiver) = oneshot();
     queue.on_submitted_work_done(move || sender.send(()));

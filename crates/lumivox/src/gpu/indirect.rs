@@ -18,7 +18,7 @@ pub(crate) struct Run {
     pub end: u32,
 }
 
-/// The kernel that computes them.
+/// The kernel that computes the arguments.
 #[derive(Debug)]
 pub(crate) struct Indirect {
     layout: wgpu::BindGroupLayout,
@@ -41,8 +41,8 @@ impl Indirect {
         Ok(Self { layout, kernel })
     }
 
-    /// Arguments for a dispatch of a thread per item, for each run; those of the `i`-th start at `i * STRIDE`. They are
-    /// there after each [`Self::run`].
+    /// Arguments for a dispatch of one thread per item, for each run; those of the `i`-th run start
+    /// at `i * STRIDE`. Each [`Self::run`] writes them.
     ///
     /// `item_starts` is the exclusive prefix sum of the items. If the first word of `overflow` is not zero
     /// when this runs, nothing is dispatched.

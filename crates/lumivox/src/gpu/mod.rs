@@ -1,5 +1,5 @@
-//! Small helpers that every stage shares: linked shaders, pipelines made once a device, kernels, prefix sums, recording
-//! with timings.
+//! Helpers shared by all stages: linked shaders, pipelines made once per device, kernels, prefix
+//! sums, recording with timings.
 
 mod bindings;
 mod buffers;

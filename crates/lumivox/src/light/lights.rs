@@ -1,7 +1,9 @@
-//! Lights and the environment as the caller gives them, in radiometric (or photometric) units, and on the GPU.
+//! Lights and the environment: as the caller gives them, in radiometric (or photometric) units, and
+//! on the GPU.
 //!
-//! One unit of radiance runs through the whole library: if lights come in lux and candela, radiance is in
-//! cd/m². The volumes hold half floats (6e-5 to 65504), so very bright scenes are given in a larger unit.
+//! The whole library uses one unit of radiance: if lights are in lux and candela, radiance is in
+//! cd/m². The volumes hold half floats (6e-5 to 65504), so give very bright scenes in a larger
+//! unit.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -24,69 +26,71 @@ pub(crate) const SHADOW_NONE: u32 = 0;
 pub(crate) const SHADOW_MAP: u32 = 1;
 pub(crate) const SHADOW_CONE: u32 = 2;
 
-/// Where a light stands and how it spreads.
+/// The position and the distribution of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightSource {
     /// Parallel light, such as the sun's.
     Directional {
-        /// The way the light travels; unit length.
+        /// The direction in which the light travels; unit length.
         direction: Vec3,
         /// Irradiance on a surface that faces it, RGB.
         irradiance: Vec3,
-        /// Half the angle under which the source is seen, rad; for soft shadows. The sun: 0.00465.
+        /// Half the angular diameter of the source, rad; for soft shadows. The sun: 0.00465.
         angular_radius_rad: f32,
     },
-    /// Parallel light from a bright part of an environment map, which is seen there: mirrors show the map,
-    /// not this light's highlight. [`crate::EnvironmentMap::lights`] makes them.
+    /// Parallel light from a bright part of an environment map. The map shows that part: mirrors
+    /// reflect the map, not this light's highlight. [`crate::EnvironmentMap::lights`] makes them.
     Environment {
-        /// The way the light travels; unit length.
+        /// The direction in which the light travels; unit length.
         direction: Vec3,
         /// Irradiance on a surface that faces it, RGB.
         irradiance: Vec3,
-        /// Half the angle under which the source is seen, rad.
+        /// Half the angular diameter of the source, rad.
         angular_radius_rad: f32,
     },
-    /// Light into all directions alike.
+    /// Light in all directions.
     Point {
-        /// Where it stands, m.
+        /// Position, m.
         position: Vec3,
         /// Radiant intensity (flux per solid angle), RGB.
         intensity: Vec3,
-        /// Radius of the source, m; for soft shadows, and where it stops growing. 0: a point.
+        /// Radius of the source, m; for soft shadows, and the distance at which the light stops
+        /// growing. 0: a point.
         radius_m: f32,
-        /// Distance at which it ends, m; `None`: never, as in nature.
+        /// Distance at which the light ends, m; `None`: never, as in nature.
         range_m: Option<f32>,
     },
-    /// Light into a cone.
+    /// Light in a cone.
     Spot {
-        /// Where it stands, m.
+        /// Position, m.
         position: Vec3,
-        /// The cone's axis, the way the light travels; unit length.
+        /// The cone's axis: the direction in which the light travels; unit length.
         direction: Vec3,
         /// Radiant intensity inside the inner cone, RGB.
         intensity: Vec3,
         /// Half angle inside which the light has its full intensity, rad.
         inner_angle_rad: f32,
-        /// Half angle outside which there is none, rad; above the inner one, at most pi / 2.
+        /// Half angle outside which there is no light, rad; above the inner one, at most pi / 2.
         outer_angle_rad: f32,
         /// Radius of the source, m.
         radius_m: f32,
-        /// Distance at which it ends, m; `None`: never.
+        /// Distance at which the light ends, m; `None`: never.
         range_m: Option<f32>,
     },
 }
 
-/// How a light's shadows are found.
+/// The method for a light's shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadow {
-    /// It has none: it shines through everything.
+    /// No shadows: the light passes through everything.
     None,
-    /// From layers of the shadow maps: one, or six for a point light (+x, -x, +y, -y, +z, -z).
+    /// Layers of the shadow maps: one, or six for a point light (+x, -x, +y, -y, +z, -z).
     Map {
         /// The light's first layer.
         first_layer: u32,
     },
-    /// By a cone through the voxels, as wide as the source: soft, as coarse as the voxels, and no map needed.
+    /// A cone through the voxels, as wide as the source: soft, as coarse as the voxels, and without
+    /// a map.
     #[default]
     Cone,
 }
@@ -94,9 +98,9 @@ pub enum Shadow {
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Where it stands and how it spreads.
+    /// Its position and distribution.
     pub source: LightSource,
-    /// How its shadows are found.
+    /// The method for its shadows.
     pub shadow: Shadow,
 }
 
@@ -116,7 +120,7 @@ pub struct ShadowLayer {
 pub struct ShadowMaps {
     /// A `D2Array` view of the depth texture.
     pub depth: TextureView,
-    /// What each layer sees.
+    /// The projections of the layers.
     pub layers: Vec<ShadowLayer>,
 }
 
@@ -158,8 +162,9 @@ pub(crate) struct ShadowLayerRecord {
 }
 
 impl Light {
-    /// Lights as the shaders read them, `Light` of `package::light::lights` one after the other, for a
-    /// caller's own passes. A dark one where there are none, since no binding may be empty.
+    /// Uploads lights in the shaders' form, `Light` of `package::light::lights` one after the
+    /// other, for a caller's own passes. Without lights the buffer holds a dark one, since no
+    /// binding may be empty.
     pub fn buffer(device: &wgpu::Device, lights: &[Self]) -> Buffer {
         let records: Vec<LightRecord> = lights.iter().map(|light| light.to_gpu()).collect();
         upload(device, "lights", &padded(&records))
@@ -241,13 +246,13 @@ pub fn lights_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
 pub struct Lights {
     /// The bind group, of the layout [`crate::Gi::lights_layout`].
     pub group: BindGroup,
-    /// How many lights there are.
+    /// The number of lights.
     pub count: u32,
-    /// Differs from that of all others, and changes with what is bound.
+    /// A number that is unique to these resources: other bound resources have another.
     pub(crate) version: u64,
-    /// Whether any of them gets its shadows by cones.
+    /// Whether any light has shadows by cones.
     pub(crate) has_cone_shadows: bool,
-    /// Those that have shadow maps.
+    /// The lights with shadow maps.
     pub mapped: Vec<MappedLight>,
     /// Width and height of the maps, texels; zeros without any.
     pub map_size: [u32; 2],
@@ -256,18 +261,19 @@ pub struct Lights {
 /// A light with the layers of the shadow maps that are its own.
 #[derive(Clone, Debug)]
 pub struct MappedLight {
-    /// Its place among the lights.
+    /// Its index among the lights.
     pub index: u32,
-    /// Where it stands and how it spreads.
+    /// Its position and distribution.
     pub source: LightSource,
-    /// Its first layer among all of the maps.
+    /// Its first layer in the maps.
     pub first_layer: u32,
     /// Its layers.
     pub layers: Vec<ShadowLayer>,
 }
 
 impl Lights {
-    /// Uploads lights. `environment` is what lies outside the grid; `white` stands in for its map.
+    /// Uploads lights. `environment` is the light from outside the grid; `white` replaces its map
+    /// if it has none.
     ///
     /// A light whose shadow layer does not exist in `maps` gets its shadows by cones instead.
     pub(crate) fn new(
@@ -362,7 +368,7 @@ impl Lights {
         let builder = match (maps, &no_map) {
             (Some(maps), _) => builder.view(&maps.depth),
             (None, Some(view)) => builder.view(view),
-            (None, None) => unreachable!("a stand-in is made where there are no maps"),
+            (None, None) => unreachable!("a fallback is made if there are no maps"),
         };
         let group = builder
             .sampler(&sampler)
@@ -409,14 +415,15 @@ fn layers_of(source: &LightSource) -> usize {
     if matches!(source, LightSource::Point { .. }) { 6 } else { 1 }
 }
 
-/// The alpha below which a lobe shows the shape of the widest light that is a part of the environment: the
-/// microfacets' normals turn by half of what the reflection does. 0 without such lights.
+/// The alpha below which a lobe shows the shape of the widest light that belongs to the
+/// environment: the normals of microfacets turn by half the angle of the reflection. 0 without such
+/// lights.
 fn mirror_alpha(records: &[LightRecord]) -> f32 {
     let parts = records.iter().filter(|light| light.kind == LIGHT_ENVIRONMENT);
     parts.map(|light| 0.5 * light.radius).fold(0.0, f32::max)
 }
 
-/// The records, or a single zero one where there are none: WebGPU has no empty bindings.
+/// The records, or a single record of zeros if there are none: WebGPU has no empty bindings.
 fn padded<T: Pod>(records: &[T]) -> Vec<T> {
     if records.is_empty() { vec![T::zeroed()] } else { records.to_vec() }
 }

@@ -1,4 +1,4 @@
-//! `lumivox info`: what this machine can run, or what is in a scene.
+//! `lumivox info`: the report on this machine, or on a scene.
 
 mod machine;
 mod scene;
@@ -8,11 +8,11 @@ use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
 
-/// Describes the scene if there is one, the machine otherwise.
+/// Describes the scene if one is named, and the machine otherwise.
 ///
 /// # Errors
-/// When the scene cannot be read, or stdout not be written. A machine without a GPU is described,
-/// too.
+/// When the scene cannot be read, or stdout cannot be written. A machine without a GPU is not an
+/// error.
 pub fn run(args: &InfoArgs, host: &Host) -> anyhow::Result<()> {
     let Some(source) = &args.scene else {
         let report = machine::Report::new();

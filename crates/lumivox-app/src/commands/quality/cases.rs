@@ -1,4 +1,4 @@
-//! What is measured: scenes, how they are turned, presets, resolutions.
+//! The measurements: scenes, their rotation, presets, resolutions.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use lumivox_render::PresetChoice;
 
 use crate::cli::QualityArgs;
 
-/// How a scene is turned against the grid.
+/// The rotation of a scene against the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Rotation {
     /// Degrees about x, y and z, as `--rotate` has them.
@@ -40,21 +40,21 @@ pub struct Case {
 }
 
 impl Case {
-    /// What tells it apart from all others.
+    /// The key of the measurement, different for all.
     pub fn key(&self) -> String {
         let [x, y, z] = self.rotation.degrees;
         format!("{} {x},{y},{z} {} {}", self.scene, self.preset.name(), self.resolution)
     }
 
-    /// Places of the grid that its figures are the mean of: what is held against goals along the grid is measured in
-    /// several.
+    /// The number of grid positions that its figures are averaged over: several for measurements
+    /// with goals along the grid.
     pub fn offsets(&self, args: &QualityArgs) -> u32 {
         let is_middle =
             self.rotation == Rotation::NONE && self.resolution == middle(&args.resolutions);
         if is_middle { args.offsets } else { 1 }
     }
 
-    /// The file of its strip, if it has one: the best preset at the middle resolution.
+    /// The file of its strip, if it has one: only the best preset at the middle resolution has.
     pub fn picture(&self, resolutions: &[u32]) -> Option<String> {
         let is_shown = self.rotation == Rotation::NONE
             && self.preset == PresetChoice::Cones(Preset::High)
@@ -96,7 +96,7 @@ pub fn cases(scenes: &[String], presets: &[PresetChoice], resolutions: &[u32]) -
         }
         for rotation in Rotation::ODD {
             for &preset in presets {
-                // The fast preset has no target of its own.
+                // The fast preset has no goal of its own.
                 if preset != PresetChoice::Cones(Preset::Fast) {
                     add(rotation, preset, middle(resolutions));
                 }
@@ -115,7 +115,7 @@ mod tests {
         let scenes = ["a".to_owned(), "b".to_owned()];
         let presets = [Preset::Fast, Preset::High].map(PresetChoice::Cones);
         let cases = cases(&scenes, &presets, &[64, 128, 256]);
-        // Nine combinations would be 3 x 2, and three turns of one preset.
+        // Nine combinations are 3 x 2, and three rotations of one preset.
         assert_eq!(cases.len(), 2 * (3 * 2 + 3));
         let mut keys: Vec<String> = cases.iter().map(Case::key).collect();
         keys.sort();

@@ -13,8 +13,8 @@ use super::store::{Entry, Store};
 use crate::cli::QualityArgs;
 use crate::quality::{Point, error_against_cost};
 
-/// What we hold ourselves to: irradiance after one gather, preset `high`, 128 voxels, without any setting made for a
-/// scene. `balanced` may have twice as much; turned scenes 5 % of bias and 1.3 times the RMSE.
+/// The goals: irradiance after one gather, preset `high`, 128 voxels, without settings for a single
+/// scene. `balanced` may have twice the error; rotated scenes 5 % of bias and 1.3 times the RMSE.
 const GOALS: [Goal; 10] = [
     Goal { scene: "cornell", bias: 3.0, rmse: Some(8.0) },
     Goal { scene: "furnace", bias: 3.0, rmse: Some(4.0) },
@@ -27,15 +27,15 @@ const GOALS: [Goal; 10] = [
     Goal { scene: "clutter", bias: 4.0, rmse: None },
     Goal { scene: "lacquer", bias: 4.0, rmse: None },
 ];
-/// The bias of turned scenes, in per cent.
+/// The goal for the bias of rotated scenes, in per cent.
 const TURNED_BIAS: f64 = 5.0;
-/// RMSE of turned scenes, over that of others.
+/// The goal for the RMSE of rotated scenes, over that of straight ones.
 const TURNED_RMSE: f64 = 1.3;
-/// The bias after all bounces, in per cent.
+/// The goal for the bias after all bounces, in per cent.
 const FULL_BIAS: f64 = 5.0;
-/// Light through walls, in per cent.
+/// The goal for light through walls, in per cent.
 const LEAK: f64 = 1.0;
-/// How much the mean may change from one resolution to another, in per cent.
+/// The goal for the change of the mean from one resolution to another, in per cent.
 const CHANGE: f64 = 3.0;
 
 struct Goal {
@@ -323,13 +323,13 @@ fn rows(case: &Case, entry: &Entry) -> String {
     text
 }
 
-/// How far the means lie apart, in per cent of the reference's.
+/// The range of the means, in per cent of the reference's mean.
 fn change(means: &[f64]) -> f64 {
     let most = means.iter().copied().fold(f64::MIN, f64::max);
     most - means.iter().copied().fold(f64::MAX, f64::min)
 }
 
-/// None is left where the reference's noise explains all of the difference.
+/// The RMSE, or a note if the reference's noise explains all of the difference.
 fn rmse(figures: &ErrorFigures) -> String {
     if figures.rmse_percent > 0.0 {
         format!("{:.1}", figures.rmse_percent)

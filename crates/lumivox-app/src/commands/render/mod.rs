@@ -1,7 +1,7 @@
-//! `lumivox render`: a scene to a picture, or to many.
+//! `lumivox render`: renders a scene to a picture, or to many.
 //!
-//! What is cheap to check comes first: the output's place, the scene's existence, the settings; then
-//! the GPU and its limits; then the scene; then the work.
+//! Cheap checks come first: the output's place, the scene's existence, the settings; then the GPU
+//! and its limits; then the scene; then the work.
 
 mod clock;
 mod report;
@@ -25,7 +25,7 @@ use crate::progress::ProgressDisplay;
 use crate::sequence::FrameFiles;
 use clock::Clock;
 
-/// All that is ready before the first picture.
+/// Everything that is needed before the first picture.
 struct RenderJob<'a> {
     args: &'a RenderArgs,
     host: &'a Host,
@@ -33,14 +33,14 @@ struct RenderJob<'a> {
     settings: RenderSettings,
     gpu: Gpu,
     scene: Scene,
-    /// What was chosen for the scene.
+    /// Notes on what was chosen for the scene.
     notes: Vec<Note>,
     schedule: Schedule,
     progress: ProgressDisplay,
     clock: Clock,
 }
 
-/// Renders, writes, reports.
+/// Renders, writes and reports.
 ///
 /// # Errors
 /// When anything that the arguments ask for cannot be done; the message says what.

@@ -1,4 +1,4 @@
-//! One picture.
+//! A single picture.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::RenderJob;
 use super::report::Report;
 use crate::progress::words;
 
-/// Renders the scene as it stands from `camera`, writes, reports.
+/// Renders the present scene from `camera`, writes and reports.
 ///
 /// # Errors
 /// When the device or the disk fails.

@@ -1,4 +1,4 @@
-//! All ways to make voxels of one scene, held against the exact one.
+//! Comparison of all voxelizers with the exact one.
 
 use anyhow::Context as _;
 use std::time::Instant;
@@ -22,10 +22,10 @@ use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
 
-/// Voxelizations whose fastest is the time told.
+/// Voxelizations that are timed; the fastest counts.
 const TIMED_RUNS: u32 = 3;
 
-/// Voxelizes in all ways, compares, reports.
+/// Voxelizes with all voxelizers, compares and reports.
 ///
 /// # Errors
 /// When the scene cannot be read, its voxels do not fit the GPU, or the picture cannot be written.
@@ -90,7 +90,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     host.print(&report.text())
 }
 
-/// What one method finds, and how fast.
+/// The voxels and the time of one voxelizer.
 struct Found {
     method: &'static str,
     set: VoxelSet,
@@ -116,12 +116,12 @@ impl Found {
             let work = voxelizer.voxelize(device, queue, &mut scene, geometry, Timing::Off);
             match pollster::block_on(work) {
                 Ok((stats, _)) => Ok(Some((scene, stats))),
-                // Where all triangles are small, pixels' centres may miss them all.
+                // If all triangles are small, they may miss all pixels' centres.
                 Err(GiError::NothingToVoxelize { .. }) => Ok(None),
                 Err(error) => Err(error),
             }
         };
-        // The first one is not timed: drivers compile kernels when they are first used.
+        // The first one is not timed: drivers compile kernels at their first use.
         let voxelized = once()?;
         gpu.wait("voxelizing")?;
         let mut wall_ms = f64::INFINITY;
@@ -153,27 +153,27 @@ struct Report {
     adapter: AdapterReport,
 }
 
-/// One method against the exact one.
+/// The comparison of one voxelizer with the exact one.
 #[derive(Clone, Debug, Serialize)]
 struct MethodReport {
     name: &'static str,
     voxels: u32,
-    /// Of the exact method's voxels, those not found.
+    /// Voxels of the exact voxelizer that were not found.
     missing: u32,
-    /// Of those, the ones that surfaces touch without having any area in them.
+    /// Of those, voxels that surfaces touch without having area in them.
     missing_touched: u32,
-    /// Voxels found that the exact method has not.
+    /// Voxels that the exact voxelizer does not have.
     extra: u32,
-    /// Share of the exact method's surface that is in missing voxels, 0 to 1.
+    /// Share of the exact surface that is in missing voxels, 0 to 1.
     missing_area: f64,
-    /// Surface found over that of the exact method.
+    /// Surface found, over the exact one.
     area: f64,
-    /// RMSE of the voxels' reflectance, 0 to 1, over the voxels in which both have surface.
+    /// RMSE of reflectance, 0 to 1, over the voxels that both have.
     color_rmse: f64,
     faces: u32,
     /// Pieces of triangles in voxels.
     fragments: u64,
-    /// Of the fastest of a few voxelizations, by the clock on the wall.
+    /// Wall-clock time of the fastest voxelization, ms.
     wall_ms: f64,
 }
 

@@ -1,4 +1,4 @@
-//! `lumivox voxels`: what the voxelization of a scene finds, and what it takes.
+//! `lumivox voxels`: the voxels of a scene and their cost.
 
 mod compare;
 mod dynamic;
@@ -59,7 +59,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     gpu.wait("uploading the scene")?;
 
     progress.set("voxelizing", 0, 1);
-    // First without taking times, which may slow the whole down, then with.
+    // First untimed, since timing may slow it down, then timed.
     let start = Instant::now();
     let voxelized = pollster::block_on(gi.voxelize(&uploaded.geometry, Timing::Off));
     let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, &scene))?;
@@ -103,21 +103,21 @@ struct Report {
     voxels: u32,
     faces: u32,
     levels: Vec<LevelReport>,
-    /// Null for a dense volume.
+    /// `None` for a dense volume.
     octree: Option<OctreeReport>,
-    /// What stays on the GPU.
+    /// Memory that stays on the GPU.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
-    /// What only the voxelization itself needs is in here besides.
+    /// The same, with the memory that only the voxelization needs.
     voxelization_memory: Vec<MemoryReport>,
-    /// Of one voxelization as a whole, by the clock on the wall, without times being taken.
+    /// Wall-clock time of one whole voxelization without timing of passes, ms.
     wall_ms: f64,
     #[serde(flatten)]
     times: TimesReport,
     adapter: Option<AdapterReport>,
 }
 
-/// One level of the pyramid.
+/// The report on one level of the pyramid.
 #[derive(Clone, Debug, Serialize)]
 struct LevelReport {
     level: u32,

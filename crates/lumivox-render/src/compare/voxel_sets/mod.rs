@@ -1,4 +1,4 @@
-//! What voxelizers find, read back and held against each other.
+//! The voxels of a voxelizer, read back for comparison.
 
 mod difference;
 mod view;
@@ -19,8 +19,8 @@ use crate::{Gpu, RenderError};
 pub struct Voxel {
     /// Its place in the grid, the bits of the coordinates interleaved, x in the lowest.
     pub morton: u32,
-    /// The sum over its faces of the area along the lobe, in units of a voxel's side. 0 where the voxel is
-    /// only touched.
+    /// The sum over its faces of the area along the lobe, in units of a voxel's side. 0 if the
+    /// voxel is only touched.
     pub area: f32,
     /// The mean over its faces, weighted by that area: the share of light reflected diffusely.
     pub reflectance: Vec3,
@@ -72,7 +72,7 @@ impl VoxelSet {
         Ok(Self::new(*grid, voxels))
     }
 
-    /// The grid that they are in.
+    /// The grid of the voxels.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
