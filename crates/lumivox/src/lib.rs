@@ -15,6 +15,8 @@
 mod cones;
 mod environment;
 mod error;
+#[cfg(test)]
+mod frames_test;
 mod geometry;
 mod gi;
 mod gloss;

@@ -104,6 +104,11 @@ fn static_draws(batch: &GeometryBatch) -> impl Iterator<Item = &Draw> {
 }
 
 impl ShareKey {
+    /// Whether there are static draws at all.
+    pub(crate) fn is_needed(geometry: &Geometry) -> bool {
+        geometry.batches.iter().any(|batch| static_draws(batch).next().is_some())
+    }
+
     /// Of the static draws.
     pub(crate) fn new(method: &'static str, geometry: &Geometry, grid: &Grid) -> Self {
         let key = |batch: &GeometryBatch| {

@@ -401,10 +401,15 @@ impl Voxelizer {
         let work = &mut work;
         let mut is_late = self.hear(work, scene)?;
         let mut replaced = (false, None);
-        if !scene.has_fixed(self.method, geometry) {
+        if !ShareKey::is_needed(geometry) {
+            scene.rebuild = None;
+            if scene.fixed.is_some() {
+                replaced = self.replace(work, scene, None)?;
+            }
+        } else if !scene.has_fixed(self.method, geometry) {
             is_late = true;
             if let Some(fixed) = self.rebuild(work, scene, geometry)? {
-                replaced = self.replace(work, scene, fixed)?;
+                replaced = self.replace(work, scene, Some(fixed))?;
                 is_late = false;
             }
         }
@@ -569,15 +574,11 @@ impl Voxelizer {
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         geometry: &Geometry,
-    ) -> Result<Option<Option<Fixed>>, GiError> {
+    ) -> Result<Option<Fixed>, GiError> {
         let (device, grid) = (work.memory.device(), work.grid);
         let is_current = |rebuild: &Rebuild| rebuild.key.is_of(self.method, geometry, grid);
         let Some(mut rebuild) = scene.rebuild.take().filter(is_current) else {
             let input = ShareInput::new(geometry, true, grid, &device.limits())?;
-            if input.is_empty() {
-                let had = scene.fixed.take().is_some();
-                return Ok(had.then_some(None));
-            }
             let mut share = Share::new(work)?;
             share.bind(work, &scene.fallbacks, &input, geometry)?;
             share.mark(work, input.draws());
@@ -611,7 +612,7 @@ impl Voxelizer {
         share.sum_up(work);
         let Rebuild { key, share, .. } = rebuild;
         let counts = share.counts;
-        Ok(Some(Some(Fixed { key, share: Some(share), faces, counts })))
+        Ok(Some(Fixed { key, share: Some(share), faces, counts }))
     }
 
     /// Puts other static surface, or none, in the place of that so far, with a list of its own. That it is new, and the
@@ -636,6 +637,8 @@ impl Voxelizer {
         scene.union = Some(union);
         scene.fixed = fixed;
         scene.is_bound = false;
+        // What is told of the list so far says nothing of this one.
+        (scene.late, scene.lacks_room) = (None, false);
         Ok((true, scene.list.replace(list)))
     }
 }

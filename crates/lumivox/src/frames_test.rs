@@ -1,0 +1,402 @@
+//! Frames that never wait: what is recorded equals what the waiting calls give, late at most, and light goes on from frame
+//! to frame.
+
+use glam::{Mat4, Vec3};
+
+use crate::gpu::{Pipelines, Recorder, Timing};
+use crate::testing::{SceneBuilder, busy_room, device, lambert, read};
+use crate::volume::read_levels;
+use crate::voxels::{FaceRecord, NodeRecord};
+use crate::{
+    FrameVoxels, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights, Shadow, SurfaceMaterial,
+    TraceSettings,
+};
+
+/// A device with a scene in a grid.
+struct Stage {
+    device: Pipelines,
+    queue: wgpu::Queue,
+    grid: Grid,
+    gi: Gi,
+}
+
+/// Faces with the radiance that they send out, in an order that depends on nothing else: by cell and lobe.
+type Lit = Vec<([u32; 2], [u32; 4])>;
+
+impl Stage {
+    fn new(max: Vec3, resolution: u32) -> Self {
+        let (device, queue) = device();
+        let grid = Grid::fit(Vec3::ZERO, max, resolution, Vec3::ZERO).expect("it fits");
+        let gi = Gi::with_pipelines(&device, &queue, GiConfig::new(grid)).expect("a device");
+        Self { device, queue, grid, gi }
+    }
+
+    fn lamp(&self, position: Vec3, intensity: Vec3) -> Lights {
+        let source = LightSource::Point { position, intensity, radius_m: 0.02, range_m: None };
+        self.gi.bind_lights(&[Light { source, shadow: Shadow::Cone }], Vec3::ZERO, None)
+    }
+
+    /// One recorded voxelization, submitted and done.
+    fn voxelize(&mut self, geometry: &Geometry) -> FrameVoxels {
+        let mut recorder = Recorder::new(&self.device, &self.queue);
+        let frame = self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+        self.submit(recorder);
+        frame
+    }
+
+    /// Recorded voxelizations until one is known to be in time.
+    fn catch_up(&mut self, geometry: &Geometry) -> u32 {
+        for frame in 1..16 {
+            self.voxelize(geometry);
+            // What the last one found is heard of by the next one.
+            if !self.voxelize(geometry).is_late {
+                return frame;
+            }
+        }
+        panic!("it never has room");
+    }
+
+    fn submit(&self, recorder: Recorder<'_>) {
+        recorder.submit();
+        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
+    }
+
+    /// From darkness, waiting.
+    fn light(&mut self, lights: &Lights, bounces: u32) {
+        let mut recorder = Recorder::new(&self.device, &self.queue);
+        let settings = TraceSettings::default();
+        self.gi.light(&mut recorder, lights, bounces, &settings).expect("valid");
+        self.submit(recorder);
+    }
+
+    /// A frame of light.
+    fn step(&mut self, lights: &Lights, faces: Option<u32>) {
+        let mut recorder = Recorder::new(&self.device, &self.queue);
+        let settings = TraceSettings::default();
+        self.gi.light_frame(&mut recorder, lights, faces, &settings).expect("valid");
+        self.submit(recorder);
+    }
+
+    fn faces(&self) -> (Vec<FaceRecord>, Vec<[f32; 4]>) {
+        let list = self.gi.voxels().expect("there is a list");
+        let read_nodes = |count| read::<NodeRecord>(&self.device, &self.queue, &list.nodes, count);
+        let nodes = read_nodes(list.voxel_count() as usize);
+        let places: Vec<u32> =
+            read(&self.device, &self.queue, &list.first_faces, list.voxel_count() as usize);
+        let count = list.face_count as usize;
+        let faces: Vec<FaceRecord> = read(&self.device, &self.queue, &list.faces, count);
+        let radiance = self.gi.face_radiance().expect("there is light");
+        let radiance: Vec<[f32; 4]> = read(&self.device, &self.queue, radiance, count);
+        nodes
+            .iter()
+            .zip(&places)
+            .flat_map(|(node, &first)| first..first + (node.lobes & 0x3f).count_ones())
+            .map(|face| (faces[face as usize], radiance[face as usize]))
+            .unzip()
+    }
+
+    fn lit(&self) -> Lit {
+        let (faces, radiance) = self.faces();
+        let lit = faces.iter().zip(radiance);
+        lit.map(|(face, light)| ([face.cell, face.lobe], light.map(f32::to_bits))).collect()
+    }
+
+    /// Mean radiance of the faces, over the channels.
+    fn mean(&self) -> f64 {
+        let (_, radiance) = self.faces();
+        let sum: f64 = radiance.iter().map(|[r, g, b, _]| f64::from(r + g + b) / 3.0).sum();
+        sum / radiance.len() as f64
+    }
+
+    /// Compares voxels, light and the volume with those of a new object.
+    fn assert_fresh(&mut self, geometry: &Geometry, what: &str) {
+        let lights = self.lamp(Vec3::new(0.2, 0.4, 0.7), Vec3::new(1.0, 2.0, 3.0));
+        self.light(&lights, 2);
+        let mut fresh = Self::new(Vec3::ONE, 16);
+        fresh.grid = self.grid;
+        fresh.gi = Gi::with_pipelines(&self.device, &self.queue, GiConfig::new(self.grid))
+            .expect("a device");
+        pollster::block_on(fresh.gi.voxelize(geometry, Timing::Off)).expect("there are voxels");
+        fresh.light(&lights, 2);
+        assert!(self.lit() == fresh.lit(), "{what}: the faces or their light differ");
+        let levels = |stage: &Self| read_levels(&stage.device, &stage.queue, &stage.gi);
+        for (level, (a, b)) in levels(self).iter().zip(levels(&fresh)).enumerate() {
+            assert!(a.lobes == b.lobes, "{what}: lobes of level {level} differ");
+            assert!(a.tilts == b.tilts, "{what}: tilts of level {level} differ");
+        }
+    }
+}
+
+fn at(x: f32, y: f32, z: f32) -> Mat4 {
+    Mat4::from_translation(Vec3::new(x, y, z))
+}
+
+/// The busy room, static, with a small box and a plate that move.
+fn room_with_a_box() -> SceneBuilder {
+    let half = Vec3::splat(0.06);
+    busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).quad(
+        Vec3::ZERO,
+        Vec3::new(0.2, 0.03, 0.0),
+        Vec3::new(0.0, 0.05, 0.2),
+        lambert(0.3, 0.0),
+    )
+}
+
+/// Moves the dynamic draws.
+fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
+    let mut geometry = geometry.clone();
+    for draw in &mut geometry.batches[0].draws {
+        if !draw.is_static {
+            draw.world_from_local = place;
+        }
+    }
+    geometry
+}
+
+/// From nothing, through walls, out of the grid and back; without what moves, without what stays, with nothing at all.
+#[test]
+fn frames_have_the_bits_of_a_new_object() {
+    let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
+    let geometry = room_with_a_box().build(&stage.device);
+    let nan = Mat4::from_translation(Vec3::NAN);
+    let places = [
+        ("in the air", at(0.3, 0.4, 0.6)),
+        ("a little on", at(0.32, 0.41, 0.6)),
+        ("in a wall", at(0.0, 0.4, 0.6)),
+        ("outside", at(50.0, 0.0, 0.0)),
+        ("not a number", nan),
+        ("back", at(0.3, 0.4, 0.6)),
+    ];
+    for (what, place) in places {
+        let geometry = moved(&geometry, place);
+        stage.catch_up(&geometry);
+        stage.assert_fresh(&geometry, what);
+    }
+    let only = |is_static: bool| {
+        let mut geometry = geometry.clone();
+        geometry.batches[0].draws.retain(|draw| draw.is_static == is_static);
+        moved(&geometry, at(0.5, 0.3, 0.4))
+    };
+    for (what, geometry) in
+        [("only the room", only(true)), ("only the box", only(false)), ("both", geometry.clone())]
+    {
+        stage.catch_up(&geometry);
+        stage.assert_fresh(&geometry, what);
+    }
+    let mut nothing = geometry.clone();
+    nothing.batches[0].draws.clear();
+    for _ in 0..10 {
+        stage.voxelize(&nothing);
+    }
+    assert_eq!(stage.voxelize(&nothing).voxels, 0);
+    let geometry = moved(&geometry, at(0.5, 0.3, 0.4));
+    stage.catch_up(&geometry);
+    stage.assert_fresh(&geometry, "after nothing");
+}
+
+/// What moves grows a hundredfold at once: there is no room, the former voxels stay as they were, and a few frames later
+/// there is.
+#[test]
+fn a_frame_without_room_is_late_and_never_wrong() {
+    let mut stage = Stage::new(Vec3::new(1.0, 0.9, 1.0), 96);
+    let half = Vec3::splat(0.5);
+    let geometry = busy_room().fixed().room(-half, half, &lambert(0.6, 0.7)).build(&stage.device);
+    let sized = |size: f32| {
+        let middle = Mat4::from_translation(Vec3::new(0.5, 0.45, 0.5));
+        moved(&geometry, middle * Mat4::from_scale(Vec3::new(size, 0.85 * size, 0.9 * size)))
+    };
+    stage.catch_up(&sized(0.05));
+    let lights = stage.lamp(Vec3::new(0.2, 0.4, 0.7), Vec3::ONE);
+    stage.light(&lights, 1);
+    let before = stage.lit();
+    let grown = sized(0.95);
+    stage.voxelize(&grown);
+    stage.light(&lights, 1);
+    assert!(stage.lit() == before, "what has no room changes nothing");
+    assert!(stage.voxelize(&grown).is_late, "it is told");
+    let frames = stage.catch_up(&grown);
+    assert!(frames <= 4, "it took {frames} frames");
+    stage.assert_fresh(&grown, "grown");
+    stage.catch_up(&sized(0.05));
+    stage.assert_fresh(&sized(0.05), "small again");
+}
+
+/// Recordings that wait for each other: nothing is submitted in between.
+#[test]
+fn recordings_keep_what_they_were_given() {
+    let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
+    let geometry = room_with_a_box().build(&stage.device);
+    stage.catch_up(&moved(&geometry, at(0.3, 0.4, 0.6)));
+    let [first, second] = [at(0.5, 0.2, 0.2), at(0.4, 0.3, 0.3)].map(|at| moved(&geometry, at));
+    let lights = stage.lamp(Vec3::new(0.2, 0.4, 0.7), Vec3::ONE);
+    let settings = TraceSettings::default();
+    let mut encoders = Vec::new();
+    let mut between = None;
+    for geometry in [&first, &second] {
+        let mut encoder =
+            stage.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut recorder = Recorder::on(&stage.device, &stage.queue, &mut encoder);
+        stage.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+        stage.gi.light_frame(&mut recorder, &lights, None, &settings).expect("valid");
+        let light = stage.gi.face_radiance().expect("there is light").clone();
+        let copy = between.get_or_insert_with(|| {
+            crate::gpu::storage_buffer(&stage.device, "between", light.size())
+        });
+        if encoders.is_empty() {
+            recorder.copy((&light, 0), (copy, 0), light.size());
+        }
+        drop(recorder);
+        encoders.push(encoder);
+    }
+    for encoder in encoders {
+        stage.queue.submit([encoder.finish()]);
+    }
+    let light = |buffer: &crate::gpu::Buffer| -> Vec<u32> {
+        read(&stage.device, &stage.queue, buffer, buffer.size() as usize / 4)
+    };
+    let now = stage.gi.face_radiance().expect("there is light");
+    assert!(between.is_some_and(|between| light(&between) != light(now)), "each has its place");
+    stage.catch_up(&second);
+    stage.assert_fresh(&second, "the second place");
+}
+
+/// The walls of a Cornell box (white, red, green), open in front.
+fn cornell(device: &wgpu::Device) -> Geometry {
+    let wall = |r, g, b| SurfaceMaterial {
+        reflectance: Vec3::new(r, g, b).extend(1.0),
+        ..SurfaceMaterial::default()
+    };
+    let white = || wall(0.725, 0.71, 0.68);
+    let [x, y, z] = Vec3::AXES;
+    SceneBuilder::default()
+        .quad(Vec3::ZERO, z, x, white())
+        .quad(y, x, z, white())
+        .quad(Vec3::ZERO, x, y, white())
+        .quad(Vec3::ZERO, y, z, wall(0.63, 0.065, 0.05))
+        .quad(x, z, y, wall(0.14, 0.45, 0.091))
+        .fixed()
+        .build(device)
+}
+
+/// The share of a change of indirect light that is there after each frame, 0 to 1; what it settles to, and what a solve
+/// with 24 bounces gives.
+fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64; 2]) {
+    let mut stage = Stage::new(Vec3::ONE, 32);
+    let geometry = cornell(&stage.device);
+    pollster::block_on(stage.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let [dim, bright] = [0.1, 1.0].map(|i| stage.lamp(Vec3::new(0.5, 0.9, 0.5), Vec3::splat(i)));
+    let count = stage.gi.voxels().expect("a list").face_count;
+    let mut solved = |lights: &Lights, bounces: u32| {
+        stage.light(lights, bounces);
+        stage.mean()
+    };
+    let direct = [solved(&bright, 1), solved(&dim, 1)];
+    let all = [solved(&bright, 25), solved(&dim, 25)];
+    let [before, after] = [all[1] - direct[1], all[0] - direct[0]];
+    let mut shares = Vec::new();
+    for _ in 0..frames {
+        stage.step(&bright, faces(count));
+        shares.push((stage.mean() - direct[0] - before) / (after - before));
+    }
+    for _ in 0..400 {
+        stage.step(&bright, faces(count));
+    }
+    (shares, [stage.mean(), all[0]])
+}
+
+/// moving.md, M4.
+#[test]
+fn light_follows_a_switch_within_frames() {
+    let (whole, [settled, solved]) = response(|_| None, 10);
+    println!("whole gathers: {whole:.3?}, settles to {settled} of {solved}");
+    assert!(whole[0] >= 0.55 && whole[3] >= 0.95 && whole[7] >= 0.99, "{whole:?}");
+    assert!((settled / solved - 1.0).abs() < 0.005, "{settled} is not {solved}");
+    assert!(whole.iter().all(|share| *share <= 1.01), "it overshoots: {whole:?}");
+    let (quarter, [settled, solved]) = response(|count| Some(count.div_ceil(4)), 14);
+    println!("quarters: {quarter:.3?}, settles to {settled} of {solved}");
+    assert!(quarter[11] >= 0.95, "{quarter:?}");
+    assert!((settled / solved - 1.0).abs() < 0.005, "{settled} is not {solved}");
+    assert!(quarter.iter().all(|share| *share <= 1.01), "it overshoots: {quarter:?}");
+}
+
+/// Where walls reflect 95 %, light that feeds itself neither runs away nor drifts; when the lamp is gone, it dies.
+#[test]
+fn light_that_feeds_itself_stays_and_dies() {
+    let mut stage = Stage::new(Vec3::ONE, 16);
+    let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.95, 0.0)).fixed();
+    let geometry = room.build(&stage.device);
+    pollster::block_on(stage.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let lamp = stage.lamp(Vec3::new(0.3, 0.6, 0.4), Vec3::ONE);
+    let mut highest = 0.0_f64;
+    let mut means = Vec::new();
+    for _ in 0..500 {
+        // As if something changed all the time, so that it never rests.
+        stage.gi.forget_light();
+        stage.step(&lamp, None);
+        means.push(stage.mean());
+        highest = highest.max(stage.mean());
+    }
+    let settled = means[means.len() - 1];
+    assert!(highest <= 1.01 * settled, "{highest} was above {settled}");
+    let drift = (means[299] / settled - 1.0).abs();
+    assert!(drift < 1e-3, "it drifts by {drift}");
+    let dark = stage.lamp(Vec3::new(0.3, 0.6, 0.4), Vec3::ZERO);
+    let mut left = 1.0;
+    for _ in 0..300 {
+        stage.gi.forget_light();
+        stage.step(&dark, None);
+        left = stage.mean() / settled;
+    }
+    assert!(left < 1e-3, "{left} of the light is left");
+}
+
+/// Light settles, and then nothing is recorded any more; it wakes up when something changes.
+#[test]
+fn what_has_settled_costs_nothing() {
+    let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 16);
+    let geometry = moved(&room_with_a_box().build(&stage.device), at(0.3, 0.4, 0.6));
+    pollster::block_on(stage.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
+    let lights = stage.lamp(Vec3::new(0.2, 0.4, 0.7), Vec3::ONE);
+    let passes = |stage: &mut Stage, lights: &Lights| {
+        let mut recorder =
+            Recorder::with_timing(&stage.device, &stage.queue, Timing::SubmitAndWait);
+        let settings = TraceSettings::default();
+        stage.gi.light_frame(&mut recorder, lights, None, &settings).expect("valid");
+        pollster::block_on(recorder.finish()).expect("the device works").len()
+    };
+    assert!(passes(&mut stage, &lights) > 0);
+    for _ in 0..100 {
+        passes(&mut stage, &lights);
+    }
+    assert_eq!(passes(&mut stage, &lights), 0, "it has settled");
+    let settled = stage.lit();
+    let other = stage.lamp(Vec3::new(0.2, 0.5, 0.7), Vec3::ONE);
+    assert!(passes(&mut stage, &other) > 0, "another lamp");
+    assert!(stage.lit() != settled);
+    for _ in 0..100 {
+        passes(&mut stage, &other);
+    }
+    assert_eq!(passes(&mut stage, &other), 0, "it has settled again");
+    stage.voxelize(&moved(&geometry, at(0.5, 0.4, 0.6)));
+    assert!(passes(&mut stage, &other) > 0, "a move");
+}
+
+/// The same frames give the same bits in every run.
+#[test]
+fn frames_have_the_same_bits_in_every_run() {
+    let run = || {
+        let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
+        let geometry = room_with_a_box().build(&stage.device);
+        let start = moved(&geometry, at(0.3, 0.4, 0.6));
+        pollster::block_on(stage.gi.voxelize(&start, Timing::Off)).expect("there are voxels");
+        for frame in 0..8 {
+            let time = frame as f32 * 0.03;
+            stage.voxelize(&moved(&geometry, at(0.3 + time, 0.4, 0.6)));
+            let lights = stage.lamp(Vec3::new(0.2 + time, 0.4, 0.7), Vec3::ONE);
+            stage.step(&lights, Some(2000));
+        }
+        stage.voxelize(&moved(&geometry, at(0.5, 0.4, 0.6)));
+        stage.lit()
+    };
+    assert!(run() == run());
+}
