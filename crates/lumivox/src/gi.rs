@@ -8,7 +8,9 @@ use crate::cones::{ConeModel, TraceResolution, TraceSettings};
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowMaps, lights_layout};
-use crate::trace::{Bound, GBuffer, GBufferViews, TraceTargets, Tracer, View, gbuffer_layout};
+use crate::trace::{
+    Bound, GBuffer, GBufferViews, ScreenSettings, TraceTargets, Tracer, View, gbuffer_layout,
+};
 use crate::volume::changes::Changes;
 use crate::volume::{Cells, Directionality, Lists, OctreeStats, Volume, VolumeKind};
 use crate::voxelize::{KeptStatic, Voxelization, VoxelizeStats, Voxelizer};
@@ -271,7 +273,7 @@ impl Gi {
             // Early, so that it is compiled with all else; tracing tells what is wrong.
             let _ = self.prepare_half();
         }
-        self.tracer.targets(&self.device, size, resolution)
+        TraceTargets::new(&self.device, size, resolution)
     }
 
     fn prepare_half(&self) -> Result<(), GiError> {
@@ -285,7 +287,8 @@ impl Gi {
     }
 
     /// Traces the cones of one frame from the G-buffer into the targets. The settings' resolution is that of
-    /// the targets.
+    /// the targets. Several traces may be recorded before one submission, each with settings of its own; into the same
+    /// targets the last one's result stays. For several cameras bind as many G-buffers.
     ///
     /// # Errors
     /// [`GiError::Setting`] when a setting is out of range.
@@ -302,9 +305,11 @@ impl Gi {
             self.prepare_half()?;
         }
         let cones = (settings, self.cone_values);
-        targets.set(&self.queue, cones, self.config.grid.voxel_size_m, self.bounces);
+        let resolution = targets.resolution();
+        let voxel_size_m = self.config.grid.voxel_size_m;
+        let screen = ScreenSettings::new(cones, resolution, voxel_size_m, self.bounces);
         let bound = Bound { globals: self.volume.globals(), lights: &lights.group, gbuffer };
-        self.tracer.run(recorder, &bound, targets);
+        self.tracer.run(recorder, &bound, targets, &screen);
         Ok(())
     }
 

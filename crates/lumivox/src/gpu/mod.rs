@@ -14,6 +14,7 @@ mod recorder;
 mod resources;
 mod scan;
 mod shaders;
+mod slots;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
 pub use buffers::{read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload};
@@ -31,3 +32,4 @@ pub use resources::{
 pub use scan::Scan;
 pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
 pub use shaders::{ShaderError, ShaderLibrary, StructLayout};
+pub(crate) use slots::{Slot, Slots};
