@@ -41,7 +41,8 @@ pub use cones::{Preset, TraceResolution, TraceSettings};
 pub use environment::{EnvironmentLight, EnvironmentMap, Panorama, PanoramaWithPeaks, Peak};
 pub use error::GiError;
 pub use geometry::{
-    Draw, Geometry, GeometryBatch, SurfaceMaterial, SurfaceTexture, VertexAttributes,
+    Draw, Geometry, GeometryBatch, Indices, SurfaceMaterial, SurfaceTexture, VertexAttributes,
+    VertexPositions,
 };
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;

@@ -114,13 +114,15 @@ impl SplitBatch {
         let device = memory.device();
         let layouts = &kernels.layouts;
         let draws = upload(device, "draws", &prepared.draws);
-        let triangles = BindGroupBuilder::new(&layouts.triangles).buffer(&batch.positions);
+        let triangles = BindGroupBuilder::new(&layouts.triangles).buffer(&batch.positions.buffer);
         let triangles = match &batch.attributes {
             Some(attributes) => triangles.buffer(&attributes.buffer),
             None => triangles.buffer(&fallbacks.attributes),
         };
-        let triangles =
-            triangles.buffer(&batch.indices).buffer(&draws).build(device, "voxelize::triangles");
+        let triangles = triangles
+            .buffer(&batch.indices.buffer)
+            .buffer(&draws)
+            .build(device, "voxelize::triangles");
 
         let count = u64::from(prepared.triangle_count);
         let item_starts = memory.buffer("item starts", count + 1, 4, Remedy::Batch)?;
