@@ -30,7 +30,7 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<BounceSettings>("light::bounce", "BounceSettings").unwrap();
     library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
     library.check_struct::<ScreenSettings>("trace::screen", "ScreenSettings").unwrap();
-    library.check_struct::<ViewUniform>("trace::gbuffer", "View").unwrap();
+    library.check_struct::<ViewUniform>("trace::view", "View").unwrap();
     library.check_struct::<NodeRange>("volume::level_range", "NodeRange").unwrap();
     library.check_struct::<MovedParams>("volume::changes::moved", "MovedParams").unwrap();
     library.check_struct::<ListParams>("volume::changes::list", "ListParams").unwrap();

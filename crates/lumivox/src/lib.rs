@@ -24,6 +24,7 @@ pub mod hooks;
 #[cfg(test)]
 mod layouts_test;
 mod light;
+mod mounted;
 pub mod settings;
 pub mod shaders;
 #[cfg(test)]
@@ -47,7 +48,7 @@ pub use geometry::{
 pub use gi::{Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
-pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps};
+pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
 pub use trace::{GBuffer, GBufferViews, TraceTargets, View};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};

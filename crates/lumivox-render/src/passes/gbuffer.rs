@@ -124,6 +124,7 @@ impl GBufferTargets {
             diffuse: &self.diffuse,
             specular: &self.specular,
             emission: &self.emission,
+            motion: None,
         }
     }
 }

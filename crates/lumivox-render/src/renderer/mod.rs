@@ -250,7 +250,8 @@ impl Renderer {
         let jitter = gbuffer::jitter(frame, settings.frames);
         let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
         let (position, size) = (camera.position, settings.size);
-        let view = lumivox::View { clip_from_world, position, size, frame };
+        let mut view = lumivox::View::new(clip_from_world, position, size);
+        view.frame = frame;
         targets.gbuffer.set_view(&self.gpu.queue, view);
 
         let mut recorder =

@@ -183,6 +183,7 @@ impl RenderSettings {
             voxelizer: self.voxelizer.clone(),
             injection: self.injection.clone(),
             cones: self.report_cones.model(),
+            ..GiConfig::new(grid)
         }
     }
 

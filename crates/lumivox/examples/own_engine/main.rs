@@ -73,7 +73,7 @@ async fn render() -> Result<Vec<u8>, Failure> {
             SIZE.x as f32 / SIZE.y as f32,
             0.1,
         ) * glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.0, 1.0, 0.0), Vec3::Y);
-    let mut view = View { clip_from_world, position, size: SIZE, frame: 0 };
+    let mut view = View::new(clip_from_world, position, SIZE);
     let gbuffer = gi.bind_gbuffer(raster.views(), view);
     let targets = gi.targets(SIZE, settings.resolution);
 

@@ -131,7 +131,7 @@ impl Raster {
     /// The targets, as Lumivox wants them.
     pub fn views(&self) -> GBufferViews<'_> {
         let [normals, diffuse, specular, emission] = &self.colors;
-        GBufferViews { depth: &self.depth, normals, diffuse, specular, emission }
+        GBufferViews { depth: &self.depth, normals, diffuse, specular, emission, motion: None }
     }
 
     /// Draws the mesh.

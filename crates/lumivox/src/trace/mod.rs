@@ -7,7 +7,7 @@
 mod gbuffer;
 mod targets;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::sync::OnceLock;
 
@@ -34,7 +34,9 @@ pub(crate) const MODULES: &[(&str, &str)] = &[
     ("trace::gbuffer", include_str!("gbuffer.wgsl")),
     ("trace::screen", include_str!("screen.wgsl")),
     ("trace::specular", include_str!("specular.wgsl")),
+    ("trace::surface", include_str!("surface.wgsl")),
     ("trace::upsample", include_str!("upsample.wgsl")),
+    ("trace::view", include_str!("view.wgsl")),
 ];
 
 /// Format of the outputs.

@@ -21,18 +21,18 @@ struct Camera {
 }
 
 /// A camera in the room.
-pub(super) fn view(size: UVec2) -> View {
+pub(crate) fn view(size: UVec2) -> View {
     let position = Vec3::new(0.15, 0.4, 0.1);
     let aspect = size.x as f32 / size.y as f32;
     let clip_from_view =
         glam::camera::rh::proj::directx::perspective_infinite_reverse(1.3, aspect, 0.05);
     let view_from_world =
         glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.7, 0.3, 0.8), Vec3::Y);
-    View { clip_from_world: clip_from_view * view_from_world, position, size, frame: 1 }
+    View { frame: 1, ..View::new(clip_from_view * view_from_world, position, size) }
 }
 
 /// Draws it with one of the fragment shaders of `room.wgsl`, into a depth texture and textures of the given formats.
-pub(super) fn draw(
+pub(crate) fn draw(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     view: View,
     entry: &str,
@@ -103,7 +103,7 @@ pub(super) fn draw(
         let ops = wgpu::Operations { load: wgpu::LoadOp::default(), store: wgpu::StoreOp::Store };
         Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
     };
-    let attachments: Vec<_> = colors.iter().map(|view| attachment(view)).collect();
+    let attachments: Vec<_> = colors.iter().map(attachment).collect();
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -127,10 +127,10 @@ pub(super) fn draw(
     (depth, colors)
 }
 
-/// The formats of Lumivox's own G-buffer.
+/// Formats of Lumivox's own G-buffer, of half floats alone.
 pub(super) const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba16Float,
-    wgpu::TextureFormat::Rgba8Unorm,
-    wgpu::TextureFormat::Rgba8Unorm,
+    wgpu::TextureFormat::Rgba16Float,
+    wgpu::TextureFormat::Rgba16Float,
     wgpu::TextureFormat::Rgba16Float,
 ];

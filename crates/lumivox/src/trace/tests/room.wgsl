@@ -47,11 +47,6 @@ fn octahedral_encode(normal: vec3f) -> vec2f {
     return select((1.0 - abs(flat.yx)) * sides, flat, normal.z >= 0.0);
 }
 
-// Half floats and shares of 255 alone, so that every layout holds them exactly.
-fn rounded(value: vec4f) -> vec4f {
-    return unpack4x8unorm(pack4x8unorm(value));
-}
-
 fn shading_normal(surface: Hit) -> vec3f {
     return normalize(surface.normal + 0.2 * sin(20.0 * surface.position_in_world));
 }
@@ -62,12 +57,12 @@ fn normals_of(surface: Hit) -> vec4f {
 
 fn specular_of(surface: Hit) -> vec4f {
     let roughness = 0.3 + 0.4 * surface.position_in_world.x;
-    return rounded(vec4f(vec3f(0.5), roughness));
+    return vec4f(vec3f(0.5), roughness);
 }
 
 // The share of the surface that has no coat, in a, and the coat's roughness.
 fn coat_of(surface: Hit) -> vec2f {
-    return rounded(vec4f(select(1.0, 0.4, surface.position_in_world.z > 0.5), 0.2, 0.0, 0.0)).xy;
+    return vec2f(select(1.0, 0.4, surface.position_in_world.z > 0.5), 0.2);
 }
 
 struct GBuffer {
@@ -89,4 +84,15 @@ fn textures(@builtin(position) pixel: vec4f) -> GBuffer {
         specular_of(surface),
         vec4f(vec3f(0.0), coat.y),
     );
+}
+
+// A shadow map that has something near the light in its left half and nothing in the other; reversed z, and not.
+@fragment
+fn shadow(@builtin(position) pixel: vec4f) -> @builtin(frag_depth) f32 {
+    return select(0.0, 1.0, pixel.x < 0.5 * camera.width);
+}
+
+@fragment
+fn forward_shadow(@builtin(position) pixel: vec4f) -> @builtin(frag_depth) f32 {
+    return select(1.0, 0.0, pixel.x < 0.5 * camera.width);
 }
