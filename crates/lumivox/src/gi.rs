@@ -1,6 +1,8 @@
 //! The library's face: global illumination in four calls.
 
-use std::sync::Arc;
+mod points;
+
+use std::sync::{Arc, OnceLock};
 
 use glam::UVec2;
 
@@ -9,6 +11,7 @@ use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{BindGroup, Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
 use crate::light::{Injection, Injector, Light, Lighting, Lights, ShadowSource, lights_layout};
 use crate::mounted::{Mounted, Resource};
+use crate::points::PointGatherer;
 use crate::trace::{
     Bound, GBuffer, GBufferViews, ScreenSettings, TraceTargets, Tracer, View, gbuffer_layout,
 };
@@ -99,6 +102,8 @@ pub struct Gi {
     bounces: u32,
     /// Those of the cone model; nothing reads them without one.
     cone_values: [f32; 4],
+    /// Once something was gathered at points.
+    points: OnceLock<PointGatherer>,
 }
 
 impl Gi {
@@ -170,6 +175,7 @@ impl Gi {
             white: EnvironmentMap::white(device, queue),
             bounces: 0,
             cone_values,
+            points: OnceLock::new(),
         })
     }
 
@@ -341,21 +347,21 @@ impl Gi {
     /// # let (device, queue) = lumivox::gpu::open_device().await?;
     /// # use glam::{Mat4, UVec2, Vec3};
     /// # use lumivox::gpu::Recorder;
-    /// # use wgpu::TextureFormat::{Depth32Float, Rgba16Float};
+    /// # use lumivox::wgpu::TextureFormat::{Depth32Float, Rgba16Float};
     /// # use lumivox::{GBufferViews, Gi, GiConfig, Grid, TraceSettings, View};
     /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
     /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
     /// # let lights = gi.bind_lights(&[], Vec3::ONE, None);
     /// # let size = UVec2::new(8, 8);
     /// # let texture = |format| {
-    /// #     let texture = device.create_texture(&wgpu::TextureDescriptor {
+    /// #     let texture = device.create_texture(&lumivox::wgpu::TextureDescriptor {
     /// #         label: None,
-    /// #         size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+    /// #         size: lumivox::wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
     /// #         mip_level_count: 1,
     /// #         sample_count: 1,
-    /// #         dimension: wgpu::TextureDimension::D2,
+    /// #         dimension: lumivox::wgpu::TextureDimension::D2,
     /// #         format,
-    /// #         usage: wgpu::TextureUsages::TEXTURE_BINDING,
+    /// #         usage: lumivox::wgpu::TextureUsages::TEXTURE_BINDING,
     /// #         view_formats: &[],
     /// #     });
     /// #     texture.create_view(&Default::default())

@@ -3,6 +3,7 @@
 use crate::cones::ConeSettings;
 use crate::gpu::ShaderLibrary;
 use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord};
+use crate::points::{GatheredPoint, PointSettings};
 use crate::trace::{ScreenSettings, ViewUniform};
 use crate::volume::changes::{LevelWords, ListParams, MovedParams};
 use crate::volume::{LockPass, MaskLevels, NodeRange, TreeUniform};
@@ -29,6 +30,8 @@ fn structs_lie_in_memory_alike() {
     library.check_struct::<ShadowLayerRecord>("light::shadow_map", "ShadowLayer").unwrap();
     library.check_struct::<BounceSettings>("light::bounce", "BounceSettings").unwrap();
     library.check_struct::<ConeSettings>("cones::cone", "ConeSettings").unwrap();
+    library.check_struct::<PointSettings>("points::gather", "PointSettings").unwrap();
+    library.check_struct::<GatheredPoint>("points::gather", "GatheredPoint").unwrap();
     library.check_struct::<ScreenSettings>("trace::screen", "ScreenSettings").unwrap();
     library.check_struct::<ViewUniform>("trace::view", "View").unwrap();
     library.check_struct::<NodeRange>("volume::level_range", "NodeRange").unwrap();

@@ -25,6 +25,7 @@ pub mod hooks;
 mod layouts_test;
 mod light;
 mod mounted;
+mod points;
 pub mod settings;
 pub mod shaders;
 #[cfg(test)]
@@ -49,7 +50,11 @@ pub use gi::{Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
+pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
 pub use trace::{GBuffer, GBufferViews, TraceTargets, View};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeBuilder, OctreeOptions, OctreeStats};
+// The engine's wgpu must be this one.
+pub use wgpu;
+
 pub use voxelize::{KeptStatic, VoxelizeStats, Voxelizer};
