@@ -151,7 +151,7 @@ fn pack(
     let kernel = Kernel::new(device, &shaders, "test::pack", "main", &[&layout]).expect("links");
     let group = colors
         .iter()
-        .fold(BindGroupBuilder::new(&layout), |group, view| group.view(view))
+        .fold(BindGroupBuilder::new(&layout), BindGroupBuilder::view)
         .view(&packed)
         .build(device, "pack");
     let mut recorder = Recorder::new(device, queue);
